@@ -7,7 +7,7 @@
 #include "apps/filasofia/scene_reload.h"
 #include "filasofia/core/log.h"
 #include "filasofia/runtime/keys.h"
-#include "filasofia/scene/scene_file.h"
+#include "filasofia/scene/import.h"
 
 #include <filesystem>
 #include <iostream>
@@ -20,7 +20,8 @@ struct RunCommandOptions {
     BunnyDef bunny;
     double rate = 1000.0;
     int threads = 0;
-    bool anyFolder = false;
+    bool anyFolder = false, strict = false;
+    std::string package;
     std::string measures;
     RunDef run;
 };
@@ -50,8 +51,10 @@ const Scene& sceneOf(const RunCommandOptions& options)
         names += text(names.empty() ? "" : ", ", scene.name);
     }
     if (options.scene.find_first_of("./") != std::string::npos)
-        fail("run: a scene file has a name that ends in .json, got '", shortened(options.scene), "'");
-    fail("run: unknown scene '", shortened(options.scene), "'; known are ", names, ", and scene files (.json)");
+        fail("run: a scene file has a name that ends in .json, .urdf, .xml or .mjcf, got '", shortened(options.scene),
+             "'");
+    fail("run: unknown scene '", shortened(options.scene), "'; known are ", names,
+         ", and scene files (.json, .urdf, .xml)");
 }
 
 std::vector<std::string> bunnySizes()
@@ -66,8 +69,6 @@ int print(const RunReport& report)
     std::cout << runtime::summary(report);
     return report.complete() ? 0 : kFailed;
 }
-
-bool isFile(const std::string& scene) { return std::filesystem::path(scene).extension() == ".json"; }
 
 /// Refuses an option that the file says itself.
 template <class T> void checkDefault(std::string_view name, const T& value, const T& standard)
@@ -122,6 +123,13 @@ RunReport runReloading(LoadedScene scene, const RunCommandOptions& options, cons
     }
 }
 
+scene::ImportOptions importOptions(const RunCommandOptions& options)
+{
+    scene::ImportOptions import{.anyFolder = options.anyFolder, .strict = options.strict};
+    if (!options.package.empty()) import.packages = {options.package};
+    return import;
+}
+
 int runFile(const RunCommandOptions& options)
 {
     const RunCommandOptions standard;
@@ -130,7 +138,7 @@ int runFile(const RunCommandOptions& options)
     checkDefault("--rate", options.rate, standard.rate);
     const auto load = [&] {
         LoadedScene scene{.since = std::filesystem::file_time_type::clock::now()};
-        scene.def = scene::loadScene(options.scene, {.anyFolder = options.anyFolder});
+        scene.def = scene::loadAnyScene(options.scene, importOptions(options));
         if (options.threads != 0) scene.def.physics.threads = givenThreads(options.threads);
         scene.simulation = std::make_unique<runtime::Simulation>(scene::simulationDef(scene.def));
         scene.added = scene::addScene(*scene.simulation, scene.def,
@@ -147,10 +155,14 @@ int runFile(const RunCommandOptions& options)
 int runScene(RunCommandOptions& options)
 {
     if (options.run.headless && options.run.steps == 0) options.run.steps = 1000; // it would never end otherwise
-    if (isFile(options.scene)) return runFile(options);
+    if (scene::isSceneFile(options.scene)) return runFile(options);
     const Scene& scene = sceneOf(options);
-    if (options.anyFolder) fail("run: --any-folder applies to scene files, not to '", scene.name, "'");
-    if (!options.measures.empty()) fail("run: --measures applies to scene files, not to '", scene.name, "'");
+    const char* fileOnly = options.anyFolder           ? "--any-folder"
+                           : options.strict            ? "--strict"
+                           : !options.package.empty()  ? "--package"
+                           : !options.measures.empty() ? "--measures"
+                                                       : nullptr;
+    if (fileOnly) fail("run: ", fileOnly, " applies to scene files, not to '", scene.name, "'");
     if (options.scene != "bunny" && options.bunny.tets != BunnyDef{}.tets)
         fail("run: --tets applies to the bunny, not to '", scene.name, "'");
     Simulation sim({.physics = {.rate = options.rate, .threads = givenThreads(options.threads)},
@@ -166,71 +178,75 @@ Command runCommand()
 {
     // Static: there is one command line, and its targets must outlive this function.
     static RunCommandOptions options;
-    return {.name = "run",
-            .meaning = "Run a scene in a window (Space pauses, Escape ends; more below), or headless",
-            .options =
-                {{"SCENE",
-                  &options.scene,
-                  "a scene file (scene.json), or bunny (pinned at the head, hanging by its own weight), poke, grasp, "
-                  "friction, cut, tear or haptics",
-                  "",
-                  {},
-                  true},
-                 {.name = "--tets",
-                  .target = &options.bunny.tets,
-                  .meaning = "Number of the bunny's tetrahedra: 756, 1492, 3004, 10000 or 30000",
-                  .choices = bunnySizes()},
-                 {.name = "--subdivision",
-                  .target = &options.bunny.subdivision,
-                  .meaning = "Subdivision levels of the drawn surface, 0 to 3",
-                  .bound = boundOf(&runtime::ShowDef::subdivision)},
-                 {.name = "--rate",
-                  .target = &options.rate,
-                  .meaning = "Physics steps per second",
-                  .type = "HZ",
-                  .bound = boundOf(&runtime::PhysicsDef::rate)},
-                 {"--headless", &options.run.headless, "No window and no clock: every run makes the same steps"},
-                 {.name = "--steps",
-                  .target = &options.run.steps,
-                  .meaning = "End after this many steps; 0: no end (headless: 1000)",
-                  .bound = boundOf(&RunDef::steps)},
-                 {.name = "--seconds",
-                  .target = &options.run.seconds,
-                  .meaning = "End after this many seconds of wall time; 0: no end",
-                  .type = "S",
-                  .bound = boundOf(&RunDef::seconds)},
-                 {"--picture", &options.run.picture, "Write a picture of the last state to this PNG file", "FILE"},
-                 {.name = "--picture-every",
-                  .target = &options.run.pictureEvery,
-                  .meaning = "Headless: seconds of simulated time between numbered pictures; 0: only the last",
-                  .type = "S",
-                  .bound = boundOf(&RunDef::pictureEvery)},
-                 {"--video", &options.run.video, "Write the view to this MP4 file (needs ffmpeg)", "FILE"},
-                 {.name = "--fps",
-                  .target = &options.run.fps,
-                  .meaning = "Pictures per second of the video",
-                  .bound = boundOf(&RunDef::fps)},
-                 {"--log", &options.run.log, "Write one line per step to this CSV file", "FILE"},
-                 {"--record", &options.run.record, "Record the run in this .rec file, for replay", "FILE"},
-                 {.name = "--seed",
-                  .target = &options.run.seed,
-                  .meaning = "Noted in the recording: seed of the random choices",
-                  .bound = boundOf(&RunDef::seed)},
-                 {"--session", &options.run.session, "Noted in the recording: name of the run", "NAME"},
-                 {"--trainee", &options.run.trainee, "Noted in the recording: name of the trainee", "NAME"},
-                 {"--device", &options.run.device, "haptics only: the device, NAME or NAME:LIBRARY", "NAME"},
-                 {"--motion", &options.run.motion, "haptics only: play this motion file", "FILE"},
-                 {"--record-motion", &options.run.recordMotion, "haptics only: record the hand's motion in this file",
-                  "FILE"},
-                 {.name = "--threads",
-                  .target = &options.threads,
-                  .meaning = "Threads within one step; 0: all cores except one, at most 8",
-                  .bound = kThreads},
-                 {"--measures", &options.measures,
-                  "Write what a scene file measures to this .jsonl file, for report, or to a .csv file", "FILE"},
-                 {"--any-folder", &options.anyFolder, "The files that a scene file names may be outside its folder"}},
-            .run = [] { return runScene(options); },
-            .footer = "Mouse and keys in the window:\n" + runtime::keyHelp()};
+    return {
+        .name = "run",
+        .meaning = "Run a scene in a window (Space pauses, Escape ends; more below), or headless",
+        .options = {{"SCENE",
+                     &options.scene,
+                     "a scene file (.json, .urdf, MuJoCo's .xml), or bunny (pinned at the head, hanging by its own "
+                     "weight), poke, grasp, "
+                     "friction, cut, tear or haptics",
+                     "",
+                     {},
+                     true},
+                    {.name = "--tets",
+                     .target = &options.bunny.tets,
+                     .meaning = "Number of the bunny's tetrahedra: 756, 1492, 3004, 10000 or 30000",
+                     .choices = bunnySizes()},
+                    {.name = "--subdivision",
+                     .target = &options.bunny.subdivision,
+                     .meaning = "Subdivision levels of the drawn surface, 0 to 3",
+                     .bound = boundOf(&runtime::ShowDef::subdivision)},
+                    {.name = "--rate",
+                     .target = &options.rate,
+                     .meaning = "Physics steps per second",
+                     .type = "HZ",
+                     .bound = boundOf(&runtime::PhysicsDef::rate)},
+                    {"--headless", &options.run.headless, "No window and no clock: every run makes the same steps"},
+                    {.name = "--steps",
+                     .target = &options.run.steps,
+                     .meaning = "End after this many steps; 0: no end (headless: 1000)",
+                     .bound = boundOf(&RunDef::steps)},
+                    {.name = "--seconds",
+                     .target = &options.run.seconds,
+                     .meaning = "End after this many seconds of wall time; 0: no end",
+                     .type = "S",
+                     .bound = boundOf(&RunDef::seconds)},
+                    {"--picture", &options.run.picture, "Write a picture of the last state to this PNG file", "FILE"},
+                    {.name = "--picture-every",
+                     .target = &options.run.pictureEvery,
+                     .meaning = "Headless: seconds of simulated time between numbered pictures; 0: only the last",
+                     .type = "S",
+                     .bound = boundOf(&RunDef::pictureEvery)},
+                    {"--video", &options.run.video, "Write the view to this MP4 file (needs ffmpeg)", "FILE"},
+                    {.name = "--fps",
+                     .target = &options.run.fps,
+                     .meaning = "Pictures per second of the video",
+                     .bound = boundOf(&RunDef::fps)},
+                    {"--log", &options.run.log, "Write one line per step to this CSV file", "FILE"},
+                    {"--record", &options.run.record, "Record the run in this .rec file, for replay", "FILE"},
+                    {.name = "--seed",
+                     .target = &options.run.seed,
+                     .meaning = "Noted in the recording: seed of the random choices",
+                     .bound = boundOf(&RunDef::seed)},
+                    {"--session", &options.run.session, "Noted in the recording: name of the run", "NAME"},
+                    {"--trainee", &options.run.trainee, "Noted in the recording: name of the trainee", "NAME"},
+                    {"--device", &options.run.device, "haptics only: the device, NAME or NAME:LIBRARY", "NAME"},
+                    {"--motion", &options.run.motion, "haptics only: play this motion file", "FILE"},
+                    {"--record-motion", &options.run.recordMotion,
+                     "haptics only: record the hand's motion in this file", "FILE"},
+                    {.name = "--threads",
+                     .target = &options.threads,
+                     .meaning = "Threads within one step; 0: all cores except one, at most 8",
+                     .bound = kThreads},
+                    {"--any-folder", &options.anyFolder, "The files that a scene file names may be outside its folder"},
+                    {"--strict", &options.strict, "URDF and MJCF: what is not read is an error"},
+                    {.name = "--package",
+                     .target = &options.package,
+                     .meaning = "URDF: the folder of package://NAME, or one that has it",
+                     .type = "FOLDER"}},
+        .run = [] { return runScene(options); },
+        .footer = "Mouse and keys in the window:\n" + runtime::keyHelp()};
 }
 
 } // namespace filasofia::app

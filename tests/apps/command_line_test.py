@@ -301,6 +301,22 @@ class Run(Program):
         self.refused("run", "bunny", "--headless", "--subdivision", "9", says=["subdivision", "[0, 3]", "got 9"])
         self.refused("run", "bunny", "--headless", "--rate", "0", says=["rate", "Hz", "got 0"])
 
+    def test_robots_and_models_of_mujoco_run_and_what_is_not_read_is_told(self):
+        with tempfile.TemporaryDirectory() as folder:
+            model = Path(folder, "model.xml")
+            model.write_text("<mujoco><worldbody><site/><geom size='0.1'/></worldbody></mujoco>")
+            done = subprocess.run([PROGRAM, "run", str(model), "--headless", "--steps", "3"], text=True,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300)
+            self.assertEqual(done.returncode, 0)
+            self.assertIn("state hash", done.stdout)
+            self.assertEqual(done.stderr, f"filasofia: {model}:1:21: <site> is not read\n")
+            self.refused("run", str(model), "--headless", "--strict", says=["model.xml:1:21", "<site> is not read"])
+            robot = Path(folder, "robot.urdf")
+            robot.write_text("<robot name='r'><link name='a'/></robot>")
+            self.output("run", str(robot), "--headless", "--steps", "3")
+        self.refused("run", "bunny", "--headless", "--strict", says=["--strict", "scene files"])
+        self.refused("run", "bunny", "--headless", "--package", ".", says=["--package", "scene files"])
+
     def test_a_picture_that_cannot_be_written_is_refused_before_the_run(self):
         with tempfile.TemporaryDirectory() as folder:
             missing = os.path.join(folder, "missing", "bunny.png")

@@ -43,3 +43,18 @@ def test_mistakes_are_errors_with_their_place(tmp_path):
         filasofia.load("cube.json")
     with pytest.raises(TypeError, match="load: file must be a text"):
         filasofia.load(5)
+
+
+def test_load_reads_a_model_of_mujoco_and_a_robot(tmp_path, capfd):
+    flex = filasofia.load(SCENES / "flex.xml")
+    flex.run(0.2)
+    assert len(flex.bodies) == 6
+    assert len(filasofia.load(SCENES / "needle_driver.urdf").bodies) == 1
+    assert flex.frame[flex.bodies[4]].positions.shape == (160, 3)
+    assert "effort bounds no force" in capfd.readouterr().err
+    model = tmp_path / "model.xml"
+    model.write_text("<mujoco><worldbody><site/><geom size='0.1'/></worldbody></mujoco>")
+    assert len(filasofia.load(model).bodies) == 1
+    assert "model.xml:1:21: <site> is not read" in capfd.readouterr().err
+    with pytest.raises(filasofia.Error, match=r"model.xml:1:21: mujoco/worldbody/site: <site> is not read \(strict\)"):
+        filasofia.load(model, strict=True)

@@ -155,15 +155,28 @@ def load(
     *,
     any_folder: bool = False,
     threads: int | None = None,
+    strict: bool = False,
+    package: str | _os.PathLike[str] | None = None,
     measures: str | _os.PathLike[str] | None = None,
 ) -> Simulation:
     """A simulation of the scene in a file (docs/guide/scenes.md); `bodies` are in the order of the file.
+
+    The file may also be a robot in URDF or a model of MuJoCo (docs/guide/import.md). What is not read of it is told on
+    standard error or, if `strict`, raises Error; `package` is the folder that package:// names.
 
     Files that the scene names must be in its folder, unless `any_folder`. `threads` replaces those of the scene, with
     the same bits. `measures` is a .jsonl or .csv file that close() completes: what the scene measures. Raises Error "FILE:LINE:COLUMN: ...".
     """
     simulation = Simulation.__new__(Simulation)
-    _core.Simulation.__init__(simulation, scene=file, any_folder=any_folder, threads=threads, measures=measures)
+    _core.Simulation.__init__(
+        simulation,
+        scene=file,
+        any_folder=any_folder,
+        threads=threads,
+        strict=strict,
+        package=package,
+        measures=measures,
+    )
     return simulation
 
 

@@ -6,7 +6,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/word.h"
-#include "filasofia/scene/scene_file.h"
+#include "filasofia/scene/import.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,13 +37,15 @@ template <class Act> auto ofSceneFile(Act&& act)
 }
 
 void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle file, bool anyFolder,
-          nb::handle threads, nb::handle measures)
+          nb::handle threads, bool strict, nb::handle package, nb::handle measures)
 {
     runtime::SimulationDef def;
     scene::SceneDef scene;
     if (!file.is_none()) {
         const std::string name = readText(file, {.name = "load: file"});
-        scene = ofSceneFile([&] { return scene::loadScene(name, {.anyFolder = anyFolder}); });
+        scene::ImportOptions options{.anyFolder = anyFolder, .strict = strict};
+        if (!package.is_none()) options.packages = {readText(package, {.name = "load: package"})};
+        scene = ofSceneFile([&] { return scene::loadAnyScene(name, options); });
         def = scene::simulationDef(scene);
         if (!threads.is_none())
             def.physics.threads =
@@ -320,7 +322,7 @@ void bindSimulation(nb::module_& module)
     nb::class_<HeldSimulation> sim(module, "Simulation", nb::type_slots(slots), nb::is_weak_referenceable());
     sim.def("__init__", &make, nb::arg("physics") = nb::none(), nb::arg("look") = nb::none(),
             nb::arg("scene") = nb::none(), nb::arg("any_folder") = false, nb::arg("threads") = nb::none(),
-            nb::arg("measures") = nb::none());
+            nb::arg("strict") = false, nb::arg("package") = nb::none(), nb::arg("measures") = nb::none());
     addBodies(sim);
     addSteps(sim);
     addStates(module, sim);

@@ -1,0 +1,55 @@
+#include "filasofia/scene/import.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
+#include "filasofia/core/user_file.h"
+#include "filasofia/scene/scene_file.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace filasofia::scene {
+namespace {
+
+std::string extensionOf(const std::filesystem::path& file)
+{
+    std::string extension = file.extension().string();
+    std::ranges::transform(extension, extension.begin(), [](unsigned char c) { return std::tolower(c); });
+    return extension;
+}
+
+/// Whether an XML file's first element is that of a robot.
+bool isRobot(const std::filesystem::path& file)
+{
+    const std::string bytes = readFile(file, file.string());
+    for (std::size_t at = bytes.find('<'); at != std::string::npos; at = bytes.find('<', at + 1)) {
+        const std::string_view rest = std::string_view(bytes).substr(at);
+        if (rest.starts_with("<!--"))
+            at = bytes.find("-->", at);
+        else if (rest.size() > 1 && rest[1] != '?' && rest[1] != '!')
+            return rest.starts_with("<robot");
+        if (at == std::string::npos) break;
+    }
+    return false;
+}
+
+} // namespace
+
+bool isSceneFile(const std::filesystem::path& file)
+{
+    const std::string extension = extensionOf(file);
+    return extension == ".json" || extension == ".urdf" || extension == ".xml" || extension == ".mjcf";
+}
+
+SceneDef loadAnyScene(const std::filesystem::path& file, const ImportOptions& options)
+{
+    const std::string extension = extensionOf(file);
+    if (extension != ".urdf" && extension != ".xml" && extension != ".mjcf")
+        return loadScene(file, {.anyFolder = options.anyFolder});
+    const bool robot = extension == ".urdf" || (extension == ".xml" && isRobot(file));
+    Imported imported = robot ? loadUrdf(file, options) : loadMjcf(file, options);
+    for (const std::string& note : imported.notes) logWarning(note);
+    return std::move(imported.scene);
+}
+
+} // namespace filasofia::scene

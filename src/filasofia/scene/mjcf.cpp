@@ -1,0 +1,239 @@
+#include "filasofia/scene/import.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/suggestion.h"
+#include "filasofia/scene/mjcf_flex.h"
+#include "filasofia/visual/transform.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace filasofia::scene {
+namespace {
+
+/// Reads a whole model: its sections in the order in which one needs the other.
+class MjcfLoader {
+public:
+    MjcfLoader(const std::filesystem::path& file, const ImportOptions& options)
+        : source_(file, options), reader_(source_.reader), bodies_(source_), flexes_(source_, bodies_)
+    {
+    }
+
+    Imported load()
+    {
+        checkSections();
+        readOption();
+        readBodies();
+        readActuators();
+        std::vector<SceneBody> soft;
+        for (const MjcfPending& each : bodies_.flexes)
+            if (auto body = flexes_.read(each)) soft.push_back(std::move(*body));
+        addTrees();
+        for (SceneBody& each : soft) addSoft(std::move(each));
+        readPicture();
+        out_.scene.files = reader_.files();
+        out_.notes = reader_.takeNotes();
+        return std::move(out_);
+    }
+
+private:
+    void checkSections()
+    {
+        const std::vector<std::string> known = {"compiler",  "option",   "default",  "asset",
+                                                "worldbody", "actuator", "statistic"};
+        for (const Element& each : source_.childrenOf(source_.root()))
+            if (std::ranges::find(known, each.tag()) == known.end())
+                reader_.tell(each, text("<", each.tag()),
+                             text("<", text(each.tag()).substr(0, 80), "> is not read", didYouMean(each.tag(), known)));
+    }
+
+    void readOption()
+    {
+        double step = 0.002;
+        Vec3 gravity{0, 0, -9.81};
+        for (const Element& each : source_.sections("option")) {
+            reader_.tellUnread(each, {"timestep", "gravity"});
+            for (const Element& inner : source_.childrenOf(each)) reader_.tellUnread(inner);
+            const Attributes says(each);
+            step = reader_.number(says, "timestep", step, closed(1e-5, 1));
+            gravity = reader_.vector(says, "gravity", gravity, closed(-1e6, 1e6));
+        }
+        out_.scene.physics.rate = 1.0 / step;
+        out_.scene.physics.gravity = {gravity.x, gravity.z, -gravity.y};
+    }
+
+    void readBodies()
+    {
+        const std::vector<Element> found = source_.sections("worldbody");
+        if (found.empty()) reader_.refuse(source_.root(), "must have a <worldbody>");
+        for (const Element& each : found) bodies_.read(each);
+    }
+
+    void readActuators()
+    {
+        for (const Element& section : source_.sections("actuator"))
+            for (const Element& each : source_.childrenOf(section)) {
+                const bool goes = each.tag() == "position";
+                const Attributes says = source_.attributesOf(each, {});
+                const auto joint = says.find("joint");
+                if ((!goes && each.tag() != "motor") || !joint) {
+                    reader_.tell(each, text("actuator ", each.tag()),
+                                 joint ? text("<", each.tag(), "> is not read")
+                                       : text("<", each.tag(), "> of something else than a joint is not read"));
+                    continue;
+                }
+                drive(*joint, goes);
+            }
+    }
+    void drive(const Attribute& name, bool goes)
+    {
+        const auto found = bodies_.joints.find(name.words);
+        if (found == bodies_.joints.end()) {
+            std::vector<std::string> known;
+            for (const auto& each : bodies_.joints) known.push_back(each.first);
+            reader_.refuse(name, "must be the name of a hinge or a slide", didYouMean(name.words, known));
+        }
+        const auto [tree, joint] = found->second;
+        physics::JointDef& def = bodies_.trees[tree].def.articulation.joints[joint];
+        if (!goes) return; // a force, 0 until one is commanded: as without a motor
+        reader_.note(name.at, "position actuator",
+                     "<position> is read as a joint that goes to 0 and to what it is told, "
+                     "whatever is in its way");
+        def.command = physics::JointPosition{std::clamp(0.0, def.lower, def.upper)};
+    }
+
+    void addTrees()
+    {
+        bodyOf_.resize(bodies_.trees.size());
+        for (std::size_t t = 0; t < bodies_.trees.size(); ++t) {
+            RigidTree& tree = bodies_.trees[t];
+            if (!tree.isMoved() && tree.show.empty() && tree.def.collision.empty()) continue;
+            tree.def.name = names_.take(tree.def.name);
+            if (tree.links() > 1)
+                for (physics::CollisionDef& each : tree.def.collision) each.self = true;
+            if (tree.def.dynamic && !(tree.inertias[0].mass > 0.0))
+                reader_.refuse(tree.place, "must have a mass, because it moves freely");
+            out_.scene.bodies.push_back(tree.finish(reader_));
+            out_.joints.push_back(tree.jointNames);
+            bodyOf_[t] = BodyId{static_cast<std::uint32_t>(out_.scene.bodies.size())};
+        }
+    }
+    void addSoft(SceneBody body)
+    {
+        auto& def = std::get<physics::SoftBodyDef>(body.def);
+        def.name = names_.take(def.name);
+        for (physics::AttachmentDef& each : def.attachments)
+            if (each.to) each.to = bodyOf_[each.to.value - 1];
+        out_.scene.bodies.push_back(std::move(body));
+        out_.joints.emplace_back();
+    }
+
+    void readPicture()
+    {
+        geometry::Box around = merged(bodies_.bounds(), flexes_.bounds());
+        for (const Element& each : source_.sections("statistic")) {
+            reader_.tellUnread(each, {"center", "extent"});
+            const Attributes says(each);
+            if (!says.has("center") && !says.has("extent")) continue;
+            const Vec3 standard = isEmpty(around) ? Vec3{} : 0.5 * (around.low + around.high);
+            const Vec3 back{standard.x, -standard.z, standard.y};
+            const Vec3 c = reader_.vector(says, "center", back, closed(-kFarthestShape, kFarthestShape));
+            const double extent = reader_.number(says, "extent", 1.0, closed(1e-6, kFarthestShape));
+            const Vec3 middle{c.x, c.z, -c.y}, half{0.5 * extent, 0.5 * extent, 0.5 * extent};
+            around = {middle - half, middle + half};
+        }
+        if (!isEmpty(around)) out_.scene.look.around = around;
+        out_.scene.look.direction = {0.5, 0.4, 1.0};
+        for (const MjcfPending& each : bodies_.cameras) readCamera(each);
+        for (const MjcfPending& each : bodies_.lights) readLight(each);
+    }
+
+    /// Lets a camera or a light stand where its element does, or move with its body.
+    template <class Def> bool put(const MjcfPending& at, const Pose& pose, Placed<Def>& placed)
+    {
+        if (bodies_.trees[at.place.tree].isMoved()) {
+            placed.follow =
+                SceneFollow{{runtime::FollowElement{at.place.link}, at.place.pose * pose}, bodyOf_[at.place.tree]};
+            return true;
+        }
+        placed.pose = bodies_.worldPose(at.place) * pose;
+        return true;
+    }
+
+    void readCamera(const MjcfPending& at)
+    {
+        const Attributes says = source_.attributesOf(at.element, at.place.childClass);
+        const auto mode = says.find("mode");
+        if (mode && mode->words != "fixed") {
+            reader_.tell(at.element, "camera mode", "<camera> is read only with mode=\"fixed\"");
+            return;
+        }
+        SceneCamera camera;
+        const std::string name = reader_.word(says, "name");
+        camera.def.name = cameraNames_.take(name.empty() ? "camera" : name);
+        camera.def.verticalFieldOfView =
+            reader_.number(says, "fovy", 45.0, closed(0.6, 170)) * std::numbers::pi / 180.0;
+        const geometry::Box around = out_.scene.look.around.value_or(geometry::Box{{-1, -1, -1}, {1, 1, 1}});
+        const double size = std::max(length(around.high - around.low), 1e-3);
+        camera.def.near = 0.005 * size;
+        camera.def.far = 100.0 * size;
+        camera.def.focusDistance = size;
+        put(at, source_.poseOf(says), camera);
+        out_.scene.cameras.push_back(std::move(camera));
+    }
+
+    void readLight(const MjcfPending& at)
+    {
+        if (out_.scene.cameras.empty()) {
+            reader_.tell(at.element, "light",
+                         "<light> is not read without a <camera>: the picture has a light of its own");
+            return;
+        }
+        const Attributes says = source_.attributesOf(at.element, at.place.childClass);
+        SceneLight light;
+        const bool directional =
+            reader_.flag(says, "directional", false) || reader_.word(says, "type") == "directional";
+        const bool other = std::ranges::any_of(out_.scene.lights, [](const SceneLight& each) {
+            return std::holds_alternative<visual::DirectionalLight>(each.def.kind);
+        });
+        if (directional && other) {
+            reader_.tell(at.element, "second light", "a second directional <light> is not read");
+            return;
+        }
+        const geometry::Box around = out_.scene.look.around.value_or(geometry::Box{{-1, -1, -1}, {1, 1, 1}});
+        const Vec3 pos = reader_.vector(says, "pos", {}, closed(-kFarthestShape, kFarthestShape));
+        const double range = std::max(length(around.high - around.low) + length(pos), 1e-3);
+        if (directional)
+            light.def.kind = visual::DirectionalLight{};
+        else
+            light.def.kind = visual::SpotLight{.intensity = 5000.0 * range * range, .range = 4.0 * range};
+        shadows_ += directional ? 0 : 1;
+        light.def.castShadows = reader_.flag(says, "castshadow", true) && (directional || shadows_ <= 2);
+        const std::string name = reader_.word(says, "name");
+        light.def.name = lightNames_.take(name.empty() ? "light" : name);
+        const Vec3 dir = reader_.vector(says, "dir", {0, 0, -1}, closed(-1e6, 1e6));
+        if (!(length(dir) > 1e-9)) reader_.refuse(at.element, "must have a dir of some length");
+        const Vec3 up = std::abs(normalized(dir).z) > 0.9 ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+        put(at, visual::lookAt(pos, pos + normalized(dir), up), light);
+        out_.scene.lights.push_back(std::move(light));
+    }
+
+    MjcfSource source_;
+    XmlReader& reader_;
+    MjcfBodies bodies_;
+    MjcfFlex flexes_;
+    Imported out_;
+    std::vector<BodyId> bodyOf_; ///< each tree's body; none if it has nothing to show, touch or move
+    Names names_, cameraNames_, lightNames_;
+    int shadows_ = 0;
+};
+
+} // namespace
+
+Imported loadMjcf(const std::filesystem::path& file, const ImportOptions& options)
+{
+    return MjcfLoader(file, options).load();
+}
+
+} // namespace filasofia::scene

@@ -1,0 +1,322 @@
+#include "filasofia/scene/mjcf_bodies.h"
+
+#include "filasofia/core/error.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace filasofia::scene {
+namespace {
+
+using Kind = Solid::Kind;
+
+constexpr Range kGeomSize = closed(1e-7, kFarthestShape);
+constexpr int kMaxBodyDepth = 200;
+constexpr double kEndless = 10.0; // [m], half of the size at which a plane without an end is drawn and touched
+
+const std::vector<std::string> kGeoms = {"plane",    "hfield", "sphere", "capsule", "ellipsoid",
+                                         "cylinder", "box",    "mesh",   "sdf"};
+const std::vector<std::string> kJoints = {"free", "ball", "slide", "hinge"};
+
+bool isJoint(const Element& each) { return each.tag() == "joint" || each.tag() == "freejoint"; }
+
+} // namespace
+
+MjcfBodies::MjcfBodies(MjcfSource& source) : source_(source), reader_(source.reader)
+{
+    RigidTree& world = trees.emplace_back();
+    world.def.name = "world";
+    world.def.elements = {kFromZUp};
+}
+
+void MjcfBodies::read(const Element& worldbody)
+{
+    reader_.tellUnread(worldbody, {"childclass"});
+    trees[0].place = worldbody;
+    readChildren(worldbody, {.childClass = source_.childClassOf(worldbody, {})});
+}
+
+Pose MjcfBodies::worldPose(const MjcfPlace& place)
+{
+    std::vector<Pose>& poses = poses_[place.tree];
+    if (poses.empty()) poses = physics::elementPoses(trees[place.tree].def);
+    return poses[static_cast<std::size_t>(place.link)] * place.pose;
+}
+
+geometry::Box MjcfBodies::bounds()
+{
+    geometry::Box box;
+    for (const auto& [place, mesh] : bounded_) {
+        const Pose pose = worldPose(place);
+        for (const Vec3& each : mesh->vertices) box = merged(box, transform(pose, each));
+    }
+    return box;
+}
+
+void MjcfBodies::readChildren(const Element& of, const MjcfPlace& place)
+{
+    using FromGeoms = MjcfCompiler::FromGeoms;
+    if (++depth_ > kMaxBodyDepth) reader_.refuse(of, text("is nested more than ", kMaxBodyDepth, " deep"));
+    const std::vector<Element> children = source_.childrenOf(of);
+    const bool given = source_.compiler.fromGeoms != FromGeoms::Always &&
+                       std::ranges::any_of(children, [](const Element& each) { return each.tag() == "inertial"; });
+    for (const Element& each : children) {
+        if (each.tag() == "body") {
+            readBody(each, place);
+        } else if (each.tag() == "geom") {
+            readGeom(each, place, !given && source_.compiler.fromGeoms != FromGeoms::Never);
+        } else if (each.tag() == "inertial") {
+            if (given) readInertial(each, place);
+        } else if (each.tag() == "frame") {
+            reader_.tellUnread(each, {"name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"});
+            MjcfPlace inner = place;
+            inner.pose = place.pose * source_.poseOf(Attributes(each));
+            inner.childClass = source_.childClassOf(each, place.childClass);
+            readChildren(each, inner);
+        } else if (each.tag() == "flexcomp") {
+            flexes.push_back({each, place});
+        } else if (each.tag() == "camera" || each.tag() == "light") {
+            (each.tag() == "camera" ? cameras : lights).push_back({each, place});
+        } else if (!isJoint(each)) {
+            reader_.tellUnread(each);
+        }
+    }
+    --depth_;
+}
+
+void MjcfBodies::readBody(const Element& body, const MjcfPlace& outer)
+{
+    reader_.tellUnread(body, {"name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mocap"});
+    MjcfPlace place = outer;
+    place.pose = outer.pose * source_.poseOf(Attributes(body));
+    place.childClass = source_.childClassOf(body, outer.childClass);
+    readChildren(body, enter(body, place));
+}
+
+MjcfPlace MjcfBodies::enter(const Element& body, MjcfPlace place)
+{
+    std::vector<Element> own = source_.childrenOf(body);
+    std::erase_if(own, [](const Element& each) { return !isJoint(each); });
+    const std::string name = reader_.word(Attributes(body), "name");
+    if (place.tree == 0) { // every body that stands in the world is a tree of its own
+        RigidTree& tree = trees.emplace_back();
+        tree.place = body;
+        tree.def.name = name.empty() ? text("body ", trees.size() - 1) : name;
+        tree.def.elements = {kFromZUp * place.pose};
+        place = {trees.size() - 1, 0, {}, place.childClass};
+    }
+    for (std::size_t j = 0; j < own.size(); ++j) {
+        const Attributes says = source_.attributesOf(own[j], place.childClass);
+        if (own[j].tag() == "freejoint" || reader_.oneOf(says, "type", 3, kJoints) == 0) {
+            if (own[j].tag() == "freejoint") reader_.tellUnread(own[j], {"name", "group", "align"});
+            if (trees[place.tree].place.node != body.node || own.size() > 1)
+                reader_.refuse(own[j], "must be the only joint of a body that stands in the world");
+            trees[place.tree].def.dynamic = true;
+        } else {
+            place = addJoint(says, place, j + 1 == own.size(), name);
+        }
+    }
+    return place;
+}
+
+MjcfPlace MjcfBodies::addJoint(const Attributes& says, const MjcfPlace& place, bool last, const std::string& name)
+{
+    const std::size_t kind = reader_.oneOf(says, "type", 3, kJoints);
+    if (kind == 1) reader_.refuse(says.element(), "is a ball joint: hinges and slides are carried, and free joints");
+    const bool turns = kind == 3;
+    const Vec3 at = reader_.vector(says, "pos", {}, closed(-kFarthestShape, kFarthestShape));
+    physics::JointDef def{.kind = turns ? physics::JointKind::Revolute : physics::JointKind::Prismatic,
+                          .axis = reader_.vector(says, "axis", {0, 0, 1}, closed(-1e6, 1e6)),
+                          .parent = place.link,
+                          .parentOffset = place.pose * Pose{at, {}},
+                          .childOffset = {at, {}},
+                          .command = physics::JointForce{0.0}};
+    if (!(length(def.axis) > 1e-9)) reader_.refuse(says.element(), "must have an axis of some length");
+    const double ref = reader_.number(says, "ref", 0.0);
+    def.start = turns ? source_.angle(ref) : ref;
+    if (def.start != 0.0) { // there, the bodies are where the file says
+        const Vec3 axis = normalized(def.axis);
+        def.parentOffset =
+            def.parentOffset * (turns ? Pose{{}, axisAngle(axis, -def.start)} : Pose{-def.start * axis, {}});
+    }
+    readLimits(says, turns, def);
+    def.damping = reader_.number(says, "damping", 0.0, closed(0, 1e12));
+    def.friction = reader_.number(says, "frictionloss", 0.0, closed(0, 1e12));
+    def.inertia = reader_.number(says, "armature", 0.0, closed(0, 1e12));
+    RigidTree& tree = trees[place.tree];
+    const std::string jointName = reader_.word(says, "name");
+    const int link = tree.add(def, jointName, last ? name : std::string());
+    if (!jointName.empty() && !joints.emplace(jointName, std::pair{place.tree, tree.links() - 2}).second)
+        reader_.refuse(says.element(), "has a name that another one has");
+    return {place.tree, link, {}, place.childClass};
+}
+
+void MjcfBodies::readLimits(const Attributes& says, bool turns, physics::JointDef& def) const
+{
+    const auto range = says.find("range");
+    const bool limited = range && source_.compiler.autoLimits;
+    const std::size_t says3 = reader_.oneOf(says, "limited", 2, {"false", "true", "auto"});
+    if (says3 == 0 || (says3 == 2 && !limited)) return;
+    if (!range) reader_.refuse(says.element(), "must say its range, because it is limited");
+    const std::vector<double> v = reader_.numbers(*range, 2, 2);
+    def.lower = turns ? source_.angle(v[0]) : v[0];
+    def.upper = turns ? source_.angle(v[1]) : v[1];
+    if (def.lower > def.upper) reader_.refuse(*range, "must be ascending");
+    if (def.start < def.lower || def.start > def.upper) {
+        reader_.note(says.element(), "joint.start", "<joint> starts at its limit: where the file has it, it is beyond");
+        def.start = std::clamp(def.start, def.lower, def.upper);
+    }
+}
+
+void MjcfBodies::readInertial(const Element& element, const MjcfPlace& place)
+{
+    reader_.tellUnread(element,
+                       {"pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mass", "diaginertia", "fullinertia"});
+    const Attributes says(element);
+    if (!says.has("mass") || !says.has("pos")) reader_.refuse(element, "must say its mass and pos");
+    physics::RigidInertia inertia{.mass = reader_.number(says, "mass", 0.0, closed(0, 1e9))};
+    Pose pose = source_.poseOf(says);
+    if (const auto full = says.find("fullinertia")) {
+        const std::vector<double> v = reader_.numbers(*full, 6, 6);
+        inertia.inertia = {{{v[0], v[3], v[4]}, {v[3], v[1], v[5]}, {v[4], v[5], v[2]}}};
+    } else if (says.has("diaginertia")) {
+        inertia.inertia = Mat3::diagonal(reader_.vector(says, "diaginertia", {}));
+    } else
+        reader_.refuse(element, "must say its diaginertia or fullinertia");
+    trees[place.tree].addInertia(place.link, moved(place.pose * pose, inertia), element);
+}
+
+Solid MjcfBodies::planeOf(const Attributes& says, Pose& pose) const
+{
+    const auto given = says.find("size");
+    if (!given) reader_.refuse(says.element(), "must say its size");
+    const std::vector<double> size = reader_.numbers(*given, 3, 3, closed(0, kFarthestShape));
+    // A slab whose upper side is the plane: thick enough that nothing gets through.
+    const Vec3 half{size[0] > 0.0 ? size[0] : kEndless, size[1] > 0.0 ? size[1] : kEndless, 0.0};
+    const double thick = 0.05 * std::max(half.x, half.y);
+    pose = pose * Pose{{0, 0, -thick}, {}};
+    return {Kind::Box, {half.x, half.y, thick}};
+}
+
+std::optional<Solid> MjcfBodies::solidOf(const Attributes& says, Pose& pose)
+{
+    const bool mesh = says.has("mesh");
+    const std::size_t kind = reader_.oneOf(says, "type", mesh ? 7 : 2, kGeoms);
+    if (kind == 0) return planeOf(says, pose);
+    if (kind == 1 || kind == 8) {
+        reader_.tell(says.element(), kGeoms[kind], text("<geom> of type ", kGeoms[kind], " is not read"));
+        return {};
+    }
+    if (kind == 7) {
+        if (!mesh) reader_.refuse(says.element(), "must say its mesh");
+        return Solid{Kind::Mesh, {}, source_.meshOf(*says.find("mesh"))};
+    }
+    const auto given = says.find("size");
+    if (!given) reader_.refuse(says.element(), "must say its size");
+    const auto ends = says.find("fromto");
+    const bool round = kind == 3 || kind == 5;
+    const std::size_t needs = kind == 2 || (ends && round) ? 1 : ends || round ? 2 : 3;
+    std::vector<double> size = reader_.numbers(*given, needs, 3, closed(0, kFarthestShape));
+    size.resize(3);
+    double half = size[1];
+    if (ends) {
+        const std::vector<double> v = reader_.numbers(*ends, 6, 6, closed(-kFarthestShape, kFarthestShape));
+        const Vec3 a{v[0], v[1], v[2]}, b{v[3], v[4], v[5]}, axis = a - b;
+        if (!(length(axis) > 1e-7)) reader_.refuse(*ends, "must be two points apart");
+        half = 0.5 * length(axis);
+        const Vec3 z = normalized(axis), turn = cross({0, 0, 1}, z);
+        const Quat to = length(turn) > 1e-12 ? axisAngle(turn, std::atan2(length(turn), z.z))
+                        : z.z > 0.0          ? Quat{}
+                                             : Quat{0, 1, 0, 0};
+        pose = {0.5 * (a + b), to};
+    }
+    Solid solid{Kind::Box, {size[0], ends ? size[0] : size[1], ends ? half : size[2]}};
+    if (kind == 2) solid = {Kind::Sphere, {size[0], size[0], size[0]}};
+    if (kind == 3) solid = {Kind::Capsule, {size[0], size[0], half}};
+    if (kind == 4) solid.kind = Kind::Ellipsoid;
+    if (kind == 5) solid = {Kind::Cylinder, {size[0], size[0], half}};
+    for (int k = 0; k < 3; ++k)
+        if (!kGeomSize.contains(solid.half[k])) reader_.refuse(*given, kGeomSize.text("m"));
+    return solid;
+}
+
+void MjcfBodies::weigh(const Attributes& says, const Solid& solid, const MjcfPlace& place)
+{
+    try {
+        const std::string name = says.element().path();
+        const double density = reader_.number(says, "density", 1000.0, closed(0, 1e9));
+        const double mass =
+            says.has("mass") ? reader_.number(says, "mass", 0.0, closed(0, 1e9)) : density * volumeOf(solid, name);
+        if (!(mass > 0.0)) return;
+        trees[place.tree].addInertia(place.link, moved(place.pose, inertiaOf(solid, mass, name)), says.element());
+    } catch (const Error& error) { // a mesh without an inside
+        const std::string line = error.what(), at = says.element().place();
+        fail(line.starts_with(at) ? "" : at + ": ", line);
+    }
+}
+
+std::optional<int> groupOf(XmlReader& reader, const Attributes& says)
+{
+    const auto bits = [&](const char* name) {
+        return static_cast<unsigned>(reader.whole(says, name, 1, closed(0, 2147483647)));
+    };
+    const unsigned type = bits("contype"), affinity = bits("conaffinity"), all = type | affinity;
+    if (all == 0) return {};
+    if (type != affinity || !std::has_single_bit(type))
+        reader.note(says.element(), "contype", "contype and conaffinity are read as one group, the lowest bit of both");
+    return std::countr_zero(all);
+}
+
+double frictionOf(XmlReader& reader, const Attributes& says)
+{
+    const auto found = says.find("friction");
+    if (!found) return 1.0;
+    const std::vector<double> v = reader.numbers(*found, 1, 3, closed(0, 1e6));
+    if (v.size() > 1)
+        reader.note(found->at, "friction",
+                    "friction is read without its second and third number, of torsion and rolling");
+    return v[0];
+}
+
+void MjcfBodies::collide(const Attributes& says, const std::shared_ptr<const geometry::TriangleMesh>& mesh,
+                         const MjcfPlace& place)
+{
+    const auto group = groupOf(reader_, says);
+    if (!group) return;
+    physics::RigidBodyDef& def = trees[place.tree].def;
+    const double friction = frictionOf(reader_, says);
+    if (rubbed_.insert(place.tree).second)
+        def.friction = friction;
+    else if (def.friction != friction) {
+        reader_.note(says.element(), "geom.friction", "a body has one friction: the largest one of its geoms");
+        def.friction = std::max(def.friction, friction);
+    }
+    def.collision.push_back({.mesh = mesh, .element = place.link, .group = *group});
+}
+
+void MjcfBodies::readGeom(const Element& element, const MjcfPlace& outer, bool weighs)
+{
+    const Attributes says = source_.attributesOf(element, outer.childClass);
+    if (++shapes_ > kMostShapes) reader_.refuse(element, text("is one of more than ", kMostShapes, " shapes"));
+    Pose pose = source_.poseOf(says);
+    const bool plane = reader_.oneOf(says, "type", 2, kGeoms) == 0;
+    const auto solid = solidOf(says, pose);
+    if (!solid) return;
+    MjcfPlace place = outer;
+    place.pose = outer.pose * pose;
+    const auto surface = surfaceOf(*solid, place.pose);
+    RigidTree& tree = trees[place.tree];
+    const MjcfSource::Look look = source_.lookOf(says);
+    const int group = reader_.whole(says, "group", 0, closed(0, 1000));
+    if (!look.hidden && group <= 2) // MuJoCo draws these groups if one asks for nothing else
+        tree.show.push_back(
+            {.surface = surface,
+             .element = place.link,
+             .material = look.material.value_or(plainMaterial(plane ? Vec3{0.35, 0.4, 0.45} : Vec3{0.5, 0.5, 0.5}))});
+    if (!plane) bounded_.emplace_back(MjcfPlace{place.tree, place.link, {}, {}}, surface);
+    collide(says, surface, place);
+    if (weighs && !plane && (tree.def.dynamic || place.link > 0)) weigh(says, *solid, place);
+}
+
+} // namespace filasofia::scene

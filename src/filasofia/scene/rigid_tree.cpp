@@ -1,0 +1,75 @@
+#include "filasofia/scene/rigid_tree.h"
+
+#include "filasofia/core/error.h"
+
+#include <algorithm>
+
+namespace filasofia::scene {
+
+int RigidTree::add(physics::JointDef joint, const std::string& jointName, const std::string& linkName)
+{
+    if (links() >= kMostLinks) fail(place.place(), ": ", place.path(), " has more than ", kMostLinks, " links");
+    joint.child = static_cast<int>(links());
+    def.articulation.joints.push_back(joint);
+    jointNames.push_back(jointName);
+    linkNames.push_back(linkName);
+    inertias.emplace_back();
+    massPlaces.emplace_back();
+    return joint.child;
+}
+
+void RigidTree::addInertia(int link, const physics::RigidInertia& inertia, const Element& from)
+{
+    const auto at = static_cast<std::size_t>(link);
+    if (!(inertia.mass > 0.0)) return;
+    inertias[at] = sumOf(inertias[at], inertia);
+    massPlaces[at] = from;
+}
+
+SceneBody RigidTree::finish(XmlReader& reader)
+{
+    const auto given = [&](std::size_t link) {
+        const auto found = principal(inertias[link]);
+        if (!found)
+            reader.refuse(massPlaces[link],
+                          "must have principal moments of inertia > 0, none larger than the sum of the "
+                          "other two, together with the parts that are fixed to it");
+        return *found;
+    };
+    // A link between two joints of the same body weighs nothing; a drive with a millionth of what it carries keeps its
+    // equation of motion regular.
+    physics::RigidInertia whole;
+    for (const physics::RigidInertia& each : inertias) whole.mass += each.mass;
+    if (def.dynamic && inertias[0].mass > 0.0) def.mass = given(0);
+    for (physics::JointDef& joint : def.articulation.joints) {
+        const auto link = static_cast<std::size_t>(joint.child);
+        if (inertias[link].mass > 0.0)
+            joint.mass = given(link);
+        else if (whole.mass > 0.0) {
+            const double little = std::max(1e-6 * whole.mass, 1e-12);
+            joint.mass =
+                physics::GivenInertia{.mass = little, .moments = {little * 1e-2, little * 1e-2, little * 1e-2}};
+        } else if (!(joint.inertia > 0.0) && joint.command &&
+                   std::holds_alternative<physics::JointForce>(*joint.command)) {
+            reader.note(
+                place, "no mass",
+                text("joint '", jointNames[link - 1], "' is held: nothing drives it, and its robot weighs nothing"));
+            joint.command.reset();
+        }
+    }
+    SceneBody body{.def = def, .show = show};
+    body.places.emplace("", place.place());
+    return body;
+}
+
+std::string Names::take(const std::string& name)
+{
+    int& count = taken_[name];
+    if (++count == 1) return name;
+    for (;; ++count) {
+        const std::string other = text(name, " ", count);
+        if (!taken_.contains(other)) return taken_[other] = 1, other;
+    }
+}
+
+} // namespace filasofia::scene

@@ -1,0 +1,280 @@
+#include "filasofia/filasofia.h"
+#include "filasofia/geometry/mass_properties.h"
+#include "filasofia/scene/import.h"
+#include "scene_folder.h"
+
+#include <catch2/catch.hpp>
+
+namespace filasofia::scene {
+namespace import_mjcf_test {
+
+Imported mjcf(const std::string& inside, const ImportOptions& options = {})
+{
+    const SceneFolder folder;
+    return loadMjcf(folder.write("model.xml", "<mujoco>\n" + inside + "\n</mujoco>\n"), options);
+}
+Imported world(const std::string& inside) { return mjcf("<worldbody>\n" + inside + "\n</worldbody>"); }
+
+std::string errorOf(const std::string& inside, const ImportOptions& options = {})
+{
+    try {
+        mjcf(inside, options);
+    } catch (const Error& error) {
+        const std::string line = error.what();
+        const auto at = line.find("model.xml");
+        return at == std::string::npos ? line : line.substr(at);
+    }
+    return "no error";
+}
+std::string worldError(const std::string& inside) { return errorOf("<worldbody>\n" + inside + "\n</worldbody>"); }
+
+const RigidBodyDef& rigid(const Imported& imported, std::size_t body)
+{
+    return std::get<RigidBodyDef>(imported.scene.bodies.at(body).def);
+}
+bool near(Vec3 a, Vec3 b) { return length(a - b) < 1e-12; }
+
+std::vector<std::string> told(const Imported& imported)
+{
+    std::vector<std::string> all;
+    for (const std::string& note : imported.notes) all.push_back(note.substr(note.find("model.xml")));
+    return all;
+}
+
+TEST_CASE("MJCF: a body that falls lands on the plane; the time step and gravity are those of the option")
+{
+    const Imported imported = mjcf(R"(<option timestep="0.001" gravity="0 0 -5"/><worldbody>
+<geom type="plane" size="0 0 1"/><body name="ball" pos="0 0 0.2"><freejoint/><geom size="0.05" mass="0.3"/></body></worldbody>)");
+    CHECK(imported.scene.physics.rate == 1000);
+    CHECK(near(imported.scene.physics.gravity, {0, -5, 0}));
+    CHECK(std::get<GivenInertia>(rigid(imported, 1).mass).moments.x == Approx(0.4 * 0.3 * 0.05 * 0.05));
+    Simulation sim(simulationDef(imported.scene));
+    const BodyId ball = addScene(sim, imported.scene).bodies.at(1);
+    sim.run({.headless = true, .steps = 200});
+    CHECK(sim.physics().latest()->rigidBody(ball)->poses[0].position.y ==
+          Approx(0.2 - 0.5 * 5 * 0.2 * 0.2).margin(1e-3));
+    sim.run({.headless = true, .steps = 800});
+    CHECK(sim.physics().latest()->rigidBody(ball)->poses[0].position.y == Approx(0.05).margin(1e-3));
+}
+
+TEST_CASE("MJCF: joints in a body stand one behind the other, limits are in degrees, and nothing drives them")
+{
+    const Imported imported = world(R"(
+<body name="arm" pos="1 0 0"><joint name="a" axis="0 1 0" range="-90 45"/><joint name="b" type="slide" pos="0 0 0.1" range="-1 2"/>
+  <geom type="capsule" size="0.01" fromto="0 0 0 0.2 0 0"/>
+  <body name="fixed" pos="0.2 0 0"><geom type="box" size="0.02 0.02 0.02"/>
+    <body><joint name="c" ref="30" damping="2" frictionloss="0.5" armature="0.1"/><geom size="0.01"/></body></body></body>)");
+    REQUIRE(imported.joints == std::vector<std::vector<std::string>>{{"a", "b", "c"}});
+    const auto& joints = rigid(imported, 0).articulation.joints;
+    CHECK(joints[0].lower == Approx(-90_deg));
+    CHECK((joints[1].kind == JointKind::Prismatic && joints[1].upper == 2));
+    CHECK(joints[0].mass->mass < 1e-5 * joints[1].mass->mass); // the body hangs on its last joint
+    CHECK(joints[1].mass->mass == Approx(1000 * (3.14159265 * 1e-4 * (0.2 + 0.04 / 3) + 0.04 * 0.04 * 0.04)));
+    CHECK(joints[2].parent == 2); // what is fixed to a body is part of it
+    CHECK(near(joints[2].parentOffset.position, {0.2, 0, 0}));
+    CHECK((joints[2].damping == 2 && joints[2].friction == 0.5 && joints[2].inertia == 0.1));
+    CHECK(joints[2].start == Approx(30_deg));
+    CHECK(std::isinf(joints[2].upper));
+    for (const JointDef& each : joints) CHECK(std::holds_alternative<JointForce>(*each.command));
+    const std::vector<Pose> poses = physics::elementPoses(rigid(imported, 0));
+    CHECK(near(poses[3].position, {1.2, 0, 0})); // at its reference the joint is where the file has it
+    CHECK(std::abs(poses[3].orientation.w) == Approx(std::sqrt(0.5)));
+}
+
+TEST_CASE("MJCF: orientations by quat, axisangle, euler, xyaxes and zaxis")
+{
+    const auto turned = [](const std::string& compiler, const std::string& says) {
+        const Imported imported =
+            mjcf(compiler + "<worldbody><body name=\"b\" " + says + "><geom size=\"1\"/></body></worldbody>");
+        const Quat toUp = {std::sqrt(0.5), std::sqrt(0.5), 0, 0}; // back to z up
+        return toMat3(toUp * rigid(imported, 0).elements[0].orientation);
+    };
+    const auto same = [](const Mat3& a, const Mat3& b) {
+        return length(a[0] - b[0]) + length(a[1] - b[1]) + length(a[2] - b[2]) < 1e-9;
+    };
+    const Mat3 aboutZ{{{0, -1, 0}, {1, 0, 0}, {0, 0, 1}}};
+    CHECK(same(turned("", "quat=\"2 0 0 2\""), aboutZ));
+    CHECK(same(turned("", "axisangle=\"0 0 3 90\""), aboutZ));
+    CHECK(same(turned("<compiler angle=\"radian\"/>", "axisangle=\"0 0 3 1.5707963267948966\""), aboutZ));
+    CHECK(same(turned("", "xyaxes=\"0 1 0 -1 1 0\""), aboutZ));
+    CHECK(same(turned("", "zaxis=\"1 0 0\""), {{{0, 0, 1}, {0, 1, 0}, {-1, 0, 0}}}));
+    const Mat3 x = toMat3(axisAngle({1, 0, 0}, 20_deg)), y = toMat3(axisAngle({0, 1, 0}, 30_deg)),
+               z = toMat3(axisAngle({0, 0, 1}, 40_deg));
+    CHECK(same(turned("", "euler=\"20 30 40\""), x * y * z));
+    CHECK(same(turned("<compiler eulerseq=\"XYZ\"/>", "euler=\"20 30 40\""), z * y * x));
+    CHECK(same(turned("<compiler eulerseq=\"zyx\"/>", "euler=\"40 30 20\""), z * y * x));
+}
+
+TEST_CASE("MJCF: classes inherit, childclass counts for what is inside, and what an element says comes first")
+{
+    const Imported imported = mjcf(R"(
+<default><geom size="0.1" friction="0.5"/><joint damping="7"/>
+  <default class="soft"><geom friction="0.2"/><default class="softer"><joint damping="1"/></default></default></default>
+<worldbody><body name="a" childclass="softer"><freejoint/><geom/>
+  <body><joint/><geom size="0.2"/></body><body><joint class="main"/><geom class="soft" friction="0.9"/></body></body>
+</worldbody>)");
+    const RigidBodyDef& body = rigid(imported, 0);
+    CHECK(body.articulation.joints[0].damping == 1);
+    CHECK(body.articulation.joints[1].damping == 7);
+    CHECK(body.friction == 0.9); // the largest one of its geoms
+    const auto size = [&](std::size_t i) {
+        return geometry::boxAround(
+                   std::get<std::shared_ptr<const geometry::TriangleMesh>>(body.collision[i].mesh)->vertices)
+            .high.x;
+    };
+    CHECK(size(0) == Approx(0.1));
+    CHECK(size(1) == Approx(0.2));
+    CHECK(body.collision[0].self);
+    CHECK(
+        errorOf(
+            "<default><default class=\"soft\"/></default><worldbody><geom class=\"softr\" size=\"1\"/></worldbody>") ==
+        "model.xml:2:55: mujoco/worldbody/geom.class must be a class, got 'softr' (did you mean 'soft'?)");
+}
+
+TEST_CASE("MJCF: shapes weigh what they do, by density, by mass, and as a mesh")
+{
+    const auto inertia = [](const std::string& geom) {
+        return std::get<GivenInertia>(rigid(world("<body><freejoint/><geom " + geom + "/></body>"), 0).mass);
+    };
+    const double pi = 3.141592653589793;
+    CHECK(inertia("type=\"box\" size=\"0.1 0.2 0.3\" mass=\"3\"").moments.x == Approx(3.0 / 3 * (0.04 + 0.09)));
+    CHECK(inertia("type=\"cylinder\" size=\"0.1 0.2\"").mass == Approx(1000 * pi * 0.01 * 0.4));
+    CHECK(inertia("type=\"cylinder\" size=\"0.1 0.2\" mass=\"12\"").moments.x == Approx(3 * 0.01 + 0.16));
+    CHECK(inertia("type=\"ellipsoid\" size=\"0.1 0.2 0.3\" mass=\"5\"").moments.z == Approx(0.01 + 0.04));
+    // A capsule without length is a ball, a long one without a radius a rod.
+    CHECK(inertia("type=\"capsule\" size=\"0.1 1e-6\" mass=\"5\"").moments.x == Approx(2 * 0.01).epsilon(1e-4));
+    CHECK(inertia("type=\"capsule\" size=\"1e-5 0.3\" mass=\"3\"").moments.x == Approx(0.09).epsilon(1e-3));
+    const auto fine = geometry::massProperties(*geometry::shapes::capsule(0.1, 0.4, 100), "capsule");
+    CHECK(inertia("type=\"capsule\" size=\"0.1 0.2\" density=\"1\"").moments.x ==
+          Approx(fine.inertia[0].x).epsilon(1e-3));
+    CHECK(inertia("type=\"capsule\" size=\"0.1 0.2\" density=\"1\"").moments.z ==
+          Approx(fine.inertia[1].y).epsilon(1e-3));
+}
+
+TEST_CASE("MJCF: actuators drive joints, cameras and lights are the picture's, contact bits are groups")
+{
+    const Imported imported = mjcf(
+        R"(<worldbody><light directional="true" dir="1 0 -1"/><camera name="eye" pos="0 -1 0" xyaxes="1 0 0 0 0 1" fovy="60"/>
+<body><joint name="a"/><geom size="0.1" contype="4" conaffinity="4"/><geom size="0.2" contype="0" conaffinity="0" group="3"/>
+<body><joint name="b"/><geom size="0.1"/></body></body></worldbody>
+<actuator><position joint="a" kp="3"/><motor joint="b"/><velocity joint="b"/></actuator>)");
+    const auto& body = rigid(imported, 0);
+    CHECK(std::holds_alternative<JointPosition>(*body.articulation.joints[0].command));
+    CHECK(std::holds_alternative<JointForce>(*body.articulation.joints[1].command));
+    REQUIRE(body.collision.size() == 2);
+    CHECK((body.collision[0].group == 2 && body.collision[1].group == 0));
+    CHECK(imported.scene.bodies[0].show.size() == 2);
+    REQUIRE(imported.scene.cameras.size() == 1);
+    CHECK(imported.scene.cameras[0].def.verticalFieldOfView == Approx(60_deg));
+    CHECK(near(imported.scene.cameras[0].pose.position, {0, 0, 1}));
+    CHECK(near(rotate(imported.scene.cameras[0].pose.orientation, {0, 0, -1}), {0, 0, -1}));
+    CHECK(near(rotate(imported.scene.lights.at(0).pose.orientation, {0, 0, -1}), normalized(Vec3{1, -1, 0})));
+    Simulation sim(simulationDef(imported.scene));
+    addScene(sim, imported.scene);
+    CHECK(sim.run({.headless = true, .steps = 5}).complete());
+}
+
+TEST_CASE("MJCF: what is not read is told once per kind with its place, and is an error if strict")
+{
+    const std::string model = R"(<option integrator="Euler"/><tendon/>
+<worldbody><site/><site/><geom size="1" condim="3"/><geom size="1" condim="1" denisty="2"/><body><geom size="1"/></body></worldbody>
+<keyframe/><default><pair/></default>)";
+    CHECK(told(mjcf(model)) ==
+          std::vector<std::string>{"model.xml:4:22: a default <pair> is not read",
+                                   "model.xml:2:30: <tendon> is not read", "model.xml:4:2: <keyframe> is not read",
+                                   "model.xml:2:2: <option> integrator is not read",
+                                   "model.xml:3:13: <site> is not read", "model.xml:3:27: <geom> condim is not read",
+                                   "model.xml:3:54: <geom> denisty is not read (did you mean 'density'?)"});
+    CHECK(errorOf(model, {.strict = true}) ==
+          "model.xml:4:22: mujoco/default/pair: a default <pair> is not read (strict)");
+}
+
+TEST_CASE("MJCF: a mistake is one line with place, element, attribute, bound and value")
+{
+    CHECK(worldError("<geom type=\"bax\" size=\"1\"/>") ==
+          "model.xml:3:2: mujoco/worldbody/geom.type must be one of plane, hfield, sphere, capsule, ellipsoid, "
+          "cylinder, box, mesh, "
+          "sdf, got 'bax' (did you mean 'box'?)");
+    CHECK(worldError("<geom name=\"g\" size=\"-1\"/>") ==
+          "model.xml:3:2: mujoco/worldbody/geom 'g'.size must be in [0, 1000], got '-1'");
+    CHECK(worldError("<geom type=\"box\" size=\"1 1\"/>") ==
+          "model.xml:3:2: mujoco/worldbody/geom.size must be 3 numbers, got '1 1'");
+    CHECK(worldError("<geom size=\"1e308\"/>").ends_with("must be in [0, 1000], got '1e308'"));
+    CHECK(worldError("<geom size=\"nan\"/>").ends_with("must consist of finite numbers, got 'nan'"));
+    CHECK(worldError("<body><joint type=\"ball\"/></body>") ==
+          "model.xml:3:8: mujoco/worldbody/body/joint is a ball joint: hinges and slides are carried, and free joints");
+    CHECK(worldError("<body><freejoint/></body>") ==
+          "model.xml:3:2: mujoco/worldbody/body must have a mass, because it moves freely");
+    CHECK(
+        worldError("<flexcomp dim=\"3\" count=\"100000 100000 100000\"/>") ==
+        "model.xml:3:2: mujoco/worldbody/flexcomp must leave at most 300000 nodes in the model, got 1e+15 up to here");
+    CHECK(worldError("<flexcomp dim=\"3\" count=\"3 3 3\"><pin id=\"27\"/></flexcomp>") ==
+          "model.xml:3:34: mujoco/worldbody/flexcomp/pin.id must be in [0, 26], got '27'");
+    CHECK(worldError("<geom type=\"mesh\" mesh=\"m\"/>") ==
+          "model.xml:3:2: mujoco/worldbody/geom.mesh must be a mesh of the assets, got 'm'");
+    CHECK(errorOf("") == "model.xml:1:2: mujoco must have a <worldbody>");
+}
+
+TEST_CASE("MJCF: hostile files end in an error, quickly")
+{
+    std::string deep, out;
+    for (int i = 0; i < 100000; ++i) deep += "<body>";
+    for (int i = 0; i < 100000; ++i) out += "</body>";
+    CHECK(worldError(deep + out).ends_with("is nested more than 200 deep"));
+    const std::string bomb = R"(<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>)";
+    const SceneFolder folder;
+    const auto load = [&](const std::string& text) -> std::string {
+        try {
+            return loadMjcf(folder.write("model.xml", text)).scene.bodies.empty() ? "empty" : "loaded";
+        } catch (const Error& error) {
+            return error.what();
+        }
+    };
+    CHECK(load(bomb + "<mujoco><worldbody><geom size=\"&b;\"/></worldbody></mujoco>")
+              .ends_with("got '&b;'")); // not expanded
+    folder.write("a.xml", "<mujoco><include file=\"b.xml\"/></mujoco>");
+    folder.write("b.xml", "<mujoco><include file=\"a.xml\"/></mujoco>");
+    CHECK(load("<mujoco><include file=\"a.xml\"/></mujoco>").find("must be a file that is not read yet") !=
+          std::string::npos);
+    CHECK(load("<mujoco><include file=\"model.xml\"/></mujoco>").find("must be a file that is not read yet") !=
+          std::string::npos);
+    CHECK(load("<mujoco><include file=\"/etc/passwd\"/></mujoco>").find("in the folder of the model") !=
+          std::string::npos);
+    CHECK(load("").ends_with("model.xml: is empty"));
+    CHECK(load("<robot/>").ends_with("must begin with <mujoco>, got <robot>"));
+}
+
+TEST_CASE("MJCF: an included file stands in the place of its include, and its mistakes have its name")
+{
+    const SceneFolder folder;
+    folder.write("ground.xml",
+                 "<mujoco><worldbody><geom name=\"ground\" type=\"plane\" size=\"1 1 1\"/></worldbody></mujoco>");
+    const std::string part = folder.write("part.xml", "<mujocoinclude>\n<geom size=\"0.1\"/></mujocoinclude>");
+    const std::string model = folder.write("model.xml", R"(<mujoco><include file="ground.xml"/><worldbody>
+<body name="b"><include file="part.xml"/></body></worldbody></mujoco>)");
+    const Imported imported = loadMjcf(model);
+    CHECK(imported.scene.bodies.size() == 2);
+    CHECK(imported.scene.files.size() == 3);
+    folder.write("part.xml", "<mujocoinclude>\n<geom size=\"x\"/></mujocoinclude>");
+    try {
+        loadMjcf(model);
+        FAIL("no error");
+    } catch (const Error& error) {
+        CHECK(std::string(error.what()).find("part.xml:2:2: mujocoinclude/geom.size") != std::string::npos);
+    }
+}
+
+TEST_CASE("imports: a file is what its name and its first element say")
+{
+    CHECK((isSceneFile("a.urdf") && isSceneFile("a.XML") && isSceneFile("a.json") && !isSceneFile("a.obj")));
+    const SceneFolder folder;
+    const SceneDef robot = loadAnyScene(
+        folder.write("a.xml", "<?xml version=\"1.0\"?><!-- <mujoco> --><robot name=\"r\"><link name=\"a\"/></robot>"));
+    CHECK(std::get<RigidBodyDef>(robot.bodies.at(0).def).name == "r");
+    CHECK(loadAnyScene(folder.write("b.xml", "<mujoco><worldbody><geom size=\"1\"/></worldbody></mujoco>"))
+              .bodies.size() == 1);
+    CHECK(loadAnyScene(folder.write("c.json", "{}")).bodies.empty());
+}
+
+} // namespace import_mjcf_test
+} // namespace filasofia::scene
