@@ -156,7 +156,16 @@ private:
         }
         if (!isEmpty(around)) out_.scene.look.around = around;
         out_.scene.look.direction = {0.5, 0.4, 1.0};
-        for (const MjcfPending& each : bodies_.cameras) readCamera(each);
+        // The first camera is the picture, so those that stand still come first; a model may have eyes of its own.
+        const auto moves = [&](const MjcfPending& each) { return bodies_.trees[each.place.tree].isMoved(); };
+        std::ranges::stable_partition(bodies_.cameras, [&](const MjcfPending& each) { return !moves(each); });
+        for (const MjcfPending& each : bodies_.cameras) {
+            if (moves(each) && out_.scene.cameras.empty())
+                reader_.tell(each.element, "moving camera",
+                             "a <camera> that moves is not read without one that stands still");
+            else
+                readCamera(each);
+        }
         for (const MjcfPending& each : bodies_.lights) readLight(each);
     }
 
