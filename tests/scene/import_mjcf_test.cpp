@@ -79,6 +79,9 @@ TEST_CASE("MJCF: joints in a body stand one behind the other, limits are in degr
     const std::vector<Pose> poses = physics::elementPoses(rigid(imported, 0));
     CHECK(near(poses[3].position, {1.2, 0, 0})); // at its reference the joint is where the file has it
     CHECK(std::abs(poses[3].orientation.w) == Approx(std::sqrt(0.5)));
+    // With several joints in a body, it and its parent are not neighbours, and would touch all the time.
+    CHECK_FALSE(rigid(imported, 0).collision[0].self);
+    CHECK(imported.notes.at(0).ends_with("links do not touch each other if one of them has several joints"));
 }
 
 TEST_CASE("MJCF: orientations by quat, axisangle, euler, xyaxes and zaxis")

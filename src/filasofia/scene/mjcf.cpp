@@ -110,8 +110,7 @@ private:
             RigidTree& tree = bodies_.trees[t];
             if (!tree.isMoved() && tree.show.empty() && tree.def.collision.empty()) continue;
             tree.def.name = names_.take(tree.def.name);
-            if (tree.links() > 1)
-                for (physics::CollisionDef& each : tree.def.collision) each.self = true;
+            touchItself(tree);
             if (tree.def.dynamic && !(tree.inertias[0].mass > 0.0))
                 reader_.refuse(tree.place, "must have a mass, because it moves freely");
             out_.scene.bodies.push_back(tree.finish(reader_));
@@ -119,6 +118,18 @@ private:
             bodyOf_[t] = BodyId{static_cast<std::uint32_t>(out_.scene.bodies.size())};
         }
     }
+    /// Lets links touch each other, except those with a joint between them: MuJoCo leaves out a body and its parent.
+    /// A body with several joints is farther from its parent than one joint, and would touch it all the time.
+    void touchItself(RigidTree& tree)
+    {
+        if (tree.links() < 2 || tree.def.collision.empty()) return;
+        if (tree.manyJoints) {
+            reader_.note(tree.place, "self", "links do not touch each other if one of them has several joints");
+            return;
+        }
+        for (physics::CollisionDef& each : tree.def.collision) each.self = true;
+    }
+
     void addSoft(SceneBody body)
     {
         auto& def = std::get<physics::SoftBodyDef>(body.def);
@@ -145,7 +156,16 @@ private:
         }
         if (!isEmpty(around)) out_.scene.look.around = around;
         out_.scene.look.direction = {0.5, 0.4, 1.0};
-        for (const MjcfPending& each : bodies_.cameras) readCamera(each);
+        // The first camera is the picture, so those that stand still come first; a model may have eyes of its own.
+        const auto moves = [&](const MjcfPending& each) { return bodies_.trees[each.place.tree].isMoved(); };
+        std::ranges::stable_partition(bodies_.cameras, [&](const MjcfPending& each) { return !moves(each); });
+        for (const MjcfPending& each : bodies_.cameras) {
+            if (moves(each) && out_.scene.cameras.empty())
+                reader_.tell(each.element, "moving camera",
+                             "a <camera> that moves is not read without one that stands still");
+            else
+                readCamera(each);
+        }
         for (const MjcfPending& each : bodies_.lights) readLight(each);
     }
 

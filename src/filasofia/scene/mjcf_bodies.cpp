@@ -106,6 +106,7 @@ MjcfPlace MjcfBodies::enter(const Element& body, MjcfPlace place)
         tree.def.elements = {kFromZUp * place.pose};
         place = {trees.size() - 1, 0, {}, place.childClass};
     }
+    if (own.size() > 1) trees[place.tree].manyJoints = true;
     for (std::size_t j = 0; j < own.size(); ++j) {
         const Attributes says = source_.attributesOf(own[j], place.childClass);
         if (own[j].tag() == "freejoint" || reader_.oneOf(says, "type", 3, kJoints) == 0) {

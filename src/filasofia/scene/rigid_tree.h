@@ -25,6 +25,8 @@ struct RigidTree {
     std::vector<std::string> jointNames = {};
     std::vector<std::string> linkNames = {""};
 
+    bool manyJoints = false; ///< a link of the file hangs on more than one joint, with links without a shape between
+
     [[nodiscard]] std::size_t links() const { return inertias.size(); }
     /// A new link, which the joint moves; returns its element.
     int add(physics::JointDef joint, const std::string& jointName, const std::string& linkName);
