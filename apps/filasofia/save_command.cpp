@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/hash.h"
 #include "filasofia/runtime/stepped_run.h"
+#include "filasofia/scene/import.h"
 #include "filasofia/scene/scene_file.h"
 
 #include <iostream>
@@ -33,7 +34,7 @@ std::uint64_t differentStep(const std::string& file, const std::vector<std::uint
 
 int save(const SaveCommandOptions& options)
 {
-    const bool recording = std::filesystem::path(options.source).extension() != ".json";
+    const bool recording = !scene::isSceneFile(options.source);
     if (options.check && !recording) fail("save: --check compares with a recording, got '", options.source, "'");
     if (options.anyFolder && recording) fail("save: --any-folder applies to scene files, got '", options.source, "'");
     std::error_code none;
@@ -43,7 +44,7 @@ int save(const SaveCommandOptions& options)
     if (recording)
         made = scene::sceneOf(options.source);
     else
-        made.scene = scene::loadScene(options.source, {.anyFolder = options.anyFolder});
+        made.scene = scene::loadAnyScene(options.source, {.anyFolder = options.anyFolder});
     scene::saveScene(made.scene, options.scene);
     for (const std::string& note : made.notes) std::cout << "note: " << note << '\n';
     std::cout << "wrote " << options.scene << '\n';
@@ -66,8 +67,8 @@ Command saveCommand()
             .meaning = "Write what a program did as a scene file, from its recording",
             .options = {{"SOURCE",
                          &options.source,
-                         "A recording (--record FILE of any program), or a scene file, which becomes one "
-                         "without include, defaults and classes",
+                         "A recording (--record FILE of any program), a robot (.urdf), a model of MuJoCo (.xml), or a "
+                         "scene file, which becomes one without include, defaults and classes",
                          "FILE",
                          {},
                          true},

@@ -658,6 +658,16 @@ class Save(Program):
                   for file in (source, flat)}
         self.assertEqual(len(hashes), 1)
 
+    def test_a_robot_becomes_a_scene_with_the_same_states(self):
+        scenes = Path(__file__).parents[2] / "examples/scenes"
+        for name in ("needle_driver.urdf", "flex.xml"):
+            with self.subTest(name):
+                source, scene = str(scenes / name), self.at("robot.json")
+                self.assertIn(f"wrote {scene}", self.output("save", source, scene))
+                hashes = {re.search(r"(?m)^state hash .*$", self.output("run", file, "--headless", "--steps", "20"))[0]
+                          for file in (source, scene)}
+                self.assertEqual(len(hashes), 1)
+
     def test_words_that_are_wrong(self):
         scene = self.at("a.json")
         Path(scene).write_text('{"bodies": []}')
