@@ -78,7 +78,7 @@ TEST_CASE("the vertices of round shapes lie on the round surface, and both ends 
     for (const Vec3& v : ellipsoid->vertices)
         CHECK(length(Vec3{v.x / axes.x, v.y / axes.y, v.z / axes.z}) == Approx(1));
     CHECK(facesOutwards(*ellipsoid));
-    CHECK(volumeOf(ellipsoid) == Approx(4.0 / 3.0 * kPi * axes.x * axes.y * axes.z).epsilon(0.01));
+    CHECK(volumeOf(ellipsoid) == Approx(4.0 / 3.0 * kPi * axes.x * axes.y * axes.z).epsilon(1.6 / (12 * 12)));
     for (const Vec3& v : capsule->vertices) CHECK(length(v - Vec3{0, v.y > 0 ? 0.02 : -0.02, 0}) == Approx(0.01));
     double low = 0.0, high = 0.0;
     for (const Vec3& v : cylinder->vertices) {

@@ -41,7 +41,7 @@ std::vector<std::string> told(const Imported& imported)
     return all;
 }
 
-TEST_CASE("MJCF: a body that falls lands on the plane; the time step and gravity are those of the option")
+TEST_CASE("MJCF: a body falls onto the plane with the time step and the gravity of the option")
 {
     const Imported imported = mjcf(R"(<option timestep="0.001" gravity="0 0 -5"/><worldbody>
 <geom type="plane" size="0 0 1"/><body name="ball" pos="0 0 0.2"><freejoint/><geom size="0.05" mass="0.3"/></body></worldbody>)");
