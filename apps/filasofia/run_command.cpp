@@ -239,6 +239,8 @@ Command runCommand()
                      .target = &options.threads,
                      .meaning = "Threads within one step; 0: all cores except one, at most 8",
                      .bound = kThreads},
+                    {"--measures", &options.measures,
+                     "Write what a scene file measures to this .jsonl file, for report, or to a .csv file", "FILE"},
                     {"--any-folder", &options.anyFolder, "The files that a scene file names may be outside its folder"},
                     {"--strict", &options.strict, "URDF and MJCF: what is not read is an error"},
                     {.name = "--package",

@@ -22,7 +22,7 @@ std::uint64_t differentStep(const std::string& file, const std::vector<std::uint
 {
     const scene::SceneDef def = scene::loadScene(file);
     runtime::Simulation simulation(scene::simulationDef(def));
-    scene::addScene(simulation, def);
+    static_cast<void>(scene::addScene(simulation, def));
     runtime::SteppedRun run(simulation);
     for (std::size_t i = 0; i < recorded.size(); ++i) {
         const std::uint64_t step = run.step().step;

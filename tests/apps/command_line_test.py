@@ -649,6 +649,14 @@ class Save(Program):
                 hashes = [re.search(r"(?m)^state hash .*$", said)[0] for said in (done.stdout, self.output("run", file, *words))]
                 self.assertEqual(hashes[0], hashes[1])
 
+    def test_what_a_scene_measures_is_reported(self):
+        biopsy = str(Path(__file__).parents[2] / "examples/scenes/biopsy.json")
+        session, numbers = self.at("biopsy.jsonl"), self.at("biopsy_numbers.json")
+        said = self.output("run", biopsy, "--headless", "--steps", "2600", "--measures", session, "--trainee", "A. B.")
+        self.assertIn("ended: task 'biopsy' is done", said)
+        self.assertIn('"trainee":"A. B."', Path(session).read_text().splitlines()[0])
+        self.refused("run", "bunny", "--headless", "--measures", session, says=["--measures applies to scene files"])
+
     def test_a_scene_with_defaults_becomes_one_without(self):
         source = str(Path(__file__).parents[2] / "examples/scenes/jaws.json")
         flat = self.at("flat.json")

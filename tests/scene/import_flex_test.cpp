@@ -137,7 +137,7 @@ TEST_CASE("MJCF: flexes of files, of points in the file, rigid ones, and those t
     CHECK(soft(held, 1).attachments.at(0).to == BodyId{1});
     CHECK(soft(held, 1).attachments.at(0).element == 1);
     Simulation sim(simulationDef(held.scene));
-    addScene(sim, held.scene);
+    static_cast<void>(addScene(sim, held.scene));
     CHECK(sim.run({.headless = true, .steps = 20}).complete());
 }
 

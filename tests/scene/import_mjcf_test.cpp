@@ -173,7 +173,7 @@ TEST_CASE("MJCF: actuators drive joints, cameras and lights are the picture's, c
     CHECK(near(rotate(imported.scene.cameras[0].pose.orientation, {0, 0, -1}), {0, 0, -1}));
     CHECK(near(rotate(imported.scene.lights.at(0).pose.orientation, {0, 0, -1}), normalized(Vec3{1, -1, 0})));
     Simulation sim(simulationDef(imported.scene));
-    addScene(sim, imported.scene);
+    static_cast<void>(addScene(sim, imported.scene));
     CHECK(sim.run({.headless = true, .steps = 5}).complete());
 }
 

@@ -21,7 +21,7 @@ std::string addingFails(const SceneFolder& folder, const std::string& content, b
     try {
         const SceneDef scene = folder.load(content);
         Simulation sim(simulationDef(scene));
-        addScene(sim, scene, {.keep = keep});
+        static_cast<void>(addScene(sim, scene, {.keep = keep}));
     } catch (const Error& error) {
         const std::string line = error.what();
         const auto at = line.find("scene.json:");
@@ -79,7 +79,7 @@ TEST_CASE("scenes: each condition of a task holds when it should")
             "task": {"steps": [{"done": )",
                                                 condition, "}]}}"));
         Simulation sim(simulationDef(scene));
-        addScene(sim, scene);
+        static_cast<void>(addScene(sim, scene));
         return sim.run({.headless = true, .steps = 400}).steps;
     };
     CHECK(stepsIn(R"({"type": "Waited", "seconds": 0.1})") == Approx(51).margin(2));
@@ -102,7 +102,7 @@ TEST_CASE("scenes: a task whose time is over ends the run")
     const SceneDef scene = folder.load(R"({"bodies": [{"type": "RigidBodyDef", "name": "a"}],
         "task": {"timeLimit": "0.1 s", "steps": [{"done": {"type": "Waited", "seconds": 1}}]}})");
     Simulation sim(simulationDef(scene));
-    addScene(sim, scene);
+    static_cast<void>(addScene(sim, scene));
     const RunReport report = sim.run({.headless = true, .steps = 400});
     CHECK(report.finished == "task 'task' is out of time");
     CHECK(report.steps == Approx(101).margin(2));

@@ -13,7 +13,7 @@ std::string example(const std::string& name) { return text(FILASOFIA_SOURCE_DIR,
 RunReport runScene(const SceneDef& scene, int steps)
 {
     Simulation sim(simulationDef(scene));
-    addScene(sim, scene);
+    static_cast<void>(addScene(sim, scene));
     return sim.run(RunDef{.headless = true, .steps = steps});
 }
 
@@ -172,7 +172,7 @@ TEST_CASE("scenes: commands are given at their times, with the hash of a program
 
     // A restored state gets the later commands again.
     Simulation sim(simulationDef(scene));
-    addScene(sim, scene);
+    static_cast<void>(addScene(sim, scene));
     runtime::SteppedRun run(sim);
     std::shared_ptr<const physics::SavedState> state;
     for (int i = 1; i <= 40; ++i) {
@@ -195,7 +195,7 @@ TEST_CASE("scenes: a command that cannot be is refused, or ends the commands and
     };
     const auto added = [](const SceneDef& scene) {
         Simulation sim;
-        addScene(sim, scene);
+        static_cast<void>(addScene(sim, scene));
     };
     using Catch::Contains;
     CHECK_THROWS_WITH(with(R"({"time": 0})"), Contains("commands[0] must have the member 'type'"));
@@ -225,7 +225,7 @@ TEST_CASE("scenes: a scene's own cameras show it, and its lights light it")
         SceneDef changed = scene;
         change(changed);
         Simulation sim(simulationDef(changed));
-        addScene(sim, changed);
+        static_cast<void>(addScene(sim, changed));
         runtime::SteppedRun run(sim);
         run.step();
         const visual::Image picture = run.picture({.width = 96, .height = 72});
@@ -274,7 +274,7 @@ TEST_CASE("scenes: a wrong camera, light, view or haptic interface is refused wi
         const SceneDef scene = folder.load(text);
         Simulation sim(simulationDef(scene));
         try {
-            addScene(sim, scene);
+            static_cast<void>(addScene(sim, scene));
         } catch (const Error& error) {
             const std::string line = error.what();
             return line.substr(std::min(line.find("scene.json:"), line.size()));
@@ -305,7 +305,7 @@ TEST_CASE("scenes: a wrong body is refused with its place")
         Simulation other;
         std::string error = "no error";
         try {
-            addScene(other, {.bodies = {std::move(body)}});
+            static_cast<void>(addScene(other, {.bodies = {std::move(body)}}));
         } catch (const Error& problem) {
             error = problem.what();
         }

@@ -165,7 +165,8 @@ def load(
     standard error or, if `strict`, raises Error; `package` is the folder that package:// names.
 
     Files that the scene names must be in its folder, unless `any_folder`. `threads` replaces those of the scene, with
-    the same bits. `measures` is a .jsonl or .csv file that close() completes: what the scene measures. Raises Error "FILE:LINE:COLUMN: ...".
+    the same bits. `measures` is a .jsonl or .csv file that close() completes: what the scene measures. A task that is
+    over does not stop step(). Raises Error "FILE:LINE:COLUMN: ...".
     """
     simulation = Simulation.__new__(Simulation)
     _core.Simulation.__init__(

@@ -163,11 +163,14 @@ void Session::add(const scene::SceneDef& scene, const prefab::MetricTrackerDef& 
 void Session::measure(prefab::MetricTrackerDef def)
 {
     if (run_) fail("measure: the run has begun: measure before the first step");
-    trackers_.push_back(std::make_shared<prefab::MetricTracker>(simulation_, std::move(def)));
+    auto made = std::make_shared<prefab::MetricTracker>(simulation_, std::move(def));
+    const std::scoped_lock lock(trackersMutex_);
+    trackers_.push_back(std::move(made));
 }
 
 void Session::mark(metric::EventKind kind, const std::string& what, std::optional<double> amount)
 {
+    const std::scoped_lock lock(trackersMutex_);
     if (trackers_.empty()) fail("mark: nothing is measured: call measure() before the first step");
     for (const auto& each : trackers_) each->mark(kind, what, amount);
 }
@@ -182,7 +185,10 @@ void Session::close()
         ~Closing() { closed.store(true); }
     };
     const Closing last{closed_};
-    for (const auto& each : trackers_) each->close();
+    {
+        const std::scoped_lock lock(trackersMutex_);
+        for (const auto& each : trackers_) each->close();
+    }
     final_ = report();
     if (run_)
         final_ = run_->end();

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 #include <variant>
@@ -110,6 +111,7 @@ private:
 
     runtime::Simulation simulation_;
     scene::AddedScene scene_ = {};
+    std::mutex trackersMutex_;
     std::vector<std::shared_ptr<prefab::MetricTracker>> trackers_; ///< they end before the simulation
     std::optional<runtime::SteppedRun> run_;
     runtime::RunReport final_ = {}; ///< written before closed_ is set, and never again

@@ -61,7 +61,8 @@ void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle 
         ofSceneFile([&] { session->add(scene, {.file = written}); });
     }
     new (self) HeldSimulation{.session = std::move(session)};
-    self->shown = std::ranges::any_of(scene.bodies, [](const scene::SceneBody& each) { return !each.show.empty(); });
+    self->shown = !scene.instruments.empty() ||
+                  std::ranges::any_of(scene.bodies, [](const scene::SceneBody& each) { return !each.show.empty(); });
 }
 
 /// "soft body 'liver'", as the engine's own errors begin.
@@ -244,7 +245,7 @@ void addSteps(nb::class_<HeldSimulation>& sim)
             return makeSteps(self, static_cast<std::uint64_t>(n), "step", readMoves(*self.session, moves));
         },
         nb::arg("n") = 1, nb::arg("moves") = nb::none(),
-        nb::sig("def step(self, n: int = 1, moves: collections.abc.Mapping[filasofia.BodyId, filasofia.Pose | "
+        nb::sig("def step(self, n: int = 1, moves: dict[filasofia.BodyId, filasofia.Pose | "
                 "collections.abc.Sequence[float]] | None = None) -> StepReport"),
         "Makes n steps and returns the report of the last one. Other threads of Python run meanwhile.\n\n"
         "`moves` gives kinematic bodies the poses [m] that their first elements reach with the last step: straight, at "

@@ -188,8 +188,8 @@ constexpr auto fields(const SceneDef*)
 /// The Def of a simulation for this scene.
 runtime::SimulationDef simulationDef(const SceneDef& scene);
 
-/// What was made of a scene.
-struct AddedScene {
+/// What was made of a scene. If it has a task and a tracker, keep it until the run has ended.
+struct [[nodiscard]] AddedScene {
     std::vector<BodyId> bodies = {}; ///< their ids in the order of the scene, those of the instruments behind them
     std::shared_ptr<const prefab::Task> task = {}; ///< null if the scene has none
     /// Null if no session is written. Let it go when the run has ended, and before the simulation.

@@ -8,6 +8,8 @@
 
 #include "filasofia/core/error.h"
 
+#include <algorithm>
+
 namespace filasofia::scene {
 namespace {
 
@@ -81,7 +83,8 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
         }
     try {
         added.tracker = addTracker(simulation, scene, ids, std::move(tracker));
-        if (scene.task) added.task = addTask(simulation, *scene.task, ids, added.tracker.get());
+        const bool dressed = !scene.cameras.empty() || std::ranges::any_of(instruments, &Instrument::isScope);
+        if (scene.task) added.task = addTask(simulation, *scene.task, ids, added.tracker.get(), dressed);
     } catch (const Error& error) {
         const std::string words = error.what();
         failAtPlace(scene.places, words.substr(0, words.find(' ')), words);

@@ -121,8 +121,11 @@ private:
             } else if (kind == "node") {
                 addNode(inner, at, depth + 1);
             } else if (kind == "instance_node") {
-                if (const auto found = nodes_.find(target); found != nodes_.end())
-                    addNode(found->second, at, depth + 1);
+                const auto found = nodes_.find(target);
+                if (found == nodes_.end()) fail(name_, ": there is no node '", shortened(target), "'");
+                addNode(found->second, at, depth + 1);
+            } else if (kind == "skew" || kind == "lookat" || kind == "instance_controller") {
+                fail(name_, ": <", kind, "> is not read: a node must be placed by matrix, rotate, scale or translate");
             } else if (kind == "instance_geometry") {
                 const auto found = geometries_.find(target);
                 if (found == geometries_.end()) fail(name_, ": there is no geometry '", shortened(target), "'");
@@ -171,6 +174,8 @@ private:
         mirrored_ = determinant(at.linear) < 0.0;
         for (const pugi::xml_node part : mesh.children()) {
             const std::string_view kind = part.name();
+            if (kind == "tristrips" || kind == "trifans")
+                fail(name_, ": a mesh must consist of triangles, a polylist or polygons, got <", kind, ">");
             if (kind != "triangles" && kind != "polylist" && kind != "polygons") continue;
             addPart(part, first, points.size());
         }
@@ -196,7 +201,8 @@ private:
                                      : counts.empty()    ? 3.0
                                      : k < counts.size() ? counts[k]
                                                          : 0.0;
-                if (!(given >= 1.0 && given <= static_cast<double>(corners - at))) break;
+                if (!(given >= 1.0 && given <= static_cast<double>(corners - at)))
+                    fail(name_, ": the corners of a <", part.name(), "> must be as many as its polygons have");
                 const auto count = static_cast<std::size_t>(given);
                 const auto vertex = [&](std::size_t corner) {
                     const double index = v[(at + corner) * step + offset];

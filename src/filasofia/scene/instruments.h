@@ -10,6 +10,8 @@ struct Instrument {
     std::shared_ptr<prefab::ArticulatedInstrument> jaws = {};
     std::shared_ptr<prefab::Endoscope> scope = {};
     bool keyed = false; ///< its own keys move it
+
+    [[nodiscard]] bool isScope() const { return scope != nullptr; }
 };
 using Instruments = std::vector<Instrument>;
 

@@ -170,15 +170,14 @@ private:
     }
 
     /// Lets a camera or a light stand where its element does, or move with its body.
-    template <class Def> bool put(const MjcfPending& at, const Pose& pose, Placed<Def>& placed)
+    template <class Def> void put(const MjcfPending& at, const Pose& pose, Placed<Def>& placed)
     {
         if (bodies_.trees[at.place.tree].isMoved()) {
             placed.follow =
                 SceneFollow{{runtime::FollowElement{at.place.link}, at.place.pose * pose}, bodyOf_[at.place.tree]};
-            return true;
+            return;
         }
         placed.pose = bodies_.worldPose(at.place) * pose;
-        return true;
     }
 
     void readCamera(const MjcfPending& at)
@@ -211,9 +210,12 @@ private:
             return;
         }
         const Attributes says = source_.attributesOf(at.element, at.place.childClass);
+        if (const auto mode = says.find("mode"); mode && mode->words != "fixed")
+            return reader_.tell(at.element, "light mode", "<light> is read only with mode=\"fixed\"");
         SceneLight light;
-        const bool directional =
-            reader_.flag(says, "directional", false) || reader_.word(says, "type") == "directional";
+        const std::size_t type = reader_.oneOf(says, "type", 0, {"spot", "directional", "point", "image"});
+        if (type > 1) return reader_.tell(at.element, "light type", "<light> is read only as a spot or directional");
+        const bool directional = reader_.flag(says, "directional", false) || type == 1;
         const bool other = std::ranges::any_of(out_.scene.lights, [](const SceneLight& each) {
             return std::holds_alternative<visual::DirectionalLight>(each.def.kind);
         });

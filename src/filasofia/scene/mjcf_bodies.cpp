@@ -34,7 +34,7 @@ void MjcfBodies::read(const Element& worldbody)
 {
     reader_.tellUnread(worldbody, {"childclass"});
     trees[0].place = worldbody;
-    readChildren(worldbody, {.childClass = source_.childClassOf(worldbody, {})});
+    readChildren(worldbody, {.childClass = source_.childClassOf(worldbody, {})}, false);
 }
 
 Pose MjcfBodies::worldPose(const MjcfPlace& place)
@@ -54,13 +54,14 @@ geometry::Box MjcfBodies::bounds()
     return box;
 }
 
-void MjcfBodies::readChildren(const Element& of, const MjcfPlace& place)
+void MjcfBodies::readChildren(const Element& of, const MjcfPlace& place, bool weighed)
 {
     using FromGeoms = MjcfCompiler::FromGeoms;
     if (++depth_ > kMaxBodyDepth) reader_.refuse(of, text("is nested more than ", kMaxBodyDepth, " deep"));
     const std::vector<Element> children = source_.childrenOf(of);
-    const bool given = source_.compiler.fromGeoms != FromGeoms::Always &&
-                       std::ranges::any_of(children, [](const Element& each) { return each.tag() == "inertial"; });
+    const bool given =
+        weighed || (source_.compiler.fromGeoms != FromGeoms::Always &&
+                    std::ranges::any_of(children, [](const Element& each) { return each.tag() == "inertial"; }));
     for (const Element& each : children) {
         if (each.tag() == "body") {
             readBody(each, place);
@@ -73,7 +74,9 @@ void MjcfBodies::readChildren(const Element& of, const MjcfPlace& place)
             MjcfPlace inner = place;
             inner.pose = place.pose * source_.poseOf(Attributes(each));
             inner.childClass = source_.childClassOf(each, place.childClass);
-            readChildren(each, inner);
+            for (const Element& joint : source_.childrenOf(each))
+                if (isJoint(joint)) reader_.refuse(joint, "must stand in its body, and not in a <frame>");
+            readChildren(each, inner, given);
         } else if (each.tag() == "flexcomp") {
             flexes.push_back({each, place});
         } else if (each.tag() == "camera" || each.tag() == "light") {
@@ -91,7 +94,7 @@ void MjcfBodies::readBody(const Element& body, const MjcfPlace& outer)
     MjcfPlace place = outer;
     place.pose = outer.pose * source_.poseOf(Attributes(body));
     place.childClass = source_.childClassOf(body, outer.childClass);
-    readChildren(body, enter(body, place));
+    readChildren(body, enter(body, place), false);
 }
 
 MjcfPlace MjcfBodies::enter(const Element& body, MjcfPlace place)
@@ -156,11 +159,11 @@ MjcfPlace MjcfBodies::addJoint(const Attributes& says, const MjcfPlace& place, b
 void MjcfBodies::readLimits(const Attributes& says, bool turns, physics::JointDef& def) const
 {
     const auto range = says.find("range");
-    const bool limited = range && source_.compiler.autoLimits;
+    const std::vector<double> v = range ? reader_.numbers(*range, 2, 2) : std::vector<double>();
+    const bool limited = range && source_.compiler.autoLimits && v[0] < v[1]; // "0 0" means no limit
     const std::size_t says3 = reader_.oneOf(says, "limited", 2, {"false", "true", "auto"});
     if (says3 == 0 || (says3 == 2 && !limited)) return;
     if (!range) reader_.refuse(says.element(), "must say its range, because it is limited");
-    const std::vector<double> v = reader_.numbers(*range, 2, 2);
     def.lower = turns ? source_.angle(v[0]) : v[0];
     def.upper = turns ? source_.angle(v[1]) : v[1];
     if (def.lower > def.upper) reader_.refuse(*range, "must be ascending");
@@ -217,7 +220,7 @@ std::optional<Solid> MjcfBodies::solidOf(const Attributes& says, Pose& pose)
     if (!given) reader_.refuse(says.element(), "must say its size");
     const auto ends = says.find("fromto");
     const bool round = kind == 3 || kind == 5;
-    const std::size_t needs = kind == 2 || (ends && round) ? 1 : ends || round ? 2 : 3;
+    const std::size_t needs = kind == 2 || ends ? 1 : round ? 2 : 3;
     std::vector<double> size = reader_.numbers(*given, needs, 3, closed(0, kFarthestShape));
     size.resize(3);
     double half = size[1];

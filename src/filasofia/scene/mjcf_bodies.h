@@ -39,7 +39,8 @@ public:
     [[nodiscard]] geometry::Box bounds();
 
 private:
-    void readChildren(const Element& of, const MjcfPlace& place);
+    /// `weighed`: what they are in has its inertia from elsewhere.
+    void readChildren(const Element& of, const MjcfPlace& place, bool weighed);
     void readBody(const Element& body, const MjcfPlace& outer);
     /// The place behind the body's joints; a new tree if it hangs on nothing that moves.
     [[nodiscard]] MjcfPlace enter(const Element& body, MjcfPlace place);

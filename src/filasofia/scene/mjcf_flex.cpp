@@ -206,6 +206,7 @@ void MjcfFlex::pinGrid(Flex& flex, const Attribute& found, bool ranges) const
             low[k] = v[i + k];
             high[k] = v[i + k + (ranges ? dim : 0)];
             if (low[k] >= flex.count[k] || high[k] >= flex.count[k]) reader_.refuse(found, "must be in the grid");
+            if (low[k] > high[k]) reader_.refuse(found, "must be ranges that ascend");
         }
         for (int x = low[0]; x <= high[0]; ++x)
             for (int y = low[1]; y <= high[1]; ++y)
@@ -229,6 +230,8 @@ void MjcfFlex::readPins(Flex& flex) const
         if (const auto found = says.find("range")) {
             const std::vector<int> v = reader_.wholes(*found, nodes);
             if (v.size() % 2 != 0) reader_.refuse(*found, "must be 2 numbers for each range");
+            for (std::size_t i = 0; i < v.size(); i += 2)
+                if (v[i] > v[i + 1]) reader_.refuse(*found, "must be ranges that ascend");
             for (std::size_t i = 0; i < v.size(); i += 2)
                 for (int k = v[i]; k <= v[i + 1]; ++k) flex.pinned[static_cast<std::size_t>(k)] = true;
         }

@@ -75,6 +75,8 @@ void MjcfSource::include(const XmlFile& file)
         if (!included_.insert(std::filesystem::weakly_canonical(path)).second)
             reader.refuse(*name, "must be a file that is not read yet: each is included once");
         const XmlFile& inner = reader.read(path, path.lexically_proximate(std::filesystem::current_path()).string());
+        if (std::string_view(inner.document.document_element().name()) == "include")
+            reader.refuse(*name, "must be a file whose first element is not <include>");
         includes_[at.node] = &inner;
         include(inner);
     }
@@ -117,7 +119,8 @@ void MjcfSource::readCompiler(const Element& element)
         if (!axes) reader.refuse(*found, "must be three letters of xyz or XYZ");
         compiler.eulerOrder = found->words;
     }
-    if (const auto found = says.findAny({"meshdir", "assetdir"})) compiler.meshFolder = found->words;
+    if (const auto found = says.find("assetdir")) compiler.meshFolder = found->words;
+    if (const auto found = says.find("meshdir")) compiler.meshFolder = found->words;
     compiler.autoLimits = reader.flag(says, "autolimits", compiler.autoLimits);
     if (says.has("inertiafromgeom"))
         compiler.fromGeoms =

@@ -79,7 +79,7 @@ private:
             std::visit([this](const auto& each) { take(each); }, command);
         for (const runtime::SceneEvent& event : std::exchange(waiting_, {}))
             std::visit([this](const auto& each) { show(each); }, event);
-        out_.hashes.push_back(step.hash);
+        if (dt > 0.0 || !started()) out_.hashes.push_back(step.hash); // a paused step is none
     }
 
     // Commands.
@@ -87,6 +87,8 @@ private:
     void take(const physics::AddBody& add)
     {
         const std::string name = physics::describeBody(*add.def);
+        constexpr std::uint32_t kMaxId = 1'000'000; // a recording is not trusted
+        if (!add.id || add.id.value > kMaxId) fail("AddBody: id must be in [1, ", kMaxId, "], got ", add.id.value);
         if (started()) return note(name, ", added at ", time_, " s, is left out");
         SceneBody body{.def = *add.def};
         const std::size_t attachments = std::visit([](const auto& def) { return def.attachments.size(); }, body.def);
@@ -108,8 +110,12 @@ private:
     {
         const auto* def = rigid(set.id);
         if (!def || def->dynamic) return command(set);
-        Track<KeyPose>& track = poses_[{bodies_[set.id.value - 1].value, set.element}];
-        if (track.keys.empty()) track.start = physics::elementPoses(*def).at(static_cast<std::size_t>(set.element));
+        const std::vector<Pose> start = physics::elementPoses(*def);
+        const auto element = static_cast<std::size_t>(set.element);
+        if (set.element < 0 || element >= start.size())
+            fail("SetPose: element must be in [0, ", start.size(), "), got ", set.element);
+        Track<KeyPose>& track = poses_[{numberOf(set.id).value, set.element}];
+        if (track.keys.empty()) track.start = start[element];
         put(track, set.pose);
     }
     void put(Track<KeyPose>& track, const Pose& pose) const
@@ -126,7 +132,7 @@ private:
     }
     void take(const physics::SetJoint& set)
     {
-        if (rigid(set.id)) joints_[{bodies_[set.id.value - 1].value, set.joint}].add({time_, set.command});
+        if (rigid(set.id)) joints_[{numberOf(set.id).value, set.joint}].add({time_, set.command});
     }
     void take(const physics::SetMaterial& set) { command(SetMaterial{set.id, set.material}); }
     void take(const physics::Pause& pause)
@@ -142,6 +148,8 @@ private:
             const AttachmentId recorded = given.id; // it makes an attachment
             given.id = {};
             if (!renumber(given)) return noteLost(given);
+            if (!attachments_.empty() && recorded < attachments_.rbegin()->first)
+                note("an attachment that was made before a body with attachments comes after them: hashes differ");
             given.id = number(recorded);
         } else if (!renumber(given)) {
             return noteLost(given);
@@ -153,11 +161,16 @@ private:
         note(record::typeName<Command>(), " at ", time_, " s is left out: it names what is not in the scene");
     }
 
+    /// The number of a recorded body in the scene; none if it is not in it.
+    [[nodiscard]] BodyId numberOf(BodyId id) const
+    {
+        return id && id.value <= bodies_.size() ? bodies_[id.value - 1] : BodyId{};
+    }
     /// The rigid body of a recorded id; null if the scene has none.
     [[nodiscard]] const physics::RigidBodyDef* rigid(BodyId id) const
     {
-        if (id.value > bodies_.size() || !bodies_[id.value - 1]) return nullptr;
-        return std::get_if<physics::RigidBodyDef>(&scene_.bodies[bodies_[id.value - 1].value - 1].def);
+        const BodyId number = numberOf(id);
+        return number ? std::get_if<physics::RigidBodyDef>(&scene_.bodies[number.value - 1].def) : nullptr;
     }
     /// Replaces recorded ids by the numbers of the scene; false if one is not in it.
     template <class T> bool renumber(T& value) const
@@ -226,8 +239,7 @@ private:
     }
     void show(const runtime::SceneShown& shown)
     {
-        if (shown.body.value > bodies_.size() || !bodies_[shown.body.value - 1]) return;
-        shown_[shown.shown] = {bodies_[shown.body.value - 1].value - 1, shown.def};
+        if (const BodyId number = numberOf(shown.body)) shown_[shown.shown] = {number.value - 1, shown.def};
     }
     void show(const runtime::SceneVisible& visible)
     {
@@ -242,8 +254,7 @@ private:
     void show(const runtime::SceneUnshown& unshown) { shown_.erase(unshown.shown); }
     void show(const runtime::ScenePainted& painted)
     {
-        if (painted.body.value > bodies_.size() || !bodies_[painted.body.value - 1]) return;
-        scene_.bodies[bodies_[painted.body.value - 1].value - 1].paint.push_back(painted.def);
+        if (const BodyId number = numberOf(painted.body)) scene_.bodies[number.value - 1].paint.push_back(painted.def);
     }
     void show(const runtime::SceneCleaned&)
     {

@@ -135,11 +135,13 @@ Written SceneWriter::attachmentName(AttachmentId id) const
     return text("attachment ", id.value);
 }
 
-std::string SceneWriter::nameOf(const std::string& file) const
+std::string SceneWriter::nameOf(const std::string& file)
 {
     if (file.empty()) return file;
     if (const std::string asset = assetName(std::filesystem::absolute(file)); !asset.empty()) return "asset:" + asset;
-    return within(folder_, file);
+    std::string name = within(folder_, file);
+    if (!name.empty()) kept_.insert(folder_ / name);
+    return name;
 }
 
 std::filesystem::path SceneWriter::newFile(std::string_view name, std::string_view extension)
@@ -147,10 +149,13 @@ std::filesystem::path SceneWriter::newFile(std::string_view name, std::string_vi
     std::string plain;
     for (const char each : name) plain += std::isalnum(static_cast<unsigned char>(each)) ? each : '_';
     std::string unused = text(plain, extension);
-    for (int i = 2; !taken_.insert(unused).second; ++i) unused = text(plain, "_", i, extension);
+    for (int i = 2; kept_.contains(files_ / unused) || !taken_.insert(unused).second; ++i)
+        unused = text(plain, "_", i, extension);
     std::error_code problem;
     std::filesystem::create_directories(files_, problem);
     if (problem) fail(files_.string(), ": cannot be made: ", problem.message());
+    if (within(folder_, files_).empty())
+        fail(files_.string(), ": must be in the folder of the scene, also behind links");
     return files_ / unused;
 }
 

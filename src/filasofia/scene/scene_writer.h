@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -166,7 +167,9 @@ private:
             typed.update(json);
             return typed;
         } else if constexpr (std::is_same_v<Held, double>) {
-            return held; // with ".0": without, it would be the alternative of whole numbers
+            return std::isfinite(held)
+                       ? Written(held)
+                       : number(held); // with ".0": without, it would be the alternative of whole numbers
         } else {
             return value(held, Held{});
         }
@@ -186,7 +189,7 @@ private:
     /// A new file in the scene's folder of files, named after what is written.
     std::filesystem::path newFile(std::string_view name, std::string_view extension);
     /// The name of a file that comes with Filasofia or is in the scene's folder; else empty.
-    [[nodiscard]] std::string nameOf(const std::string& file) const;
+    [[nodiscard]] std::string nameOf(const std::string& file);
 
     const std::filesystem::path folder_; ///< the scene's
     const std::filesystem::path files_;  ///< the folder of its files
@@ -196,6 +199,7 @@ private:
     std::map<std::shared_ptr<const void>, std::string> meshes_; ///< names of meshes in memory
     std::map<std::string, std::string> written_;                ///< names of files by what they are copies of
     std::set<std::string> taken_;                               ///< names of new files
+    std::set<std::filesystem::path> kept_;                      ///< files that the scene goes on naming
 };
 
 } // namespace filasofia::scene

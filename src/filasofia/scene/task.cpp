@@ -147,7 +147,7 @@ std::string nameOf(const SceneDef& scene, BodyId number)
 } // namespace
 
 std::shared_ptr<const prefab::Task> addTask(runtime::Simulation& simulation, const SceneTask& task,
-                                            const std::vector<BodyId>& ids, prefab::MetricTracker* tracker)
+                                            const std::vector<BodyId>& ids, prefab::MetricTracker* tracker, bool arrow)
 {
     const auto partings = std::make_shared<Partings>();
     simulation.on<runtime::CutEvent>([partings](const runtime::CutEvent& cut) { partings->add(cut.rupture); });
@@ -162,6 +162,7 @@ std::shared_ptr<const prefab::Task> addTask(runtime::Simulation& simulation, con
     };
     const auto made = std::make_shared<const prefab::Task>(simulation, std::move(def));
     const auto guidance = std::make_shared<prefab::Guidance>(simulation, *made);
+    if (arrow) simulation.dress([guidance](visual::VisualServer& visual) { guidance->dress(visual); });
     simulation.everyStep([made, guidance](double) {}); // they last as long as the simulation
     return made;
 }

@@ -5,9 +5,10 @@
 namespace filasofia::scene {
 
 /// Starts a scene's task, with its instructions over the picture; the run ends when it is over. `ids`: the bodies of
-/// the scene; `tracker` gets the steps, and may be null. Throws an Error that begins with "task".
+/// the scene; `tracker` gets the steps, and may be null; `arrow`: the picture is made by dress(), so an arrow may point
+/// in it. Throws an Error that begins with "task".
 std::shared_ptr<const prefab::Task> addTask(runtime::Simulation& simulation, const SceneTask& task,
-                                            const std::vector<BodyId>& ids, prefab::MetricTracker* tracker);
+                                            const std::vector<BodyId>& ids, prefab::MetricTracker* tracker, bool arrow);
 
 /// Starts to observe what a scene measures; null if `def` names no file and keeps nothing.
 std::shared_ptr<prefab::MetricTracker> addTracker(runtime::Simulation& simulation, const SceneDef& scene,
