@@ -37,7 +37,11 @@ struct RandomBody final : BodySmoother {
             if (!diagonal_ || !rows.middleCols<3>(3 * b).isZero(0.0)) out.push_back({b, at(rows, 0, b)});
     }
     [[nodiscard]] Mat3 block(int row, int column) const override { return at(d, row, column); }
-    [[nodiscard]] bool isDiagonal() const override { return diagonal_; }
+    void addPlaces(std::vector<BlockPlace>& out) const override
+    {
+        for (int row = 1; !diagonal_ && 3 * row < d.rows(); ++row)
+            for (int column = 0; column < row; ++column) out.push_back({row, column});
+    }
 
 private:
     static Mat3 at(const Eigen::MatrixXd& m, int row, int column)
