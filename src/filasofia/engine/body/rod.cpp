@@ -75,7 +75,8 @@ Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes)
 
 RodState stateAtStart(const Rod& rod)
 {
-    return {rod.directors, std::vector<double>(rod.edges.size()), rod.startTwists};
+    return {rod.directors, std::vector<double>(rod.edges.size()), rod.startTwists,
+            std::vector<double>(rod.edges.size())};
 }
 
 std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard)
@@ -132,6 +133,7 @@ void check(const Rod& rod, const RodState& state, std::size_t nodes, const std::
     checkSize(object, "rod.directors", state.directors.size(), nodes - 1);
     checkSize(object, "rod.spins", state.spins.size(), nodes - 1);
     checkSize(object, "rod.twists", state.twists.size(), nodes - 2);
+    checkSize(object, "rod.tensions", state.tensions.size(), nodes - 1);
     const auto positive = [&](const char* field, double value) {
         if (!(value > 0.0) || !std::isfinite(value)) fail(object, ": ", field, " must be > 0, got ", value);
     };
@@ -145,9 +147,9 @@ void check(const Rod& rod, const RodState& state, std::size_t nodes, const std::
     for (double each : rod.inertias) positive("rod.inertias", each);
     for (Vec3 each : state.directors)
         if (!(std::abs(lengthSquared(each) - 1.0) < 1e-6)) fail(object, ": rod.directors must be unit vectors");
-    for (const auto* list : {&state.spins, &state.twists})
+    for (const auto* list : {&state.spins, &state.twists, &state.tensions})
         for (double each : *list)
-            if (!std::isfinite(each)) fail(object, ": rod.spins and rod.twists must be finite");
+            if (!std::isfinite(each)) fail(object, ": rod.spins, rod.twists and rod.tensions must be finite");
 }
 
 } // namespace filasofia::engine

@@ -27,6 +27,9 @@ struct RodState {
     std::vector<Vec3> directors; ///< per edge: a unit vector across it that turns with the material
     std::vector<double> spins;   ///< [rad/s] per edge: velocity of the material about it
     std::vector<double> twists;  ///< [rad] per joint, any number of turns
+    /// [N] per edge: the force along it in the last step. That is what resists turning, and not the force that its
+    /// length would make: a step moves nodes along straight lines, so every edge that turns has become longer.
+    std::vector<double> tensions;
 };
 
 /// A rod with these nodes at the start.

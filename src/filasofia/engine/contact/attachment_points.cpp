@@ -223,8 +223,9 @@ void addNodesNear(const physics::AttachmentDef& def, std::span<const Vec3> x, co
         const std::vector<Vec3>& line = scene.soft[holder->index].state.x;
         const double radius = scene.soft[holder->index].model.rod.radius, within = def.within.value_or(radius);
         for (std::size_t i = 0; i < x.size(); ++i) {
+            const std::vector<AttachedPoint> nearest = onRod(line, x.subspan(i, 1));
             Vec3 place;
-            for (const NodeWeight& each : onRod(line, x.subspan(i, 1)).front().nodes)
+            for (const NodeWeight& each : nearest.front().nodes)
                 place += each.weight * line[static_cast<std::size_t>(each.node)];
             if (distance(x[i], place) <= radius + within) nodes.push_back(static_cast<int>(i));
         }

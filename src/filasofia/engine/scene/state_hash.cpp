@@ -124,7 +124,7 @@ void addJoints(Hasher& hash, const RigidState& body)
 void add(Hasher& hash, const RodState& rod)
 {
     for (Vec3 each : rod.directors) add(hash, each);
-    for (const auto* list : {&rod.spins, &rod.twists})
+    for (const auto* list : {&rod.spins, &rod.twists, &rod.tensions})
         for (double each : *list) hash.add(each);
 }
 

@@ -32,19 +32,7 @@ double times(const RodVector& a, const RodVector& b)
     return sum;
 }
 
-/// The direction of an edge and by how much it is longer than at rest, relative to its length; zero if it is shorter:
-/// then what turns it is left out, so that the tangent is positive semi-definite.
-struct Pull {
-    Vec3 direction;
-    double across = 0.0;
-};
-Pull pullOf(const Spring& edge, std::span<const Vec3> x)
-{
-    const Vec3 a = x[static_cast<std::size_t>(edge.nodes[0])], b = x[static_cast<std::size_t>(edge.nodes[1])];
-    const double now = distance(a, b);
-    const Vec3 direction = normalized(b - a);
-    return {direction, now > edge.restLength ? 1.0 - edge.restLength / now : 0.0};
-}
+Vec3 directionOf(std::span<const Vec3> x, std::size_t edge) { return normalized(x[edge + 1] - x[edge]); }
 
 } // namespace
 
@@ -107,10 +95,13 @@ void RodSystem::addEdges(const SoftModel& model, double stiffness, double turnin
     for (std::size_t e = 0; e < model.rod.edges.size(); ++e) {
         const Spring& edge = model.rod.edges[e];
         const Vec3 force = springForce(edge, state.x[e], state.x[e + 1]);
-        const auto [direction, across] = pullOf(edge, state.x);
+        const Vec3 direction = directionOf(state.x, e);
         const Mat3 along = outer(direction, direction);
-        // Tension resists turning without damping it: a taut thread swings freely.
-        const Mat3 k = edge.stiffness * (along + turning * across * (Mat3::identity() - along));
+        // Tension resists turning without damping it: a taut thread swings freely. Compression is left out, so that the
+        // tangent is positive semi-definite.
+        const double across =
+            std::max(0.0, state.rod.tensions[e]) / std::max(distance(state.x[e], state.x[e + 1]), 1e-12);
+        const Mat3 k = edge.stiffness * along + turning * across * (Mat3::identity() - along);
         const Vec3 kv = k * (state.v[e] - state.v[e + 1]);
         add(force, e, forces_);
         add(-force, e + 1, forces_);
@@ -179,13 +170,21 @@ void RodSystem::take(std::span<const double> solution, std::span<Vec3> dv)
     for (std::size_t e = 0; e < spinChanges_.size(); ++e) spinChanges_[e] = solution[unknownOf(e) + 3];
 }
 
-bool RodSystem::move(double dt, const SoftState& state, std::span<const Vec3> x)
+bool RodSystem::move(double dt, const SoftModel& model, const SoftState& state, std::span<const Vec3> x,
+                     std::span<const Vec3> v)
 {
     moved_ = state.rod;
     moved_.directors = directors_;
-    for (std::size_t e = 0; e < spinChanges_.size(); ++e) moved_.spins[e] += spinChanges_[e];
+    for (std::size_t e = 0; e < spinChanges_.size(); ++e) {
+        moved_.spins[e] += spinChanges_[e];
+        const Spring& edge = model.rod.edges[e];
+        const double longer = distance(state.x[e], state.x[e + 1]) - edge.restLength;
+        const double rate = dot(directionOf(state.x, e), v[e + 1] - v[e]);
+        moved_.tensions[e] = edge.stiffness * (longer + (dt + model.rayleigh.stiffness) * rate);
+    }
     moveRod(dt, state.x, x, moved_, moved_);
-    return std::ranges::all_of(moved_.spins, [](double each) { return std::isfinite(each); }) &&
+    const auto finite = [](double each) { return std::isfinite(each); };
+    return std::ranges::all_of(moved_.spins, finite) && std::ranges::all_of(moved_.tensions, finite) &&
            std::ranges::all_of(moved_.directors, [](Vec3 each) { return isFinite(each); });
 }
 
@@ -194,7 +193,7 @@ void addRodForces(const SoftModel& model, const SoftState& state, std::vector<Ve
     const double beta = model.rayleigh.stiffness;
     for (std::size_t e = 0; e < model.rod.edges.size(); ++e) {
         const Spring& edge = model.rod.edges[e];
-        const Vec3 direction = pullOf(edge, state.x).direction;
+        const Vec3 direction = directionOf(state.x, e);
         const Vec3 force = springForce(edge, state.x[e], state.x[e + 1]) +
                            beta * edge.stiffness * dot(direction, state.v[e + 1] - state.v[e]) * direction;
         forces[e] += force;

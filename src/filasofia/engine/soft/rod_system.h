@@ -26,9 +26,10 @@ public:
 
     /// Takes the solution of a coupled solve, by unknown.
     void take(std::span<const double> solution, std::span<Vec3> dv);
-    /// Computes the new directors, spins and twists from the changes of the spins. Returns false if they are not
-    /// finite.
-    bool move(double dt, const SoftState& state, std::span<const Vec3> x);
+    /// Computes the new directors, spins, twists and tensions from the changes of the spins and the new places and
+    /// velocities. Returns false if they are not finite.
+    bool move(double dt, const SoftModel& model, const SoftState& state, std::span<const Vec3> x,
+              std::span<const Vec3> v);
     [[nodiscard]] RodState& moved() { return moved_; }
 
     [[nodiscard]] const linalg::BandMatrix& matrix() const { return matrix_; }

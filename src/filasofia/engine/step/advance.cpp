@@ -61,7 +61,7 @@ bool moveBody(double dt, SoftBody& body, WorkerPool& pool)
             !std::ranges::all_of(nodes(system.residual), [](Vec3 l) { return isFinite(l); }))
             good = false;
     });
-    return good && (!system.rod || system.rod->move(dt, state, system.x));
+    return good && (!system.rod || system.rod->move(dt, body.model, state, system.x, system.v));
 }
 
 /// Per node, whether a constraint acts on it.
@@ -119,7 +119,7 @@ void settleBody(const StepContext& context, Vec3 gravity, SoftBody& body, BodyOu
     bool good = moveBody(dt, body, context.pool);
     if (!good) { // roll back, clear velocities, and creep
         for (auto* list : {&state.v, &state.dv, &state.residual}) std::fill(list->begin(), list->end(), Vec3{});
-        std::ranges::fill(state.rod.spins, 0.0);
+        for (auto* list : {&state.rod.spins, &state.rod.tensions}) std::ranges::fill(*list, 0.0);
         assembleBody({gravity, dt, kCreep}, body, context.pool);
         system.dv = state.dv;
         solveBody(dt, kCreep, limitsOf(body.model), body, context.pool);
