@@ -38,7 +38,7 @@ TEST_CASE("a session with a rod that is touched, attached and pulled is replayed
             server.popRecord();
         }
         CHECK(touched);
-        CHECK(server.latest()->softBody(thread)->directors.size() == 50);
+        CHECK(server.latest()->softBody(thread)->directors.size() == 51);
     }
     const record::Recording recording = record::readRecording(file.path());
     REQUIRE(recording.steps.size() == 60);

@@ -91,7 +91,7 @@ TEST_CASE("commands that a rod cannot follow are refused, and those for nodes ar
     server.attach(rod, {.nodes = {0, 1}});
     for (int i = 0; i < 20; ++i) server.step(1e-3);
     CHECK(server.latest()->softBody(rod)->positions[10].x > 0.1);
-    CHECK(server.latest()->softBody(rod)->positions[0] == Vec3{});
+    CHECK(length(server.latest()->softBody(rod)->positions[0]) < 1e-6);
 }
 
 } // namespace build_rod_test
