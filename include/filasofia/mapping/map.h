@@ -27,7 +27,7 @@ struct BarycentricMap {
 
 /// The vertices are those of the tube around a rod's centre line, a smooth curve through all of its nodes.
 struct TubeMap {
-    int nodes = 0;       ///< of the rod
+    int nodes = 0;       ///< how many the rod has
     double radius = 0.0; ///< [m]
 };
 

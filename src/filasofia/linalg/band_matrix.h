@@ -10,7 +10,8 @@ namespace filasofia::linalg {
 /// column: the entry (row, column) is at kWidth + 1 times the column, plus row - column.
 class BandMatrix {
 public:
-    static constexpr std::size_t kWidth = 10; ///< of a rod: a node, the next two, and the angles of both edges between
+    static constexpr std::size_t kWidth =
+        10; ///< what a rod needs: a node, the next two, and the angles of both edges between
 
     explicit BandMatrix(std::size_t rows = 0) { resize(rows); }
     void resize(std::size_t rows)

@@ -31,7 +31,7 @@ struct RodJoint {
 /// The state around an inner node.
 struct RodPlace {
     std::array<Vec3, 3> x{};         ///< [m] the node before, the node, the node after
-    std::array<Vec3, 2> directors{}; ///< of both edges
+    std::array<Vec3, 2> directors{}; ///< on both edges
     double twist = 0.0;              ///< [rad] m, any number of turns
 };
 

@@ -9,7 +9,7 @@ namespace filasofia::engine {
 /// of the angles of three edges each.
 class RodOperator final : public DenseOperator<double> {
 public:
-    /// The system must outlive the solve. `guess` [m/s]: the first guess per node. `mass` [kg]: of the free nodes.
+    /// The system must outlive the solve. `guess` [m/s]: the first guess per node. `mass` [kg]: that of the free nodes.
     RodOperator(const RodSystem& system, std::span<const Vec3> guess, double mass);
 
     double begin(std::span<const ContactPoint> points) override;

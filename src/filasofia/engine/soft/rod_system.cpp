@@ -152,7 +152,7 @@ void RodSystem::addMasses(const SoftModel& model, double weight, const SoftState
         for (std::size_t k = 0; k < 3; ++k) matrix_.column(unknownOf(i) + k)[0] += weight * model.masses[i];
     for (std::size_t e = 0; e < model.rod.edges.size(); ++e)
         matrix_.column(unknownOf(e) + 3)[0] += weight * model.rod.inertias[e];
-    const std::size_t last = fixed_.size() - 1; // of no edge: as large as that before it
+    const std::size_t last = fixed_.size() - 1; // the unknown without an edge is as large as that before it
     matrix_.column(last)[0] = matrix_.column(last - 4)[0];
 }
 

@@ -23,7 +23,7 @@ struct SoftSystem {
     /// Operator of matrixFree; set once the body is part of a coupled solve.
     std::unique_ptr<MatrixFreeOperator> coupled;
     std::unique_ptr<AssembledSystem> assembled; ///< in double, the reference solver
-    CopiedPtr<RodSystem> rod;                   ///< of a rod
+    CopiedPtr<RodSystem> rod;                   ///< in double, for a rod
 
     SoftSystem() = default;
     /// The copy makes an assembled system again before its next solve: it is a function of the model.
