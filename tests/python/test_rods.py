@@ -59,5 +59,5 @@ def test_errors_name_the_rod():
     sim = fs.Simulation()
     with pytest.raises(fs.Error, match="rod 'silk': points must have at least 2 entries"):
         sim.add(thread(points=[]))
-    with pytest.raises(fs.Error, match="rod 'silk': radius must be > 0"):
+    with pytest.raises(fs.Error, match="radius must be > 0 m, got 0"):
         sim.add(thread(radius=0.0))
