@@ -97,6 +97,8 @@ using physics::Rayleigh;
 using physics::RegionShape;
 using physics::RigidAttachmentDef;
 using physics::RigidBodyDef;
+using physics::RodBodyDef;
+using physics::RodCollision;
 using physics::Rupture;
 using physics::ShellMaterial;
 using physics::SoftBodyDef;

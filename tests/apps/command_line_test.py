@@ -640,7 +640,7 @@ class Save(Program):
 
     def test_examples_that_need_no_callback_have_the_states_of_their_scene_files(self):
         twins = {"01_bunny": "bunny", "02_materials": "materials", "07_articulation": "jaws", "08_friction": "friction",
-                 "11_haptics": "haptics"}
+                 "11_haptics": "haptics", "16_thread": "thread"}
         for program, scene in twins.items():
             with self.subTest(program):
                 words = ["--headless", "--steps", "120"]

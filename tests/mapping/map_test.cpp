@@ -1,3 +1,4 @@
+#include "filasofia/geometry/mass_properties.h"
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/mapping/map.h"
@@ -55,6 +56,30 @@ TEST_CASE("a surface beside the mesh follows an affine deformation exactly")
     for (std::size_t i = 0; i < vertices.size(); ++i)
         worst = std::max(worst, distance(vertices[i], a * surface.vertices[i] + b));
     CHECK(worst < 1e-12);
+}
+
+TEST_CASE("a rod is drawn as a closed tube that turns outwards and goes through its nodes")
+{
+    std::vector<Vec3> line;
+    for (int i = 0; i <= 40; ++i) line.push_back({0.02 * std::cos(0.1 * i), 0.02 * std::sin(0.1 * i), 1e-3 * i});
+    constexpr double radius = 1e-3;
+    const MappedSurface mapped = mapTube(line, radius);
+    geometry::check(mapped.surface, "tube");
+    CHECK(nodesNeeded(mapped.map) == 41);
+    double length = 0.0;
+    for (std::size_t i = 0; i < 40; ++i) length += distance(line[i], line[i + 1]);
+    const double polygon = 6.0 * std::sin(M_PI / 6.0) * radius * radius; // area of a dodecagon
+    CHECK_THAT(geometry::enclosedVolume(mapped.surface), Catch::WithinRel(polygon * length, 0.01));
+    for (std::size_t i = 0; i <= 40; ++i) // every fourth ring is around a node
+        for (std::size_t side = 0; side < 12; ++side)
+            CHECK_THAT(distance(mapped.surface.vertices[48 * i + side], line[i]), Catch::WithinAbs(radius, 1e-12));
+
+    frame::SoftBodyFrame moved;
+    for (Vec3 node : line) moved.positions.push_back(2.0 * node + Vec3{1, 0, 0});
+    std::vector<Vec3> vertices(mapped.surface.vertices.size());
+    apply(mapped.map, moved, vertices);
+    CHECK_THAT(distance(vertices[48 * 7], moved.positions[7]), Catch::WithinAbs(radius, 1e-12));
+    CHECK(vertices.back() == moved.positions.back());
 }
 
 TEST_CASE("a rigid map is the element's pose")

@@ -91,6 +91,20 @@ TEST_CASE("scenes: a sheet falls over an organ and is lifted by its middle")
     CHECK(tip == Approx(top + 15_mm).margin(2_mm)); // half of the way
 }
 
+TEST_CASE("scenes: a thread falls over a bar and holds")
+{
+    const SceneDef scene = loadScene(example("thread"));
+    Simulation sim(simulationDef(scene));
+    const BodyId thread = addScene(sim, scene).at(0);
+    sim.run({.headless = true, .steps = 1000});
+    const auto frame = sim.physics().latest();
+    const std::vector<Vec3>& nodes = frame->softBody(thread)->positions;
+    CHECK(nodes.size() == 121);
+    CHECK(std::ranges::max(nodes, {}, &Vec3::y).y == Approx(8.5_mm).margin(0.1_mm)); // a radius above the bar
+    CHECK(nodes.front().y < -25_mm);
+    CHECK(nodes.back().y < nodes.front().y - 5_mm);
+}
+
 TEST_CASE("scenes: commands of joints are given when their time comes, again in every round")
 {
     SceneDef scene{.physics = {.rate = 100.0}};

@@ -43,6 +43,10 @@ nlohmann::json benchLaws(bool quick);
 /// contact. If `quick`, only the smallest meshes are measured, with fewer steps.
 nlohmann::json benchContact(bool quick);
 
+/// A step's cost of rods that hang, lie on a floor and touch themselves, of 200 and 1,000 nodes. If `quick`, with fewer
+/// steps.
+nlohmann::json benchRod(bool quick);
+
 /// The cost of cutting per step, by stages, while a blade moves through a block at 5 cm/s, and the solver's iterations
 /// before, during and after the cut. If `quick`, the block is small.
 nlohmann::json benchCut(bool quick);

@@ -28,9 +28,10 @@ constexpr double kQuickSeconds = 2.0; ///< [s] wall time per run of haptics if -
 void checkOptions(const BenchCommandOptions& options)
 {
     if (options.scene != "bunny" && options.scene != "solver" && options.scene != "laws" &&
-        options.scene != "contact" && options.scene != "cut" && options.scene != "haptics" && options.scene != "visual")
+        options.scene != "contact" && options.scene != "cut" && options.scene != "rod" && options.scene != "haptics" &&
+        options.scene != "visual")
         fail("bench: unknown scene '", shortened(options.scene),
-             "'; known are bunny, solver, laws, contact, cut, haptics and visual");
+             "'; known are bunny, solver, laws, contact, cut, rod, haptics and visual");
     if (!std::isnan(options.seconds) && options.scene != "bunny" && options.scene != "haptics")
         fail("bench: --seconds applies to bunny and haptics only; ", options.scene, " makes a fixed number of steps");
     if (!std::isnan(options.soak) && options.scene != "contact") fail("bench: --soak applies to contact only");
@@ -42,6 +43,7 @@ json measure(const BenchCommandOptions& options)
     if (options.scene == "solver") return benchSolver(options.quick);
     if (options.scene == "laws") return benchLaws(options.quick);
     if (options.scene == "cut") return benchCut(options.quick);
+    if (options.scene == "rod") return benchRod(options.quick);
     if (options.scene == "visual") return benchVisual(options.quick);
     const double seconds = std::isnan(options.seconds) ? kSeconds : options.seconds;
     if (options.scene == "bunny") return benchBunny(seconds, options.quick);
@@ -92,7 +94,8 @@ Command benchCommand()
                      &options.scene,
                      "bunny: the paper's table of tetrahedra x subdivision; solver: cost of a step; laws: the same by "
                      "elastic law; contact: cost of a step "
-                     "with bodies in contact; cut: cost of a step while a blade cuts; haptics: evenness of the haptic "
+                     "with bodies in contact; cut: cost of a step while a blade cuts; rod: cost of a step of threads; "
+                     "haptics: evenness of the haptic "
                      "servo; visual: cost of a picture",
                      "",
                      {},

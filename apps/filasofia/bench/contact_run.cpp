@@ -120,7 +120,7 @@ ContactRun::ContactRun(const ContactScene& scene, int threads, bool contacts)
         const AttachmentId first{attachments + 1};
         std::visit(
             [&](auto& d) {
-                if (!contacts) d.collision.clear();
+                if (!contacts) d.collision = {};
                 attachments += static_cast<std::uint32_t>(d.attachments.size());
             },
             def);

@@ -113,6 +113,8 @@ void bindSoft(nb::module_& module)
              [](const auto& body, nb::handle owner) { return rowsOf<double, 3>(body.positions, owner); });
     addArray(soft, "velocities", "(n, 3) [m/s], one row per node",
              [](const auto& body, nb::handle owner) { return rowsOf<double, 3>(body.velocities, owner); });
+    addArray(soft, "directors", "(n - 1, 3) of a rod, one unit vector per edge across it; empty for other bodies",
+             [](const auto& body, nb::handle owner) { return rowsOf<double, 3>(body.directors, owner); });
     soft.def_prop_ro(
         "revision",
         [](const SoftPart& self) { return self.body->boundary ? self.body->boundary->revision : std::uint64_t{0}; },

@@ -11,7 +11,6 @@ namespace filasofia::python {
 namespace {
 
 using physics::RigidBodyDef;
-using physics::SoftBodyDef;
 
 bool hasSurface(const physics::BodyDef& def)
 {
@@ -29,9 +28,8 @@ void showAll(HeldSimulation& self)
     for (const BodyId id : session.physics().bodies()) {
         const auto def = session.physics().def(id);
         if (self.shownByUs.contains(id) || !hasSurface(*def)) continue;
-        const bool soft = std::holds_alternative<SoftBodyDef>(*def);
         self.shownByUs[id] = session.simulation().show(
-            id, soft ? runtime::ShowDef{} : runtime::ShowDef{.material = visual::MetalMaterial{}});
+            id, physics::isRigid(*def) ? runtime::ShowDef{.material = visual::MetalMaterial{}} : runtime::ShowDef{});
     }
 }
 

@@ -72,23 +72,23 @@ std::string objectOf(const char* kind, nb::handle def)
     return nb::isinstance<nb::str>(name) ? text(kind, " '", nb::cast<std::string>(name), "'") : std::string(kind);
 }
 
+/// Adds the body if the object is one of this kind of Def.
+template <class Def> std::optional<BodyId> addAs(const char* kind, nb::handle def, Session& session)
+{
+    if (!Convert<Def>::takes(def)) return std::nullopt;
+    auto read = readDef<Def>(def, objectOf(kind, def));
+    const nb::gil_scoped_release free;
+    return session.simulation().add(std::move(read));
+}
+
 nb::object add(HeldSimulation& self, nb::handle def)
 {
     Session& session = usable(self, "add");
-    const bool soft = Convert<SoftBodyDef>::takes(def);
-    if (!soft && !Convert<RigidBodyDef>::takes(def))
-        failType({.name = "add: the body"}, "must be a SoftBodyDef or a RigidBodyDef", def);
-    BodyId id;
-    if (soft) {
-        auto read = readDef<SoftBodyDef>(def, objectOf("soft body", def));
-        const nb::gil_scoped_release free;
-        id = session.simulation().add(std::move(read));
-    } else {
-        auto read = readDef<RigidBodyDef>(def, objectOf("rigid body", def));
-        const nb::gil_scoped_release free;
-        id = session.simulation().add(std::move(read));
-    }
-    return Convert<BodyId>::make(id);
+    std::optional<BodyId> id = addAs<SoftBodyDef>("soft body", def, session);
+    if (!id) id = addAs<RigidBodyDef>("rigid body", def, session);
+    if (!id) id = addAs<physics::RodBodyDef>("rod", def, session);
+    if (!id) failType({.name = "add: the body"}, "must be a SoftBodyDef, a RigidBodyDef or a RodBodyDef", def);
+    return Convert<BodyId>::make(*id);
 }
 
 nb::object definition(HeldSimulation& self, nb::handle body)
@@ -187,7 +187,8 @@ PyType_Slot slots[] = {
 void addBodies(nb::class_<HeldSimulation>& sim)
 {
     sim.def("add", &add, nb::arg("body").none(),
-            nb::sig("def add(self, body: filasofia.SoftBodyDef | filasofia.RigidBodyDef) -> filasofia.BodyId"),
+            nb::sig("def add(self, body: filasofia.SoftBodyDef | filasofia.RigidBodyDef | filasofia.RodBodyDef) -> "
+                    "filasofia.BodyId"),
             "Adds a body; it is there from the next step on.");
     sim.def(
         "remove",
@@ -197,7 +198,7 @@ void addBodies(nb::class_<HeldSimulation>& sim)
         nb::arg("body").none(), nb::sig("def remove(self, body: filasofia.BodyId) -> None"));
     sim.def("definition", &definition, nb::arg("body").none(),
             nb::sig("def definition(self, body: filasofia.BodyId) -> typing.Any"),
-            "A copy of the SoftBodyDef or RigidBodyDef that a body was made from, with its meshes.");
+            "A copy of the SoftBodyDef, RigidBodyDef or RodBodyDef that a body was made from, with its meshes.");
     sim.def_prop_ro(
         "bodies",
         [](HeldSimulation& self) {

@@ -12,13 +12,15 @@
 
 namespace filasofia::frame {
 
-/// The state of one soft body.
+/// The state of one soft body, a shell and a rod included.
 struct SoftBodyFrame {
     BodyId id = {};
     std::vector<Vec3> positions = {};  ///< [m], one per node
     std::vector<Vec3> velocities = {}; ///< [m/s], one per node
     std::shared_ptr<const Boundary> boundary =
         {}; ///< the boundary of a body with dynamicTopology; empty if its mesh was never edited
+    /// Rods only, per edge: a unit vector across it, which turns with the material
+    std::vector<Vec3> directors = {};
 };
 
 /// The state of one rigid body, per element.

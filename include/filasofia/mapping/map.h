@@ -25,7 +25,13 @@ struct BarycentricMap {
     geometry::Embedding embedding;
 };
 
-using SoftMap = std::variant<IdentityMap, BarycentricMap>;
+/// The vertices are those of the tube around a rod's centre line, a smooth curve through all of its nodes.
+struct TubeMap {
+    int nodes = 0;       ///< how many the rod has
+    double radius = 0.0; ///< [m]
+};
+
+using SoftMap = std::variant<IdentityMap, BarycentricMap, TubeMap>;
 
 /// A surface and the map by which it follows its soft body.
 struct MappedSurface {
@@ -51,6 +57,9 @@ MappedSurface mapSheet(geometry::TriangleMesh rest);
 /// position of a node.
 MappedSurface mapSheet(const geometry::TriangleMesh& rest, geometry::TriangleMesh surface, const std::string& object);
 
+/// The tube around a rod with these nodes, in world coordinates, closed at both ends.
+MappedSurface mapTube(std::span<const Vec3> nodes, double radius);
+
 /// The surface with its vertices duplicated along edges with a dihedral angle of more than `angle` [rad], so that
 /// shading shows them: one vertex for each side of such an edge. Triangles keep their indices; uv are copied with their
 /// vertices.
@@ -61,6 +70,8 @@ int nodesNeeded(const SoftMap& map);
 
 /// The pose of the drawn object.
 Pose apply(const RigidMap& map, const frame::RigidBodyFrame& body);
+
+void apply(const TubeMap& map, const frame::SoftBodyFrame& body, std::span<Vec3> vertices);
 
 /// Computes the positions of the vertices [m]; `vertices` has one entry per vertex.
 void apply(const SoftMap& map, const frame::SoftBodyFrame& body, std::span<Vec3> vertices);

@@ -1,7 +1,9 @@
 #pragma once
 
 #include "filasofia/physics/fem_material.h"
+#include "filasofia/physics/node_def.h"
 #include "filasofia/physics/rigid_body_def.h"
+#include "filasofia/physics/rod_body_def.h"
 #include "filasofia/physics/shell_material.h"
 
 #include "filasofia/geometry/tet_mesh.h"
@@ -24,12 +26,6 @@ struct MassSpringMaterial {
 
 using SoftMaterial = std::variant<FemMaterial, MassSpringMaterial, ShellMaterial>;
 
-/// Rayleigh damping: the damping matrix is mass * M + stiffness * K.
-struct Rayleigh {
-    double mass = 0.1;       ///< [1/s], >= 0
-    double stiffness = 0.01; ///< [s], >= 0
-};
-
 /// v' = v + dt M^-1 f(x, v), x' = x + dt v: cheap, but unstable unless steps are small.
 struct ExplicitEuler {
     bool symplectic = false; ///< x' = x + dt v' instead: keeps the energy bounded
@@ -51,12 +47,6 @@ struct ConjugateGradient {
 /// Direct: sparse Cholesky, factorised in every step. Continues past a step's deadline, however long it takes.
 struct Cholesky {};
 using Solver = std::variant<ConjugateGradient, Cholesky>;
-
-/// A prescribed force on a node.
-struct NodalForce {
-    int node = 0;    ///< index of the mesh
-    Vec3 force = {}; ///< [N]
-};
 
 /// A mesh of tetrahedra or, for a shell, of triangles: the name of a file, or the mesh itself.
 using SoftMeshSource =
@@ -85,7 +75,10 @@ struct SoftBodyDef {
     bool dynamicTopology = false;
 };
 
-using BodyDef = std::variant<SoftBodyDef, RigidBodyDef>;
+using BodyDef = std::variant<SoftBodyDef, RigidBodyDef, RodBodyDef>;
+
+/// Whether a body consists of rigid elements; all others consist of nodes.
+inline bool isRigid(const BodyDef& def) { return std::holds_alternative<RigidBodyDef>(def); }
 
 constexpr auto fields(const MassSpringMaterial*)
 {
@@ -95,12 +88,6 @@ constexpr auto fields(const MassSpringMaterial*)
                     field("damping", &T::damping, "N s/m", nonNegative(), "damping of each spring"),
                     field("tearingThreshold", &T::tearingThreshold, "Pa", positiveOrInfinite(),
                           "largest principal stress beyond which it tears"));
-}
-constexpr auto fields(const Rayleigh*)
-{
-    using T = Rayleigh;
-    return describe("Rayleigh", field("mass", &T::mass, "1/s", nonNegative(), "factor of the mass matrix"),
-                    field("stiffness", &T::stiffness, "s", nonNegative(), "factor of the stiffness matrix"));
 }
 constexpr auto fields(const ExplicitEuler*)
 {
@@ -120,12 +107,6 @@ constexpr auto fields(const ConjugateGradient*)
         field("assembled", &T::assembled, "the reference solver: the whole matrix, in double precision"));
 }
 constexpr auto fields(const Cholesky*) { return describe("Cholesky"); }
-constexpr auto fields(const NodalForce*)
-{
-    using T = NodalForce;
-    return describe("NodalForce", field("node", &T::node, "-", nonNegative(), "index of the node"),
-                    field("force", &T::force, "N", finite(), "force on it"));
-}
 constexpr auto fields(const SoftBodyDef*)
 {
     using T = SoftBodyDef;

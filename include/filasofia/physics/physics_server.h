@@ -44,6 +44,7 @@ public:
 
     BodyId add(SoftBodyDef def);
     BodyId add(RigidBodyDef def);
+    BodyId add(RodBodyDef def);
     void remove(BodyId id);
     /// For a kinematic body: its pose at the end of the next step. It moves there with constant velocity, except that
     /// it jumps if that would be faster than 20 m/s. For a dynamic body: its pose from now on, at rest. For an

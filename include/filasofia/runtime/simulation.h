@@ -100,6 +100,7 @@ public:
 
     BodyId add(physics::SoftBodyDef def);
     BodyId add(physics::RigidBodyDef def);
+    BodyId add(physics::RodBodyDef def);
     /// Lets a haptic device control a rigid element, or only be read; call it before a run. The second form takes a
     /// driver of the caller's in place of the Def's device.
     HapticId add(const HapticInterfaceDef& def);

@@ -108,6 +108,7 @@ void World::capture(frame::Frame& out) const
         out.softBodies[b].positions = body.state.x;
         out.softBodies[b].velocities = body.state.v;
         out.softBodies[b].boundary = boundaryOf(body.model, body.topology);
+        out.softBodies[b].directors = body.state.rod.directors;
     }
     out.contacts = scene_.contactReports;
     out.attachments = scene_.attachmentReports;

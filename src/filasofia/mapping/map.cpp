@@ -49,6 +49,11 @@ void applyTo(const BarycentricMap& map, const frame::SoftBodyFrame& body, std::s
     }
 }
 
+void applyTo(const TubeMap& map, const frame::SoftBodyFrame& body, std::span<Vec3> vertices)
+{
+    apply(map, body, vertices);
+}
+
 /// The triangles around each vertex, in their order.
 std::vector<std::vector<int>> trianglesAround(const geometry::TriangleMesh& surface)
 {
@@ -156,6 +161,8 @@ int nodesNeeded(const SoftMap& map)
     int highest = -1;
     if (const auto* identity = std::get_if<IdentityMap>(&map))
         for (const int node : identity->nodes) highest = std::max(highest, node);
+    else if (const auto* tube = std::get_if<TubeMap>(&map))
+        return tube->nodes;
     else
         for (const geometry::Tetrahedron& nodes : std::get<BarycentricMap>(map).embedding.nodes)
             for (const int node : nodes) highest = std::max(highest, node);

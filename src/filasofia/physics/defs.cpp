@@ -116,11 +116,18 @@ void check(const RigidBodyDef& def)
         checkElement(def.attachments[i].element, elementCount(def), text(object, ": attachments[", i, "].element"));
 }
 
+void check(const RodBodyDef& def)
+{
+    validate(def, text("rod '", def.name, "'"));
+    static_cast<void>(centreLine(def));
+}
+
 } // namespace
 
 std::string describeBody(const BodyDef& def)
 {
     if (const auto* soft = std::get_if<SoftBodyDef>(&def)) return text("soft body '", soft->name, "'");
+    if (const auto* rod = std::get_if<RodBodyDef>(&def)) return text("rod '", rod->name, "'");
     return text("rigid body '", std::get<RigidBodyDef>(def).name, "'");
 }
 

@@ -365,6 +365,12 @@ BodyId PhysicsServer::add(RigidBodyDef def)
     return impl_->add(std::move(def));
 }
 
+BodyId PhysicsServer::add(RodBodyDef def)
+{
+    def.pose = unitPose(def.pose, text("rod '", def.name, "': pose"));
+    return impl_->add(std::move(def));
+}
+
 void PhysicsServer::remove(BodyId id) { impl_->post(RemoveBody{id}); }
 void PhysicsServer::setPose(BodyId id, const Pose& pose, int element) { impl_->post(SetPose{id, element, pose}); }
 void PhysicsServer::setGravity(Vec3 gravity) { impl_->post(SetGravity{gravity}); }

@@ -145,7 +145,8 @@ struct Registry::Check {
     }
     void operator()(const SetForces& set) const
     {
-        const Body& body = find<SoftBodyDef>(set.id, "must be a soft body to have nodal forces set");
+        const Body& body =
+            find<SoftBodyDef, RodBodyDef>(set.id, "must be a soft body or a rod to have nodal forces set");
         const std::string object = describeBody(*body.def);
         for (std::size_t i = 0; i < set.forces.size(); ++i) {
             validate(set.forces[i], text(object, ": forces[", i, "]"));
@@ -161,7 +162,7 @@ struct Registry::Check {
     }
     void operator()(const Attach& attach) const
     {
-        const Body& body = find<SoftBodyDef>(
+        const Body& body = find<SoftBodyDef, RodBodyDef>(
             attach.body, "attachment must be a RigidAttachmentDef for a rigid body, got an AttachmentDef");
         checkAttachment(registry, {attach.body, *body.def, body.nodeCount}, attach.def,
                         describeBody(*body.def) + ": attachment");
@@ -220,11 +221,11 @@ private:
                  " ids, got ", first.value);
     }
 
-    /// The body of an id, which must be of kind Def.
-    template <class Def> const Body& find(BodyId id, const char* what) const
+    /// The body of an id, which must be of one of these kinds.
+    template <class... Def> const Body& find(BodyId id, const char* what) const
     {
         const Body& body = registry.find(id);
-        if (!std::holds_alternative<Def>(*body.def)) fail(describeBody(*body.def), ": ", what);
+        if (!(std::holds_alternative<Def>(*body.def) || ...)) fail(describeBody(*body.def), ": ", what);
         return body;
     }
 };
@@ -336,9 +337,8 @@ std::vector<BodyId> Registry::bodies() const
 
 std::size_t Registry::softBodyCount() const
 {
-    return static_cast<std::size_t>(std::count_if(bodies_.begin(), bodies_.end(), [](const auto& each) {
-        return std::holds_alternative<SoftBodyDef>(*each.second->def);
-    }));
+    return static_cast<std::size_t>(
+        std::count_if(bodies_.begin(), bodies_.end(), [](const auto& each) { return !isRigid(*each.second->def); }));
 }
 
 std::size_t Registry::dynamicElementCount() const

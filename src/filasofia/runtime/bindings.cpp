@@ -95,6 +95,11 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
                         .def = def,
                         .boundary = !surface,
                         .opening = std::move(opening)});
+    } else if (const auto* rod = std::get_if<physics::RodBodyDef>(&*body)) {
+        auto mapped = std::make_shared<const mapping::MappedSurface>(mapRod(*rod, surface.get(), object));
+        const int nodes = mapping::nodesNeeded(mapped->map);
+        made.push_back(
+            {.id = id, .name = rod->name, .mapped = std::move(mapped), .nodes = nodes, .start = rod->pose, .def = def});
     } else {
         const auto& rigid = std::get<physics::RigidBodyDef>(*body);
         const int count = static_cast<int>(rigid.elements.size());

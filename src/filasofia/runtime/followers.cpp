@@ -47,6 +47,8 @@ void Followers::follow(visual::Transform& transform, BodyId id, const FollowDef&
         start = point.rest;
         follower.last = point.rest.orientation;
         follower.map = point;
+    } else if (std::holds_alternative<physics::RodBodyDef>(*body)) {
+        fail(object, ": a rod cannot be followed yet");
     } else {
         const auto& elements = std::get<physics::RigidBodyDef>(*body).elements;
         const auto* at = std::get_if<FollowElement>(&def.at);

@@ -58,7 +58,9 @@ std::optional<physics::RigidBodyDef> controlledBody(const HapticInterfaceDef& de
     }
     const auto body = physics.def(def.body);
     const auto* rigid = std::get_if<physics::RigidBodyDef>(body.get());
-    if (!rigid) fail(object, ": body must be a rigid one, got '", std::get<physics::SoftBodyDef>(*body).name, "'");
+    if (!rigid)
+        fail(object, ": body must be a rigid one, got '", std::visit([](const auto& each) { return each.name; }, *body),
+             "'");
     if (def.element >= static_cast<int>(rigid->elements.size()))
         fail(object, ": element must be in [0, ", rigid->elements.size(), "), got ", def.element);
     if (rigid->dynamic && !rigid->articulation.joints.empty())

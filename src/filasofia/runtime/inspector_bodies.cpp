@@ -88,9 +88,8 @@ bool editMaterial(physics::ShellMaterial& material)
 std::string titleOf(const physics::BodyDef& def, BodyId id)
 {
     const std::string name = std::visit([](const auto& body) { return body.name; }, def);
-    const bool soft = std::holds_alternative<physics::SoftBodyDef>(def);
-    return name + (soft ? "  (soft, " : "  (rigid, ") + std::to_string(id.value) + ")###body" +
-           std::to_string(id.value);
+    constexpr std::array kinds{"  (soft, ", "  (rigid, ", "  (rod, "};
+    return name + kinds.at(def.index()) + std::to_string(id.value) + ")###body" + std::to_string(id.value);
 }
 
 } // namespace
@@ -148,6 +147,13 @@ void InspectorBodies::drawSoft(const frame::SoftBodyFrame& state, Body& body)
     double fastest = 0.0;
     for (const Vec3& v : state.velocities) fastest = std::max(fastest, length(v));
     ImGui::Text("%zu nodes, fastest %.3f m/s", state.positions.size(), fastest);
+    if (const auto* rod = std::get_if<physics::RodBodyDef>(&*body.def)) {
+        if (ImGui::TreeNode("definition")) {
+            drawFields(*rod);
+            ImGui::TreePop();
+        }
+        return;
+    }
     if (std::visit([](auto& material) { return editMaterial(material); }, body.material))
         attempt([&] { impl_.physics.setMaterial(state.id, body.material); });
     if (editNumber("pressure [Pa]", body.pressure, 1.0, "%.1f"))

@@ -105,6 +105,8 @@ const std::vector<InspectorScene::Model>& InspectorScene::modelsOf(BodyId id)
             const auto given = physics::loadMesh(collision.mesh, soft->name);
             models.push_back({0, mapSoft(*soft, given.get(), soft->name), {}});
         }
+    } else if (const auto* rod = std::get_if<physics::RodBodyDef>(&*def)) {
+        if (rod->collision) models.push_back({0, mapRod(*rod, nullptr, rod->name), {}});
     } else {
         const auto& rigid = std::get<physics::RigidBodyDef>(*def);
         for (const physics::CollisionDef& collision : rigid.collision) {

@@ -65,6 +65,7 @@ Simulation::~Simulation() = default;
 
 BodyId Simulation::add(physics::SoftBodyDef def) { return impl_->physics.add(std::move(def)); }
 BodyId Simulation::add(physics::RigidBodyDef def) { return impl_->physics.add(std::move(def)); }
+BodyId Simulation::add(physics::RodBodyDef def) { return impl_->physics.add(std::move(def)); }
 HapticId Simulation::add(const HapticInterfaceDef& def) { return add(def, nullptr); }
 HapticId Simulation::add(const HapticInterfaceDef& def, std::unique_ptr<device::HapticDevice> own)
 {

@@ -36,6 +36,12 @@ mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const TriangleM
     return surface ? mapping::mapSurface(rest, std::move(inWorld)) : mapping::mapBoundary(rest);
 }
 
+mapping::MappedSurface mapRod(const physics::RodBodyDef& body, const TriangleMesh* surface, const std::string& object)
+{
+    if (surface) fail(object, ": surface must be empty for a rod, which is drawn as a tube");
+    return mapping::mapTube(physics::centreLine(body), body.radius);
+}
+
 TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, const std::string& object)
 {
     const auto mesh = physics::loadMesh(body.mesh, object);

@@ -16,6 +16,10 @@ std::shared_ptr<const geometry::TriangleMesh> loadSurface(const SurfaceSource& s
 mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const geometry::TriangleMesh* surface,
                                const std::string& object);
 
+/// The tube of a rod. Throws an Error that begins with `object` if `surface` is not null: none follows a rod.
+mapping::MappedSurface mapRod(const physics::RodBodyDef& body, const geometry::TriangleMesh* surface,
+                              const std::string& object);
+
 /// The mesh of a rigid body, ready to be drawn.
 geometry::TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, const std::string& object);
 

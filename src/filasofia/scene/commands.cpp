@@ -95,7 +95,7 @@ void followCommands(runtime::Simulation& simulation, std::vector<TimedCommand> c
         SceneNumbers(ids).replaceIn(target.body);
         if (!target.body) continue;
         const physics::BodyDef& def = *server.def(target.body);
-        if (target.soft && *target.soft != std::holds_alternative<physics::SoftBodyDef>(def))
+        if (target.soft && *target.soft == physics::isRigid(def))
             fail(each.place, ": needs a ", *target.soft ? "soft" : "rigid", " body, got ", physics::describeBody(def));
     }
     std::map<AttachmentId, AttachmentId> attachments;

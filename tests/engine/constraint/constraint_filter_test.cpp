@@ -26,7 +26,8 @@ struct RandomBody final : BodySmoother {
                 if (diagonal && i / 3 != k / 3) d(i, k) = 0.0;
         for (int p = 0; p < points; ++p) {
             j.emplace_back(Eigen::MatrixXd::NullaryExpr(3, size, any));
-            if (diagonal) j.back().middleCols(3 * (p % blocks), 3).setZero(); // a point that misses a block
+            if (diagonal) j.back().middleCols(3 * (p % blocks), 3).setZero();    // a point that misses a block
+            if (!diagonal && p % 2 == 1) j.back().rightCols(size - 3).setZero(); // others follow it through D
         }
     }
     [[nodiscard]] Mat3 compliance(int) const override { return {}; }
@@ -34,10 +35,14 @@ struct RandomBody final : BodySmoother {
     {
         const Eigen::MatrixXd& rows = j[static_cast<std::size_t>(point)];
         for (int b = 0; 3 * b < rows.cols(); ++b)
-            if (!diagonal_ || !rows.middleCols<3>(3 * b).isZero(0.0)) out.push_back({b, at(rows, 0, b)});
+            if (!rows.middleCols<3>(3 * b).isZero(0.0)) out.push_back({b, at(rows, 0, b)});
     }
     [[nodiscard]] Mat3 block(int row, int column) const override { return at(d, row, column); }
-    [[nodiscard]] bool isDiagonal() const override { return diagonal_; }
+    void addPlaces(std::vector<BlockPlace>& out) const override
+    {
+        for (int row = 1; !diagonal_ && 3 * row < d.rows(); ++row)
+            for (int column = 0; column < row; ++column) out.push_back({row, column});
+    }
 
 private:
     static Mat3 at(const Eigen::MatrixXd& m, int row, int column)

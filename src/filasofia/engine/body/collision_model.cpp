@@ -153,6 +153,28 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
     return models;
 }
 
+std::vector<CollisionModel> buildCollision(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes)
+{
+    if (!def.collision) return {};
+    const double proximity = def.collision->proximity.value_or(def.radius);
+    CollisionOptions options{.triangleFaces = false,
+                             .proximity = proximity,
+                             .depth = proximity + def.radius,
+                             .group = def.collision->group,
+                             .self = def.collision->self};
+    for (int i = 0; i + 1 < static_cast<int>(nodes.size()); ++i) options.segments.push_back({i, i + 1});
+    CollisionShape shape = makeCollisionShape({.vertices = nodes, .triangles = {}, .uv = {}}, options);
+    CollisionModel model;
+    model.proximity = proximity;
+    model.inset = tubeInset(shape, def.radius);
+    setProximity(proximity, model.inset, shape);
+    model.shape = std::make_shared<const CollisionShape>(std::move(shape));
+    std::vector<int> all(nodes.size());
+    std::iota(all.begin(), all.end(), 0);
+    model.embedding = nodeEmbedding(all);
+    return {std::move(model)};
+}
+
 std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)
 {
     checkCount(def.collision, text("rigid body '", def.name, "'"));

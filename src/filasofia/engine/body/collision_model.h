@@ -28,6 +28,8 @@ struct CollisionModel {
 std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const geometry::TetMesh& worldMesh);
 /// For a shell: its triangles are its surface.
 std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const geometry::TriangleMesh& worldShell);
+/// For a rod: the tube around its nodes.
+std::vector<CollisionModel> buildCollision(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes);
 std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def);
 
 /// [m] The largest depth by which vertices of a surface are moved inwards.

@@ -119,8 +119,11 @@ SoftState stateAtRest(const SoftModel& model)
     state.forces.resize(model.rest.size());
     state.rotations.resize(static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(model.elements.size()))));
     restartRelaxation(model, state);
+    state.rod = stateAtStart(model.rod);
     return state;
 }
+
+std::string describe(const SoftModel& model) { return text(isRod(model) ? "rod '" : "soft body '", model.name, "'"); }
 
 bool mayBeCut(const SoftModel& model, int group)
 {
@@ -134,7 +137,7 @@ bool mayBeCut(const SoftModel& model, int group)
 
 void check(const SoftModel& model, const SoftState& state)
 {
-    const std::string object = text("soft body '", model.name, "'");
+    const std::string object = describe(model);
     const std::size_t n = model.rest.size();
     if (n == 0) fail(object, ": must have at least one node");
     checkSize(object, "masses", model.masses.size(), n);
@@ -145,6 +148,9 @@ void check(const SoftModel& model, const SoftState& state)
     checkElements(model, object);
     checkSprings(model, object);
     check(model.shell, n, object);
+    check(model.rod, state.rod, n, object);
+    if (isRod(model) && !std::holds_alternative<physics::ImplicitEuler>(model.integrator))
+        fail(object, ": integrator must be ImplicitEuler for a rod");
     checkPins(model, object);
     for (const geometry::Triangle& triangle : model.surface) checkNodes(object, triangle, n);
     for (const geometry::Tetrahedron& each : model.tetrahedra) checkNodes(text(object, ": tetrahedra"), each, n);

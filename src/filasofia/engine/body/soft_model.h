@@ -3,6 +3,7 @@
 #include "filasofia/core/body_id.h"
 #include "filasofia/engine/body/collision_model.h"
 #include "filasofia/engine/body/pins.h"
+#include "filasofia/engine/body/rod.h"
 #include "filasofia/engine/body/shell.h"
 #include "filasofia/engine/body/tissue_map.h"
 #include "filasofia/engine/elastic/element.h"
@@ -39,7 +40,9 @@ struct SoftModel {
     std::vector<Spring> springs;                   ///< mass-spring bodies only
     std::vector<geometry::Tetrahedron> tetrahedra; ///< mass-spring bodies only; a FEM body has elements
     Shell shell;                                   ///< bodies of triangles only
-    /// Nodes of the boundary, outwards: pressure acts there. For a shell, all triangles in the order of its mesh
+    Rod rod;                                       ///< rods only
+    /// Nodes of the boundary, outwards: pressure acts there. For a shell, all triangles in the order of its mesh; none
+    /// for a rod
     std::vector<geometry::Triangle> surface;
     Pins pins;
     physics::Rayleigh rayleigh;
@@ -67,6 +70,11 @@ struct SoftModel {
     bool patched = false;      ///< the tissue of some elements was changed after the material was set, or flowed
 };
 
+inline bool isRod(const SoftModel& model) { return !model.rod.edges.empty(); }
+
+/// The body's kind and name as errors begin: "soft body 'uterus'".
+std::string describe(const SoftModel& model);
+
 /// True if the stress of an element is that of the elastic law: no fibres, no relaxation, no pressure of its nodes.
 inline bool hasLawAlone(const SoftModel& model)
 {
@@ -88,6 +96,7 @@ struct SoftState {
     std::vector<Vec3> residual; ///< [N s] the residual impulse of the last solve that the next step takes over
     std::vector<Vec3> forces;   ///< [N] set by the user
     double pressure = 0.0;      ///< [Pa] set by the user
+    RodState rod;               ///< rods only
 };
 
 /// The rotation of one element.

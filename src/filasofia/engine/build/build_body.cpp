@@ -15,6 +15,7 @@
 #include "filasofia/geometry/surface.h"
 
 #include <algorithm>
+#include <numbers>
 
 namespace filasofia::engine {
 namespace {
@@ -105,14 +106,14 @@ void checkForCuts(const std::string& object, const EditableMesh& mesh)
 }
 
 /// Warns if a body is very large. Most organ meshes are in millimetres; if one is read as metres, nothing fails, but
-/// the body is as large as a bridge and sags like one.
-void warnOfSize(const std::string& object, const char* load, const std::vector<Vec3>& nodes)
+/// the body is as large as a bridge and sags like one. `remedy`: what to do if the coordinates are millimetres.
+void warnOfSize(const std::string& object, const char* remedy, const std::vector<Vec3>& nodes)
 {
     constexpr double kLargest = 10.0; // [m]
     const geometry::Box box = geometry::boxAround(nodes);
     const double size = length(box.high - box.low);
     if (size > kLargest)
-        logWarning(object, ": is ", size, " m large; if its coordinates are millimetres, use ", load, "(file, 1e-3)");
+        logWarning(object, ": is ", size, " m large; if its coordinates are millimetres, use ", remedy);
 }
 
 /// Everything of a body of tetrahedra that depends on its mesh and material.
@@ -120,7 +121,7 @@ void makeSolid(const physics::SoftBodyDef& def, const std::string& object, SoftM
 {
     const TetMesh mesh = physics::worldMesh(def);
     if (!usable(mesh.nodes)) fail(object, ": nodes must lie within ", physics::kFarthest, " m of the origin");
-    warnOfSize(object, "loadTetMesh", mesh.nodes);
+    warnOfSize(object, "loadTetMesh(file, 1e-3)", mesh.nodes);
     model.rest = mesh.nodes;
     model.collision = buildCollision(def, mesh);
     model.density = densityOf(def, mesh);
@@ -145,7 +146,7 @@ void makeSheet(const physics::SoftBodyDef& def, const std::string& object, SoftM
 {
     const geometry::TriangleMesh mesh = physics::worldShell(def);
     if (!usable(mesh.vertices)) fail(object, ": nodes must lie within ", physics::kFarthest, " m of the origin");
-    warnOfSize(object, "loadTriangleMesh", mesh.vertices);
+    warnOfSize(object, "loadTriangleMesh(file, 1e-3)", mesh.vertices);
     model.rest = mesh.vertices;
     model.surface = mesh.triangles;
     model.collision = buildCollision(def, mesh);
@@ -159,6 +160,46 @@ void makeSheet(const physics::SoftBodyDef& def, const std::string& object, SoftM
     model.masses.assign(mesh.vertices.size(), 0.0);
     for (const MembraneElement& each : model.shell.membranes)
         for (int node : each.nodes) model.masses[node] += model.density * thickness * each.area / 3.0;
+}
+
+/// The pins of a body, and the forces on it at the start. From then on nothing of it may be wrong.
+template <class Def> void finish(const Def& def, const std::string& object, SoftBody& body)
+{
+    SoftModel& model = body.model;
+    const int nodes = static_cast<int>(model.rest.size());
+    model.pins.hard.assign(model.rest.size(), false);
+    for (std::size_t a = 0; a < def.attachments.size(); ++a)
+        addPins(def.attachments[a], text(object, ": attachments[", a, "]"), model);
+    for (std::size_t i = 0; i < def.forces.size(); ++i)
+        if (const int node = def.forces[i].node; node >= nodes)
+            fail(object, ": forces[", i, "].node must be in [0, ", nodes, "), got ", node);
+    body.state = stateAtRest(model);
+    setForces(def.forces, body.state);
+}
+
+std::unique_ptr<physics::BuiltBody> buildRod(const physics::RodBodyDef& def, double period)
+{
+    const std::string object = text("rod '", def.name, "'");
+    auto built = std::make_unique<BuiltSoftBody>();
+    SoftModel& model = built->body.model;
+    model.name = def.name;
+    model.rayleigh = def.rayleigh;
+    model.solver = physics::Cholesky{};
+    model.gravity = def.gravity;
+    model.friction = def.friction;
+    model.density = def.density;
+    model.rest = physics::centreLine(def);
+    warnOfSize(object, "metres", model.rest);
+    model.rod = makeRod(def, model.rest);
+    model.masses.assign(model.rest.size(), 0.0);
+    const double perLength = def.density * std::numbers::pi * def.radius * def.radius;
+    for (const Spring& edge : model.rod.edges)
+        for (int node : edge.nodes) model.masses[static_cast<std::size_t>(node)] += 0.5 * perLength * edge.restLength;
+    model.collision = buildCollision(def, model.rest);
+    finish(def, object, built->body);
+    check(model, built->body.state);
+    built->body.system = makeSystem(model, period);
+    return built;
 }
 
 std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, double period)
@@ -175,16 +216,8 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     model.friction = def.friction;
     model.dynamicTopology = def.dynamicTopology;
     physics::isShell(def) ? makeSheet(def, object, model) : makeSolid(def, object, model);
-    model.pins.hard.assign(model.rest.size(), false);
-    for (std::size_t a = 0; a < def.attachments.size(); ++a)
-        addPins(def.attachments[a], text(object, ": attachments[", a, "]"), model);
-
-    for (std::size_t i = 0; i < def.forces.size(); ++i)
-        if (const int node = def.forces[i].node; node >= built->nodeCount())
-            fail(object, ": forces[", i, "].node must be in [0, ", built->nodeCount(), "), got ", node);
-    built->body.state = stateAtRest(model);
+    finish(def, object, built->body);
     built->body.state.pressure = def.pressure;
-    setForces(def.forces, built->body.state);
     check(model, built->body.state);
     built->body.topology = makeTopology(model);
     if (model.dynamicTopology) model.pieces = findPieces(model, *built->body.topology.pieces);
@@ -199,6 +232,7 @@ std::unique_ptr<physics::BuiltBody> buildBody(const physics::BodyDef& def, doubl
 {
     physics::check(def);
     if (const auto* soft = std::get_if<physics::SoftBodyDef>(&def)) return buildSoft(*soft, period);
+    if (const auto* rod = std::get_if<physics::RodBodyDef>(&def)) return buildRod(*rod, period);
     return buildRigid(std::get<physics::RigidBodyDef>(def));
 }
 

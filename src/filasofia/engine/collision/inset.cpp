@@ -144,6 +144,12 @@ Inset makeInset(const CollisionShape& shape, double depth)
     return inset;
 }
 
+Inset tubeInset(const CollisionShape& shape, double radius)
+{
+    return {.depth = std::vector<double>(shape.rest.size(), radius),
+            .share = std::vector<double>(shape.vertexTriangles.items.size())};
+}
+
 Inset editInset(const Inset& inset, const CollisionShape& before, const CollisionShape& now, const ShapeChange& change,
                 double depth)
 {
@@ -182,7 +188,7 @@ void applyInset(const CollisionShape& shape, const Inset& inset, std::vector<Vec
     for (std::size_t t = 0; t < normals.size(); ++t) normals[t] = normalOf(shape.triangles[t], x);
     for (int vertex = 0; vertex < static_cast<int>(x.size()); ++vertex) {
         const double depth = inset.depth[vertex];
-        if (depth == 0.0) continue;
+        if (depth == 0.0 || shape.vertexTriangles[vertex].empty()) continue;
         Vec3 way;
         double sum = 0.0;
         for (int i = shape.vertexTriangles.start[vertex]; i < shape.vertexTriangles.start[vertex + 1]; ++i) {

@@ -20,6 +20,9 @@ struct Inset {
 /// of the body's thickness, or of an edge around them, would be taken off.
 Inset makeInset(const CollisionShape& shape, double depth);
 
+/// For lines that stand for the tubes around them: they are the tubes' surfaces moved inwards by `radius` [m].
+Inset tubeInset(const CollisionShape& shape, double radius);
+
 /// Moves the current vertices [m] of a shape inwards.
 void applyInset(const CollisionShape& shape, const Inset& inset, std::vector<Vec3>& normals, std::span<Vec3> x);
 

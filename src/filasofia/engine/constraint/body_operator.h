@@ -28,19 +28,28 @@ struct BlockColumns {
     Mat3 j;
 };
 
-/// D, an approximation of a body's matrix A that is small blocks only: those of the nodes of a soft body, or all of a
-/// rigid body or an articulation. It is read as 3x3 blocks of unknowns: a node's velocity, a rigid body's velocity and
-/// its angular velocity, or three joints.
+/// The place of a 3x3 block of D.
+struct BlockPlace {
+    int row = 0, column = 0;
+};
+
+/// D, an approximation of a body's matrix A that consists of few blocks: those of the nodes of a soft body, or all of a
+/// rigid body, an articulation or a rod. It is read as 3x3 blocks of unknowns: a node's velocity, a rigid body's
+/// velocity and its angular velocity, three joints, or the spins of three edges.
 class BodySmoother {
 public:
     virtual ~BodySmoother() = default;
     /// D^-1 as seen from a contact point [1/kg], world axes.
     [[nodiscard]] virtual Mat3 compliance(int point) const = 0;
-    /// Appends the columns of J at a contact point, for every block that D couples with those that the point moves.
+    /// Appends the columns of J at a contact point, for the blocks that it moves.
     virtual void addColumns(int point, std::vector<BlockColumns>& out) const = 0;
     [[nodiscard]] virtual Mat3 block(int row, int column) const = 0; ///< a block of D
-    [[nodiscard]] virtual bool isDiagonal() const { return true; }   ///< block(i, j) is zero for other i and j
-    [[nodiscard]] virtual bool isExact() const { return false; }     ///< D is A, and there is no coarse level B
+    /// Appends the places besides the diagonal where D may have blocks, each once, row > column. So every block that a
+    /// point moves comes with all that D couples with it.
+    virtual void addPlaces(std::vector<BlockPlace>&) const {}
+    [[nodiscard]] virtual bool isExact() const { return false; } ///< D is A, and there is no coarse level B
+    /// D^-1 couples contact points with different nodes: only the filter of all constraints together knows that.
+    [[nodiscard]] virtual bool couplesNodes() const { return false; }
 };
 
 /// One body's part of a solve that couples several bodies. Whatever the body's integrator and solver are, it has a

@@ -4,7 +4,8 @@
 
 namespace filasofia::engine {
 
-/// Numbers the blocks of unknowns that contact points act on, body by body, and collects their blocks of D and of J.
+/// Numbers the blocks of unknowns that contact points act on, or that D couples with others, body by body, and collects
+/// their blocks of D and of J.
 void ConstraintFilter::numberUnknowns(std::span<const CoupledBody> bodies, std::span<const int> first)
 {
     places_.clear();
@@ -13,32 +14,40 @@ void ConstraintFilter::numberUnknowns(std::span<const CoupledBody> bodies, std::
     firstOfPoint_.assign(1, 0);
     int unknowns = 0;
     std::vector<int> blocks;
+    std::vector<BlockPlace> coupled;
+    const auto number = [&](int block) {
+        if (static_cast<std::size_t>(block) >= unknownOf_.size())
+            unknownOf_.resize(static_cast<std::size_t>(block) + 1, -1);
+        int& unknown = unknownOf_[static_cast<std::size_t>(block)];
+        if (unknown < 0) {
+            unknown = unknowns++;
+            blocks.push_back(block);
+        }
+        return unknown;
+    };
     for (std::size_t b = 0; b < bodies.size(); ++b) {
         const BodySmoother& smoother = *bodies[b].smoother;
-        const int before = unknowns;
         blocks.clear();
         for (int point = 0; point < first[b + 1] - first[b]; ++point) {
             scratch_.clear();
             smoother.addColumns(point, scratch_);
-            for (const auto& [block, j] : scratch_) {
-                if (static_cast<std::size_t>(block) >= unknownOf_.size())
-                    unknownOf_.resize(static_cast<std::size_t>(block) + 1, -1);
-                int& unknown = unknownOf_[static_cast<std::size_t>(block)];
-                if (unknown < 0) {
-                    unknown = unknowns++;
-                    blocks.push_back(block);
-                }
-                ofPoints_.push_back({unknown, j});
-            }
+            for (const auto& [block, j] : scratch_) ofPoints_.push_back({number(block), j});
             firstOfPoint_.push_back(ofPoints_.size());
         }
-        const bool diagonal = smoother.isDiagonal();
-        for (std::size_t i = 0; i < blocks.size(); ++i)
-            for (std::size_t k = diagonal ? i : 0; k <= i; ++k) {
-                places_.push_back({before + static_cast<int>(i), before + static_cast<int>(k)});
-                d_.push_back(smoother.block(blocks[i], blocks[k]));
-            }
-        for (int block : blocks) unknownOf_[static_cast<std::size_t>(block)] = -1;
+        coupled.clear();
+        if (!blocks.empty()) smoother.addPlaces(coupled);
+        for (const auto& [row, column] : coupled) {
+            const int i = number(row), k = number(column);
+            const bool lower = i > k;
+            places_.push_back({std::max(i, k), std::min(i, k)});
+            d_.push_back(lower ? smoother.block(row, column) : smoother.block(column, row));
+        }
+        for (int block : blocks) {
+            const int unknown = number(block);
+            places_.push_back({unknown, unknown});
+            d_.push_back(smoother.block(block, block));
+            unknownOf_[static_cast<std::size_t>(block)] = -1;
+        }
     }
     vector_.resize(static_cast<std::size_t>(unknowns));
 }

@@ -70,7 +70,7 @@ void CoupledSolve::makeFilter()
     }
     for (std::size_t c = 0; together_ && c < rows_.size(); ++c) perRow_[c] = rows_[c].sigma;
     together_ = together_ && filter_.build(perRow_);
-    if (together_) return; // without it, the filters of single constraints do
+    if (together_ && joined_) return; // else the coarse levels need the filters of single constraints
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
         if (row.sigma.x == 0.0) continue;
@@ -95,9 +95,11 @@ void CoupledSolve::correctCoarseLevels() { correction_.make(network(), patchMoti
 
 void CoupledSolve::joinConstraints()
 {
-    if (together_) return;
+    if (joined_) return;
+    joined_ = true;
     if (std::vector<ConstraintMotion> motions = coarseNodeMotions(network()); !motions.empty())
         correction_.make(network(), std::move(motions));
+    if (together_) return;
     together_ = true;
     filter_.begin(*bodies_, first_, *constraints_);
     makeFilter();

@@ -100,7 +100,9 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
     rows_.assign(constraints_->list.size(), {});
     perRow_.resize(rows_.size());
     exact_ = std::ranges::all_of(*bodies_, [](const CoupledBody& body) { return body.smoother->isExact(); });
-    together_ = exact_;
+    joined_ = exact_;
+    together_ =
+        exact_ || std::ranges::any_of(*bodies_, [](const CoupledBody& body) { return body.smoother->couplesNodes(); });
     if (together_) filter_.begin(*bodies_, first_, *constraints_);
     smallest_ = mass * limits_->smallChange;
     energy_ = smallest_ * limits_->smallChange;

@@ -66,7 +66,8 @@ struct CoupledReport : linalg::NodeSolveReport {
 ///     after 16 iterations, if few bodies have a coarse level: B is deflated by the motions of all coarse nodes that
 ///         constraints follow, and M is that of all constraints together (ConstraintFilter)
 /// If D is A in all bodies, there is no B, and M is that of all constraints together at once: z is then the solution
-/// for the constraints that are active.
+/// for the constraints that are active. If a body's D couples its nodes, as a rod's does, that M is used from the
+/// start, too.
 class CoupledSolve {
 public:
     /// `pointsOf[b]` are the contact points of body b; rows index them as one list, in the order of the bodies. Leaves
@@ -131,6 +132,7 @@ private:
     ConstraintFilter filter_;   ///< M of all constraints together
     bool together_ = false;     ///< it is used in place of those of single constraints
     bool exact_ = false;        ///< D is A in all bodies
+    bool joined_ = false;       ///< the coarse levels know all constraints together, as far as they can
     std::vector<Vec3> perRow_;  ///< scratch of the filter
     CoarseCorrection correction_;
     double energy_ = 0.0, smallest_ = 0.0;

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace filasofia::engine {
@@ -100,6 +101,37 @@ std::vector<AttachedPoint> onShell(const SoftModel& model, const SoftState& stat
     return found;
 }
 
+/// The place on a segment that is nearest to a point: a weight of its second end.
+double nearestOn(Vec3 a, Vec3 b, Vec3 p)
+{
+    const Vec3 along = b - a;
+    const double size = lengthSquared(along);
+    return size > 0.0 ? std::clamp(dot(p - a, along) / size, 0.0, 1.0) : 0.0;
+}
+
+/// Each point as a weighted mean of the ends of the nearest edge of a rod.
+std::vector<AttachedPoint> onRod(std::span<const Vec3> x, std::span<const Vec3> points)
+{
+    std::vector<AttachedPoint> found;
+    for (Vec3 p : points) {
+        std::size_t best = 0;
+        double weight = 0.0, nearest = std::numeric_limits<double>::infinity();
+        for (std::size_t e = 0; e + 1 < x.size(); ++e) {
+            const double t = nearestOn(x[e], x[e + 1], p);
+            const double far = lengthSquared(p - x[e] - t * (x[e + 1] - x[e]));
+            if (!(far < nearest)) continue;
+            nearest = far;
+            best = e;
+            weight = t;
+        }
+        AttachedPoint& point = found.emplace_back();
+        const int node = static_cast<int>(best);
+        if (weight < 1.0) point.nodes.push_back({node, 1.0 - weight});
+        if (weight > 0.0) point.nodes.push_back({node + 1, weight});
+    }
+    return found;
+}
+
 /// The current mesh without removed pieces.
 geometry::TetMesh meshNow(const SoftModel& model, const SoftState& state)
 {
@@ -136,6 +168,7 @@ std::vector<AttachedPoint> nearestNodes(const SoftModel& model, const SoftState&
 std::vector<AttachedPoint> embedded(const SoftModel& model, const SoftState& state, std::span<const Vec3> points)
 {
     if (!model.shell.membranes.empty()) return onShell(model, state, points);
+    if (isRod(model)) return onRod(state.x, points);
     const geometry::Embedding embedding = geometry::embed(meshNow(model, state), points);
     std::vector<AttachedPoint> found(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -186,6 +219,18 @@ void addNodesNear(const physics::AttachmentDef& def, std::span<const Vec3> x, co
 {
     const auto holder = findBody(scene, def.to);
     const bool soft = holder->soft;
+    if (soft && isRod(scene.soft[holder->index].model)) { // near its surface, a tube
+        const std::vector<Vec3>& line = scene.soft[holder->index].state.x;
+        const double radius = scene.soft[holder->index].model.rod.radius, within = def.within.value_or(radius);
+        for (std::size_t i = 0; i < x.size(); ++i) {
+            const std::vector<AttachedPoint> nearest = onRod(line, x.subspan(i, 1));
+            Vec3 place;
+            for (const NodeWeight& each : nearest.front().nodes)
+                place += each.weight * line[static_cast<std::size_t>(each.node)];
+            if (distance(x[i], place) <= radius + within) nodes.push_back(static_cast<int>(i));
+        }
+        return;
+    }
     const NearSurface near =
         soft ? NearSurface(scene.soft[holder->index].state.x, scene.soft[holder->index].model.surface)
              : NearSurface(scene.rigid[holder->index].model.surface->vertices,
@@ -219,7 +264,7 @@ std::vector<Vec3> pointsAround(const physics::RigidAttachmentDef& def, const Rig
             Box box;
             for (const geometry::Tetrahedron& nodes : meshNow(soft, scene.soft[holder->index].state).tetrahedra)
                 for (int node : nodes) box = geometry::merged(box, x[static_cast<std::size_t>(node)]);
-            if (!soft.shell.membranes.empty()) box = geometry::boxAround(x);
+            if (!soft.shell.membranes.empty() || isRod(soft)) box = geometry::boxAround(x);
             radius = 0.25 * length(box.high - box.low);
         } else {
             radius = gyration(scene.rigid[holder->index].model, def.toElement);

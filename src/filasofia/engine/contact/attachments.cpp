@@ -30,7 +30,7 @@ std::string nameOf(const Scene& scene, BodyId id)
 {
     const auto place = findBody(scene, id);
     if (!place) return text("body ", id.value);
-    if (place->soft) return text("soft body '", scene.soft[place->index].model.name, "'");
+    if (place->soft) return describe(scene.soft[place->index].model);
     return text("rigid body '", scene.rigid[place->index].model.name, "'");
 }
 

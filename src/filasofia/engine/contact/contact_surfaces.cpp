@@ -62,8 +62,9 @@ void warnOfLoneGroups(const Scene& scene, const std::vector<SurfaceOwner>& owner
         };
         if (shape.self || std::ranges::none_of(owners, isOther) || std::ranges::any_of(owners, meets)) continue;
         if (!warned.insert(shape.group).second) continue;
-        logWarning(owner.soft ? "soft" : "rigid", " body '", nameOf(scene, owner),
-                   "': no other body has collision group ", shape.group, ": it collides with nothing");
+        const std::string body =
+            owner.soft ? describe(scene.soft[owner.body].model) : text("rigid body '", nameOf(scene, owner), "'");
+        logWarning(body, ": no other body has collision group ", shape.group, ": it collides with nothing");
     }
 }
 

@@ -108,6 +108,7 @@ void addPinReactions(double dt, std::span<const Constraint> constraints, Scene& 
             forces = scene.soft[b].system.forces; // external forces, weight, pressure, springs
             addOwnForces(body, scene.soft[b].system.held, dt, now, forces);
             addShellForces(body, scene.soft[b].system.held, now, forces);
+            addRodForces(body, now, forces);
             addConstraintForces(b, dt, constraints, forces);
         }
         for (const PinGroup& group : body.pins.groups) {

@@ -4,6 +4,7 @@
 #include "filasofia/engine/contact/coupling.h"
 #include "filasofia/engine/rigid/articulation_operator.h"
 #include "filasofia/engine/soft/matrix_free_operator.h"
+#include "filasofia/engine/soft/rod_operator.h"
 
 #include <algorithm>
 #include <memory>
@@ -16,6 +17,7 @@ struct Unit {
     CoupledBody body;
     std::unique_ptr<BlockOperator> blocks;
     std::unique_ptr<ArticulationOperator> articulated;
+    std::unique_ptr<RodOperator> rod;
     std::vector<Mat3> diagonal;
     std::vector<Vec3> rightHandSide;
 };
@@ -72,6 +74,11 @@ void makeAssembled(double dt, SoftBody& body, Unit& unit)
 void makeSoft(double dt, SoftBody& body, WorkerPool& pool, Unit& unit)
 {
     SoftSystem& system = body.system;
+    if (system.rod) {
+        unit.rod = std::make_unique<RodOperator>(*system.rod, system.dv, massOf(body.model));
+        unit.body = coupled(*unit.rod);
+        return;
+    }
     if (!isImplicit(body.model)) {
         makeExplicit(dt, body, unit);
     } else if (system.assembled) {
@@ -220,7 +227,9 @@ void storeSolution(const std::vector<Unit>& units, const CoupledReport& report, 
 {
     for (std::size_t i = 0; i < island.soft.size(); ++i) {
         SoftSystem& system = scene.soft[island.soft[i]].system;
-        if (!units[i].blocks)
+        if (units[i].rod)
+            system.rod->take(units[i].rod->answer(), system.dv);
+        else if (!units[i].blocks)
             system.matrixFree->finish(report, system.dv, system.residual, pool);
         else
             std::ranges::copy(units[i].blocks->answer(), system.dv.begin());

@@ -55,6 +55,12 @@ void ArticulationOperator::addColumns(int point, std::vector<BlockColumns>& out)
         out.push_back({static_cast<int>(f / 3), Mat3::columns(column(f), column(f + 1), column(f + 2))});
 }
 
+void ArticulationOperator::addPlaces(std::vector<BlockPlace>& out) const
+{
+    for (int row = 1; 3 * static_cast<std::size_t>(row) < x_.size(); ++row)
+        for (int column = 0; column < row; ++column) out.push_back({row, column});
+}
+
 /// The last block is filled up with unknowns of their own, which nothing moves.
 Mat3 ArticulationOperator::block(int row, int column) const
 {

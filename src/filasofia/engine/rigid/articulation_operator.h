@@ -20,7 +20,7 @@ public:
     [[nodiscard]] Mat3 compliance(int point) const override;
     void addColumns(int point, std::vector<BlockColumns>& out) const override;
     [[nodiscard]] Mat3 block(int row, int column) const override;
-    [[nodiscard]] bool isDiagonal() const override { return x_.size() <= 3; }
+    void addPlaces(std::vector<BlockPlace>& out) const override;
     [[nodiscard]] bool isExact() const override { return true; }
 
     void smooth() override;

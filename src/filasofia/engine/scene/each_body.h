@@ -7,13 +7,13 @@
 
 namespace filasofia::engine {
 
-/// Number of elements, springs or triangles from which several threads inside one body pay off: starting a parallel
-/// loop costs as much as a hundred elements.
+/// Number of elements, springs, triangles or edges from which several threads inside one body pay off: starting a
+/// parallel loop costs as much as a hundred elements.
 inline constexpr std::size_t kWorthSharing = 2000;
 
 inline std::size_t sizeOf(const SoftModel& body)
 {
-    return body.elements.size() + body.springs.size() + body.shell.membranes.size();
+    return body.elements.size() + body.springs.size() + body.shell.membranes.size() + body.rod.edges.size();
 }
 
 /// The size above which all threads work on one body: it is larger than one thread's share of all bodies and at least

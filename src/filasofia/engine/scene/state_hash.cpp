@@ -120,6 +120,14 @@ void addJoints(Hasher& hash, const RigidState& body)
     }
 }
 
+// A body that is no rod does not change the hash.
+void add(Hasher& hash, const RodState& rod)
+{
+    for (Vec3 each : rod.directors) add(hash, each);
+    for (const auto* list : {&rod.spins, &rod.twists, &rod.tensions})
+        for (double each : *list) hash.add(each);
+}
+
 /// Adds the edits of a mesh. A mesh without edits does not change the hash.
 void add(Hasher& hash, const BodyTopology& topology, const SoftModel& model)
 {
@@ -146,6 +154,7 @@ std::uint64_t hashOf(const Scene& scene)
         hash.addAll(std::span<const Vec3>(body.state.x));
         hash.addAll(std::span<const Vec3>(body.state.v));
         hash.add(body.state.pressure);
+        add(hash, body.state.rod);
     }
     for (const SoftBody& body : scene.soft) add(hash, body.topology, body.model);
     for (const RigidBody& each : scene.rigid) {

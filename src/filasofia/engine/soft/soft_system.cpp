@@ -52,8 +52,9 @@ PinnedParts pinnedParts(const SoftModel& model)
 } // namespace
 
 SoftSystem::SoftSystem(const SoftSystem& other)
-    : matrixFree(other.matrixFree), held(other.held), tuned(other.tuned), outdated(other.outdated || other.assembled),
-      forces(other.forces), x(other.x), v(other.v), dv(other.dv), residual(other.residual)
+    : matrixFree(other.matrixFree), rod(other.rod), held(other.held), tuned(other.tuned),
+      outdated(other.outdated || other.assembled), forces(other.forces), x(other.x), v(other.v), dv(other.dv),
+      residual(other.residual)
 {
 }
 
@@ -101,6 +102,13 @@ void followTissue(const SoftModel& model, const std::vector<int>& elements, Soft
 SoftSystem makeSystem(const SoftModel& model, double period)
 {
     SoftSystem system;
+    for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.residual})
+        buffer->resize(model.rest.size());
+    system.held = pinnedParts(model);
+    if (isRod(model)) {
+        system.rod = std::make_unique<RodSystem>(model);
+        return system;
+    }
     const auto* cg = std::get_if<physics::ConjugateGradient>(&model.solver);
     const bool wanted = cg && !cg->assembled;
     if (wanted && MatrixFreeSystem::fits(model, period))
@@ -111,9 +119,6 @@ SoftSystem makeSystem(const SoftModel& model, double period)
         logWarning("soft body '", model.name,
                    "': its masses and stiffnesses span too wide a range for single precision; ",
                    "it is solved in double precision, which is slower");
-    for (auto* buffer : {&system.forces, &system.x, &system.v, &system.dv, &system.residual})
-        buffer->resize(model.rest.size());
-    system.held = pinnedParts(model);
     return system;
 }
 

@@ -3,6 +3,7 @@
 #include "filasofia/core/copied_ptr.h"
 #include "filasofia/engine/soft/assembled_system.h"
 #include "filasofia/engine/soft/matrix_free_operator.h"
+#include "filasofia/engine/soft/rod_system.h"
 
 namespace filasofia::engine {
 
@@ -16,12 +17,13 @@ struct PinnedParts {
 
 /// The equations of one soft body's step, and their memory. What persists from step to step is a function of the model,
 /// except for the two flags and for the preconditioner of a body that was cut, which also depends on the history of its
-/// edits. Either `matrixFree` or `assembled` is set.
+/// edits. Either `matrixFree`, `assembled` or `rod` is set.
 struct SoftSystem {
     CopiedPtr<MatrixFreeSystem> matrixFree; ///< in float, the default
     /// Operator of matrixFree; set once the body is part of a coupled solve.
     std::unique_ptr<MatrixFreeOperator> coupled;
     std::unique_ptr<AssembledSystem> assembled; ///< in double, the reference solver
+    CopiedPtr<RodSystem> rod;                   ///< in double, for a rod
 
     SoftSystem() = default;
     /// The copy makes an assembled system again before its next solve: it is a function of the model.

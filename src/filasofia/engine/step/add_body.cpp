@@ -17,21 +17,20 @@ void addAttachments(const physics::AddBody& add, Scene& scene, physics::StepRepo
 {
     std::uint32_t next = add.attachments.value;
     const auto takeId = [&] { return AttachmentId{next == 0 ? 0 : next++}; };
-    if (const auto* soft = std::get_if<physics::SoftBodyDef>(add.def.get())) {
-        SoftBody& body = scene.soft.back();
-        std::vector<PinGroup>& groups = body.model.pins.groups;
-        for (std::size_t group = 0; const physics::AttachmentDef& def : soft->attachments) {
+    const auto addAll = [&](const auto& attachments) {
+        for (std::size_t group = 0; const auto& def : attachments) {
             const AttachmentId id = takeId();
-            if (isPins(def)) {
-                if (SoftModel* start = body.topology.start.get()) start->pins.groups[group].id = id;
-                groups[group++].id = id;
-            } else
-                attach({id, add.id}, def, scene, report);
+            if constexpr (std::is_same_v<std::remove_cvref_t<decltype(def)>, physics::AttachmentDef>)
+                if (isPins(def)) {
+                    SoftBody& body = scene.soft.back();
+                    if (SoftModel* start = body.topology.start.get()) start->pins.groups[group].id = id;
+                    body.model.pins.groups[group++].id = id;
+                    continue;
+                }
+            attach({id, add.id}, def, scene, report);
         }
-    } else {
-        for (const auto& def : std::get<physics::RigidBodyDef>(*add.def).attachments)
-            attach({takeId(), add.id}, def, scene, report);
-    }
+    };
+    std::visit([&](const auto& def) { addAll(def.attachments); }, *add.def);
 }
 
 } // namespace

@@ -30,6 +30,10 @@ linalg::NodeSolveReport solveBody(double dt, double inertia, const linalg::Solve
                                   WorkerPool& pool)
 {
     SoftSystem& system = body.system;
+    if (system.rod) {
+        system.rod->solve(system.dv);
+        return {};
+    }
     if (system.assembled) return {solve(body.model, dt, inertia, body.state.v, *system.assembled, system.dv)};
     if (std::holds_alternative<physics::ImplicitEuler>(body.model.integrator))
         return system.matrixFree->solve(limits, system.dv, system.residual, pool);
@@ -57,7 +61,7 @@ bool moveBody(double dt, SoftBody& body, WorkerPool& pool)
             !std::ranges::all_of(nodes(system.residual), [](Vec3 l) { return isFinite(l); }))
             good = false;
     });
-    return good;
+    return good && (!system.rod || system.rod->move(dt, body.model, state, system.x, system.v));
 }
 
 /// Per node, whether a constraint acts on it.
@@ -115,6 +119,7 @@ void settleBody(const StepContext& context, Vec3 gravity, SoftBody& body, BodyOu
     bool good = moveBody(dt, body, context.pool);
     if (!good) { // roll back, clear velocities, and creep
         for (auto* list : {&state.v, &state.dv, &state.residual}) std::fill(list->begin(), list->end(), Vec3{});
+        for (auto* list : {&state.rod.spins, &state.rod.tensions}) std::ranges::fill(*list, 0.0);
         assembleBody({gravity, dt, kCreep}, body, context.pool);
         system.dv = state.dv;
         solveBody(dt, kCreep, limitsOf(body.model), body, context.pool);
@@ -129,6 +134,7 @@ void settleBody(const StepContext& context, Vec3 gravity, SoftBody& body, BodyOu
         std::swap(system.v, state.v);
         std::swap(system.dv, state.dv);
         std::swap(system.residual, state.residual);
+        if (system.rod) std::swap(system.rod->moved(), state.rod);
         state.unrelaxed = dt;
         limitSpin(body.model, kMaxTurn, dt, state);
     }

@@ -117,7 +117,9 @@ void assembleBody(const Assembly& how, SoftBody& body, WorkerPool& pool)
 {
     SoftSystem& system = body.system;
     addExternalForces(body.model, how.gravity, body.state, system.forces);
-    if (system.matrixFree)
+    if (system.rod)
+        system.rod->assemble(body.model, system.forces, how.dt, how.inertia, body.state);
+    else if (system.matrixFree)
         system.matrixFree->assemble(body.model, system.forces, how.dt, how.inertia, body.state, pool);
     else
         assembleMatrix(body.model, system.forces, how.dt, how.inertia, body.state, *system.assembled);

@@ -128,6 +128,13 @@ double softStiffening(const Scene& scene, const Island& island)
     return std::clamp(perNodes * std::cbrt(static_cast<double>(nodes)), lowest, highest);
 }
 
+/// Whether all soft bodies of an island are rods, and there is one.
+bool onlyRods(const Scene& scene, const Island& island)
+{
+    const auto rod = [&](std::size_t b) { return isRod(scene.soft[b].model); };
+    return !island.soft.empty() && std::ranges::all_of(island.soft, rod);
+}
+
 } // namespace
 
 CoupledLimits coupledLimitsOf(const StepContext& context, const Scene& scene, const Island& island,
@@ -139,6 +146,9 @@ CoupledLimits coupledLimitsOf(const StepContext& context, const Scene& scene, co
     // If a heavy body rests on a light one, the compliance of the contact is that of the light body, but the mass that
     // sways is that of the heavy one: the penalty is at least this times the heaviest mass.
     constexpr double rigidBearing = 1.0;
+    // With rods the filter is exact, too. Measured on a thread that is drawn over a cylinder: 10 leaves steps in which
+    // friction does not converge, from 100 on the corners of the cylinder's polygon are felt.
+    constexpr double rodStiffening = 30.0;
     constexpr int perRound = 40, rigidUpdates = 10;
     constexpr double rigidTolerance = 0.01;
     constexpr double smallAcceleration = 1.0; // [m/s^2] scale of an acceleration that does not matter
@@ -148,7 +158,13 @@ CoupledLimits coupledLimitsOf(const StepContext& context, const Scene& scene, co
         how.nonlinear = perRound * exact->rounds;
         how.tolerance = exact->tolerance;
     }
-    if (island.rigid.empty()) how.stiffening = softStiffening(scene, island);
+    if (onlyRods(scene, island)) {
+        how.stiffening = rodStiffening;
+        how.holding = rigidHolding;
+        how.multiplierUpdates = rigidUpdates;
+    } else if (island.rigid.empty()) {
+        how.stiffening = softStiffening(scene, island);
+    }
     if (island.soft.empty()) {
         how.stiffening = rigidStiffening;
         how.holding = rigidHolding;

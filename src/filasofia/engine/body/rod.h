@@ -1,0 +1,61 @@
+#pragma once
+
+#include "filasofia/engine/elastic/rod.h"
+#include "filasofia/engine/elastic/spring.h"
+#include "filasofia/physics/rod_body_def.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace filasofia::engine {
+
+/// What a rod consists of; empty for all other bodies. Edge i lies between the nodes i and i + 1, joint i between the
+/// edges i and i + 1.
+struct Rod {
+    double radius = 0.0;                  ///< [m]
+    double bend = 0.0, twist = 0.0;       ///< [N m^2] B and T
+    std::vector<Spring> edges = {};       ///< what it resists stretching with
+    std::vector<double> inertias = {};    ///< [kg m^2] per edge, about itself
+    std::vector<RodJoint> joints = {};    ///< their stiffness follows from the pins: stiffJoints()
+    std::vector<Vec3> directors = {};     ///< per edge, at the start
+    std::vector<double> startTwists = {}; ///< [rad] per joint
+};
+
+/// What a rod's state has beside its nodes.
+struct RodState {
+    std::vector<Vec3> directors; ///< per edge: a unit vector across it that turns with the material
+    std::vector<double> spins;   ///< [rad/s] per edge: velocity of the material about it
+    std::vector<double> twists;  ///< [rad] per joint, any number of turns
+    /// [N] per edge: the force along it in the last step. That is what resists turning, and not the force that its
+    /// length would make: a step moves nodes along straight lines, so every edge that turns has become longer.
+    std::vector<double> tensions;
+};
+
+/// A rod with these nodes at the start.
+Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes);
+
+/// The state at the start.
+RodState stateAtStart(const Rod& rod);
+
+/// The joints with their stiffness. An edge whose two nodes are pinned (`hard`, per node) does not deform, so a joint
+/// beside it has only the other half of its length: without that, a clamped rod would be half an edge too long.
+std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard);
+
+/// Whether the material of an edge cannot turn about it: both its nodes are pinned.
+inline bool clamped(const std::vector<bool>& hard, std::size_t edge) { return hard[edge] && hard[edge + 1]; }
+
+/// The place of joint j.
+RodPlace placeAt(const RodState& state, std::span<const Vec3> x, std::size_t joint);
+
+/// Carries directors and twists along as the nodes move from one place to another and the material turns by
+/// dt * spins. `out` may be the state.
+void moveRod(double dt, std::span<const Vec3> from, std::span<const Vec3> to, const RodState& state, RodState& out);
+
+/// Makes every director a unit vector across its edge, where someone moved the nodes without it.
+void straighten(std::span<const Vec3> x, std::vector<Vec3>& directors);
+
+/// Throws an Error that begins with `object` if a number or a size is invalid; the body has so many nodes.
+void check(const Rod& rod, const RodState& state, std::size_t nodes, const std::string& object);
+
+} // namespace filasofia::engine

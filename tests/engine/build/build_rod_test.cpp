@@ -1,0 +1,97 @@
+#include "filasofia/core/error.h"
+#include "filasofia/engine/build/build_body.h"
+#include "filasofia/engine/native_engine.h"
+#include "filasofia/physics/physics_server.h"
+
+#include "engine/stage.h"
+
+#include <numbers>
+
+namespace build_rod_test {
+
+using namespace filasofia;
+using namespace filasofia::engine;
+using namespace filasofia::physics;
+
+namespace {
+
+RodBodyDef thread() { return {.name = "silk", .points = {{0, 0, 0}, {0.1, 0, 0}}, .spacing = 0.01}; }
+
+void checkError(const RodBodyDef& def, const std::string& part)
+{
+    std::string error;
+    try {
+        static_cast<void>(buildBody(def, 1e-3));
+    } catch (const Error& caught) {
+        error = caught.what();
+    }
+    INFO(error);
+    CHECK(error.find("rod 'silk'") == 0);
+    CHECK(error.find(part) != std::string::npos);
+}
+
+} // namespace
+
+TEST_CASE("a rod has the mass of its volume, and nodes at equal distances along its line")
+{
+    RodBodyDef def = thread();
+    def.points = {{0, 0, 0}, {0.05, 0, 0}, {0.05, 0.05, 0}};
+    def.pose = {{0, 0, 1}, {}};
+    const auto built = buildBody(def, 1e-3);
+    const SoftModel& model = dynamic_cast<BuiltSoftBody&>(*built).body.model;
+    CHECK(built->nodeCount() == 11);
+    CHECK(distance(model.rest[4], {0.04, 0, 1}) < 1e-15);
+    CHECK(distance(model.rest[5], {0.05, 0, 1}) < 1e-15);
+    CHECK(distance(model.rest.back(), {0.05, 0.05, 1}) < 1e-15);
+    double mass = 0.0;
+    for (double each : model.masses) mass += each;
+    CHECK_THAT(mass, Catch::WithinRel(def.density * std::numbers::pi * def.radius * def.radius * 0.1, 1e-12));
+
+    def.spacing = {};
+    CHECK(buildBody(def, 1e-3)->nodeCount() == 3);
+}
+
+TEST_CASE("what cannot be a rod is refused with one Error that names the rod, the field and the value")
+{
+    const auto with = [](const auto& change) {
+        RodBodyDef def = thread();
+        change(def);
+        return def;
+    };
+    checkError(with([](RodBodyDef& d) { d.points = {{0, 0, 0}}; }), "points must have at least 2 entries, got 1");
+    checkError(with([](RodBodyDef& d) { d.spacing = {}; }), "points must be in [3, 100000] without a spacing, got 2");
+    checkError(with([](RodBodyDef& d) { d.points.push_back({0.1, 0, 0}); }), "points[1] and points[2] must be apart");
+    checkError(with([](RodBodyDef& d) { d.points.push_back({0, 0.001, 0}); }), "must turn by less than 168 degrees");
+    checkError(with([](RodBodyDef& d) { d.points.push_back({2e4, 0, 0}); }), "points[2] must lie within 10000 m");
+    checkError(with([](RodBodyDef& d) { d.points.push_back({0, std::nan(""), 0}); }), "points");
+    checkError(with([](RodBodyDef& d) { d.spacing = 1e-9; }), "spacing must leave at most 100000 nodes");
+    checkError(with([](RodBodyDef& d) { d.spacing = 0.0; }), "spacing must be > 0 m, got 0");
+    checkError(with([](RodBodyDef& d) { d.radius = 0.0; }), "radius must be > 0 m, got 0");
+    checkError(with([](RodBodyDef& d) { d.youngModulus = -1.0; }), "youngModulus must be > 0 Pa, got -1");
+    checkError(with([](RodBodyDef& d) { d.poissonRatio = 0.6; }), "poissonRatio must be in [0, 0.5], got 0.6");
+    checkError(with([](RodBodyDef& d) { d.density = 0.0; }), "density must be > 0 kg/m^3, got 0");
+    checkError(with([](RodBodyDef& d) { d.twist = std::nan(""); }), "twist must be finite");
+    checkError(with([](RodBodyDef& d) { d.friction = -0.1; }), "friction must be >= 0");
+    checkError(with([](RodBodyDef& d) { d.collision = RodCollision{.proximity = -1.0}; }), "proximity must be >= 0 m");
+    checkError(with([](RodBodyDef& d) { d.attachments = {{.nodes = {11}}}; }), "nodes must be in [0, 11), got 11");
+    checkError(with([](RodBodyDef& d) { d.forces = {{.node = 11}}; }), "forces[0].node must be in [0, 11), got 11");
+    checkError(with([](RodBodyDef& d) { d.pose.orientation = {0, 0, 0, 0}; }), "pose");
+}
+
+TEST_CASE("commands that a rod cannot follow are refused, and those for nodes are obeyed")
+{
+    PhysicsServer server(makeNativeEngine());
+    const BodyId rod = server.add(thread());
+    CHECK_THROWS_WITH(server.setPressure(rod, 1.0), Catch::Contains("rod 'silk': must be a soft body"));
+    CHECK_THROWS_WITH(server.setMaterial(rod, FemMaterial{}), Catch::Contains("rod 'silk': must be a soft body"));
+    CHECK_THROWS_WITH(server.setPose(rod, {}), Catch::Contains("rod 'silk': must be a rigid body"));
+    CHECK_THROWS_WITH(server.setForces(rod, {{.node = 11}}), Catch::Contains("rod 'silk': forces[0].node"));
+    server.setGravity({});
+    server.setForces(rod, {{.node = 10, .force = {1e-5, 0, 0}}});
+    server.attach(rod, {.nodes = {0, 1}});
+    for (int i = 0; i < 20; ++i) server.step(1e-3);
+    CHECK(server.latest()->softBody(rod)->positions[10].x > 0.1);
+    CHECK(length(server.latest()->softBody(rod)->positions[0]) < 1e-6);
+}
+
+} // namespace build_rod_test

@@ -1,0 +1,66 @@
+#include "filasofia/linalg/band_matrix.h"
+
+#include <Eigen/Dense>
+
+namespace band_matrix_test {
+
+using namespace filasofia::linalg;
+
+namespace {
+
+/// A random positive definite band matrix, and the same as a dense one.
+struct Sample {
+    BandMatrix band;
+    Eigen::MatrixXd dense;
+
+    explicit Sample(std::size_t n) : band(n)
+    {
+        std::mt19937 random(static_cast<unsigned>(n));
+        std::uniform_real_distribution<double> draw(-1.0, 1.0);
+        dense = Eigen::MatrixXd::Zero(static_cast<long>(n), static_cast<long>(n));
+        for (std::size_t j = 0; j < n; ++j)
+            for (std::size_t i = j; i < std::min(n, j + BandMatrix::kWidth + 1); ++i) {
+                band.at(i, j) = draw(random) + (i == j ? 12.0 : 0.0);
+                dense(static_cast<long>(i), static_cast<long>(j)) = dense(static_cast<long>(j), static_cast<long>(i)) =
+                    band.at(i, j);
+            }
+    }
+};
+
+} // namespace
+
+TEST_CASE("a band matrix multiplies, solves and inverts as a dense one does")
+{
+    for (const std::size_t n : {1, 3, 11, 12, 57}) {
+        const Sample sample(n);
+        const auto size = static_cast<long>(n);
+        const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(size, -1.0, 2.0);
+        std::vector<double> in(x.data(), x.data() + n), out(n);
+        sample.band.multiply(in, out);
+        CHECK((Eigen::Map<Eigen::VectorXd>(out.data(), size) - sample.dense * x).norm() < 1e-12);
+
+        BandCholesky factor;
+        REQUIRE(factor.factorise(sample.band));
+        factor.solve(out);
+        CHECK((Eigen::Map<Eigen::VectorXd>(out.data(), size) - x).norm() < 1e-12);
+
+        BandMatrix inverse;
+        factor.invert(inverse);
+        const Eigen::MatrixXd exact = sample.dense.inverse();
+        for (std::size_t j = 0; j < n; ++j)
+            for (std::size_t i = j; i < std::min(n, j + BandMatrix::kWidth + 1); ++i)
+                CHECK_THAT(inverse.at(i, j),
+                           Catch::WithinAbs(exact(static_cast<long>(i), static_cast<long>(j)), 1e-12));
+    }
+}
+
+TEST_CASE("a band matrix that is not positive definite is refused")
+{
+    Sample sample(20);
+    sample.band.at(7, 7) = -1.0;
+    CHECK_FALSE(BandCholesky().factorise(sample.band));
+    sample.band.at(7, 7) = std::nan("");
+    CHECK_FALSE(BandCholesky().factorise(sample.band));
+}
+
+} // namespace band_matrix_test

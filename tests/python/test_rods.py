@@ -1,0 +1,63 @@
+"""Rods: threads, catheters, guide wires."""
+import numpy as np
+import pytest
+
+import filasofia as fs
+
+
+def thread(**fields):
+    return fs.RodBodyDef(
+        **{
+            "name": "silk",
+            "points": [(0, 0.05, 0), (0.1, 0.05, 0)],
+            "spacing": 2e-3,
+            "radius": 0.3e-3,
+            "young_modulus": 2e7,
+            "attachments": [fs.AttachmentDef(nodes=[0, 1])],
+            **fields,
+        }
+    )
+
+
+def test_a_clamped_thread_sags_and_keeps_its_length():
+    sim = fs.Simulation()
+    rod = sim.add(thread())
+    for _ in range(200):
+        sim.step()
+    body = sim.frame[rod]
+    assert body.positions.shape == (51, 3)
+    assert body.directors.shape == (50, 3)
+    edges = np.diff(body.positions, axis=0)
+    assert np.allclose(np.linalg.norm(edges, axis=1), 2e-3, rtol=1e-3)
+    assert np.allclose(np.einsum("ij,ij->i", edges, body.directors), 0, atol=1e-9)
+    assert body.positions[-1, 1] < 0.049
+    assert tuple(body.positions[0]) == (0, 0.05, 0)
+    assert sim.definition(rod).spacing == 2e-3
+
+
+def test_a_thread_falls_on_a_table_and_is_the_same_again_after_a_restore():
+    sim = fs.Simulation()
+    table = fs.RigidBodyDef(
+        name="table", mesh=fs.shapes.box((0.4, 0.01, 0.4)), elements=[fs.Pose((0, 0.04, 0))], collision=[fs.CollisionDef()]
+    )
+    sim.add(table)
+    rod = sim.add(thread(attachments=[], collision=fs.RodCollision()))
+    for _ in range(100):
+        sim.step()
+    saved = sim.save_state()
+    for _ in range(20):
+        sim.step()
+    after = sim.state_hash
+    sim.restore(saved)
+    for _ in range(20):
+        sim.step()
+    assert sim.state_hash == after
+    assert sim.frame[rod].positions[:, 1].min() > 0.045
+
+
+def test_errors_name_the_rod():
+    sim = fs.Simulation()
+    with pytest.raises(fs.Error, match="rod 'silk': points must have at least 2 entries"):
+        sim.add(thread(points=[]))
+    with pytest.raises(fs.Error, match="radius must be > 0 m, got 0"):
+        sim.add(thread(radius=0.0))

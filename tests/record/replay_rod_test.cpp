@@ -1,0 +1,49 @@
+#include "filasofia/record/replay.h"
+
+#include "filasofia/engine/native_engine.h"
+#include "filasofia/geometry/shapes.h"
+#include "filasofia/record/recording.h"
+#include "record/runs.h"
+
+namespace replay_rod_test {
+
+using namespace filasofia;
+using namespace filasofia::physics;
+
+TEST_CASE("a session with a rod that is touched, attached and pulled is replayed with the same hash at every step")
+{
+    const record::ScratchFile file("rod.rec");
+    {
+        PhysicsServer server(engine::makeNativeEngine());
+        server.keepLog(true);
+        server.hashEveryStep(true);
+        server.setGravity({0, -9.81, 0});
+        record::RecordingWriter writer(file.path(), {});
+        const BodyId thread = server.add(RodBodyDef{.points = {{-0.05, 0.031, 0}, {0.0, 0.032, 0.01}, {0.05, 0.031, 0}},
+                                                    .spacing = 2e-3,
+                                                    .pose = {{0, 1e-4, 0}, {}},
+                                                    .youngModulus = 1e7,
+                                                    .straight = false,
+                                                    .twist = 3.0,
+                                                    .collision = RodCollision{.proximity = 2e-4}});
+        const BodyId ball = server.add(RigidBodyDef{.mesh = geometry::shapes::sphere(0.03, 4), .collision = {{}}});
+        bool touched = false;
+        for (int step = 0; step < 60; ++step) {
+            if (step == 20) server.attach(thread, {.nodes = {25, 26}, .to = ball});
+            if (step == 30) server.setForces(thread, {{.node = 50, .force = {0, 0, 1e-4}}});
+            if (step > 20) server.setPose(ball, {{0, 1e-4 * step, 0}, {}});
+            server.step(2e-3);
+            touched = touched || server.nextRecord()->report.contacts.active > 0;
+            writer.write(*server.nextRecord());
+            server.popRecord();
+        }
+        CHECK(touched);
+        CHECK(server.latest()->softBody(thread)->directors.size() == 51);
+    }
+    const record::Recording recording = record::readRecording(file.path());
+    REQUIRE(recording.steps.size() == 60);
+    for (const StepRecord& step : recording.steps) CHECK(step.hash != 0);
+    CHECK_FALSE(record::replay(recording.steps, *engine::makeNativeEngine({.period = recording.header.period})));
+}
+
+} // namespace replay_rod_test
