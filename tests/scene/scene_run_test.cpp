@@ -95,7 +95,7 @@ TEST_CASE("scenes: a thread falls over a bar and holds")
 {
     const SceneDef scene = loadScene(example("thread"));
     Simulation sim(simulationDef(scene));
-    const BodyId thread = addScene(sim, scene).at(0);
+    const BodyId thread = addScene(sim, scene).bodies.at(0);
     sim.run({.headless = true, .steps = 1000});
     const auto frame = sim.physics().latest();
     const std::vector<Vec3>& nodes = frame->softBody(thread)->positions;
