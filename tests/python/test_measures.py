@@ -11,7 +11,8 @@ from scenes import poke
 def test_the_path_of_a_tool_is_measured_as_it_was_moved(tmp_path):
     file = tmp_path / "session.jsonl"
     sim, tissue, tool = poke()
-    sim.measure(bodies=[fs.TrackedBody(body=tool, role="tool")], file=file, trainee="A. B.", task="poke")
+    sim.measure(bodies=[fs.TrackedBody(body=tool, role="tool")], file=file, trainee="A. B.", task="poke",
+                steps=["there", "back"], watched=["perforation"])
     sim.step()
     start = sim.frame[tool].poses[0, :3].copy()
     sim.step(400, {tool: start + (0.03, 0, 0)})
@@ -21,6 +22,7 @@ def test_the_path_of_a_tool_is_measured_as_it_was_moved(tmp_path):
     measures = fs.measures(file)
     assert measures["path_length"] == pytest.approx(0.06, rel=0.03)  # the filter of 20 Hz rounds the turn
     assert measures["duration"] == pytest.approx(0.6, rel=0.02)
+    assert measures["steps_done"] == 0.5 and measures["perforations"] == 0.0 and measures["mistakes"] == 0.0
     assert set(measures) >= {"path_length", "duration"} and None in measures.values()
     lines = [json.loads(line) for line in file.read_text().splitlines()]
     assert lines[0]["trainee"] == "A. B." and lines[0]["case"] == "poke"
@@ -33,6 +35,8 @@ def test_a_scene_is_measured_by_its_task(tmp_path):
     sim = fs.load(scene, measures=file)
     assert len(sim.bodies) == 4
     sim.step(1600)
+    with pytest.raises(fs.Error, match="instruments with jaws"):
+        sim.restore(sim.save_state())
     sim.close()
     measures = fs.measures(file)
     assert measures["steps_done"] == 1.0 and measures["tears_unintended"] == 0.0

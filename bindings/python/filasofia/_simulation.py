@@ -131,13 +131,22 @@ class Simulation(_core.Simulation):
         *,
         trainee: str = "",
         task: str = "",
+        steps: _typing.Sequence[str] = (),
+        targets: _typing.Sequence[str] = (),
+        watched: _typing.Sequence[str] = (),
+        force_limit: float | None = None,
         **fields: _typing.Any,
     ) -> None:
         """Writes what bodies do into a session file, until close(): a MetricTrackerDef, or its fields (bodies, file).
 
-        Call it before the first step. measures() computes the numbers, `filasofia report` the page.
+        `steps` are those of the task, each to be marked once; `targets` the names of bodies that are to be cut or torn;
+        `watched` further kinds of events that mark() will report, each time that they happen ("perforation", ...);
+        `force_limit` [N] is what the tissue withstands. Call it before the first step. measures() computes the numbers,
+        `filasofia report` the page.
         """
-        self._measure(_only(_defs.MetricTrackerDef, definition, fields), trainee, task)  # type: ignore[attr-defined]
+        definition = _only(_defs.MetricTrackerDef, definition, fields)
+        given = (trainee, task, list(steps), list(targets), list(watched), force_limit)
+        self._measure(definition, *given)  # type: ignore[attr-defined]
 
     def __repr__(self) -> str:
         try:

@@ -8,16 +8,26 @@
 
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <cmath>
 
 namespace filasofia::python {
 namespace {
 
-void measure(HeldSimulation& self, nb::handle given, const std::string& trainee, const std::string& task)
+metric::EventKind kindOf(const std::string& word, const char* what)
+{
+    if (const std::optional<metric::EventKind> kind = metric::eventKind(word)) return *kind;
+    fail(what,
+         " must be one of grasp, release, tear, cut, perforation, removed, seen, residual, step, mistake, note, got '",
+         word, "'");
+}
+
+void measure(HeldSimulation& self, nb::handle given, const metric::Session& session)
 {
     auto def = readDef<prefab::MetricTrackerDef>(given, "measure");
     if (def.file.empty()) fail("measure: file must name a .jsonl or .csv file, got ''");
-    def.session.trainee = trainee;
-    def.session.task = task;
+    def.session = session;
     const Session::Turn turn(*self.session, "measure");
     const nb::gil_scoped_release free;
     self.session->measure(std::move(def));
@@ -25,12 +35,7 @@ void measure(HeldSimulation& self, nb::handle given, const std::string& trainee,
 
 void mark(HeldSimulation& self, const std::string& kind, const std::string& what, std::optional<double> amount)
 {
-    const std::optional<metric::EventKind> event = metric::eventKind(kind);
-    if (!event)
-        fail("mark: kind must be one of grasp, release, tear, cut, perforation, removed, seen, residual, step, "
-             "mistake, note, got '",
-             kind, "'");
-    usable(self, "mark").mark(*event, what, amount);
+    usable(self, "mark").mark(kindOf(kind, "mark: kind"), what, amount);
 }
 
 nb::dict measuresOf(nb::handle file)
@@ -52,7 +57,22 @@ nb::dict measuresOf(nb::handle file)
 
 void addMeasures(nb::module_& module, nb::class_<HeldSimulation>& sim)
 {
-    sim.def("_measure", &measure, nb::arg("definition").none(), nb::arg("trainee"), nb::arg("task"));
+    sim.def(
+        "_measure",
+        [](HeldSimulation& self, nb::handle definition, const std::string& trainee, const std::string& task,
+           const std::vector<std::string>& steps, const std::vector<std::string>& targets,
+           const std::vector<std::string>& watched, std::optional<double> forceLimit) {
+            metric::Session session{
+                .trainee = trainee, .task = task, .forceLimit = forceLimit, .targets = targets, .steps = steps};
+            if (forceLimit && !(*forceLimit > 0.0 && std::isfinite(*forceLimit)))
+                fail("measure: force_limit must be > 0 N, got ", *forceLimit);
+            for (const std::string& each : watched) session.watched.push_back(kindOf(each, "measure: watched"));
+            if (!steps.empty())
+                session.watched.insert(session.watched.end(), {metric::EventKind::Step, metric::EventKind::Mistake});
+            measure(self, definition, session);
+        },
+        nb::arg("definition").none(), nb::arg("trainee"), nb::arg("task"), nb::arg("steps"), nb::arg("targets"),
+        nb::arg("watched"), nb::arg("force_limit").none());
     sim.def("mark", &mark, nb::arg("kind"), nb::arg("what") = "", nb::arg("amount").none() = nb::none(),
             "Notes an event at the present time in the session that measure() writes: kind is grasp, release, tear, "
             "cut, perforation, removed, seen, residual, step, mistake or note. Error if nothing is measured.");

@@ -125,6 +125,7 @@ std::shared_ptr<const physics::SavedState> Session::save()
 
 void Session::restore(const physics::SavedState& state)
 {
+    if (scene_.remembers) fail("restore: the scene has instruments with jaws, which remember what they hold");
     if (!run_) fail("restore: make a step first");
     running().restore(state);
     const frame::FrameRef now = physics().latest();

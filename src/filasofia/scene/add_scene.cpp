@@ -72,6 +72,10 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
         }
     const Instruments instruments = addInstruments(simulation, scene, ids);
     dressScene(simulation, scene, ids);
+    for (const TimedCommand& each : scene.commands)
+        if (const auto* gone = std::get_if<physics::RemoveBody>(&each.command);
+            gone && gone->id.value > scene.bodies.size())
+            fail(each.place, ".id must not be an instrument: what moves it would go on");
     followCommands(simulation, scene.commands, ids);
     for (std::size_t i = 0; i < scene.haptics.size(); ++i) try {
             runtime::HapticInterfaceDef haptic = scene.haptics[i];
@@ -84,11 +88,14 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
     try {
         added.tracker = addTracker(simulation, scene, ids, std::move(tracker));
         const bool dressed = !scene.cameras.empty() || std::ranges::any_of(instruments, &Instrument::isScope);
-        if (scene.task) added.task = addTask(simulation, *scene.task, ids, added.tracker.get(), dressed);
+        if (scene.task) added.task = addTask(simulation, withNames(*scene.task), ids, added.tracker.get(), dressed);
     } catch (const Error& error) {
-        const std::string words = error.what();
+        std::string words = error.what();
+        if (constexpr std::string_view kBodies = "metric tracker: bodies["; words.starts_with(kBodies))
+            words.replace(0, kBodies.size(), "measured["); // as the file calls them
         failAtPlace(scene.places, words.substr(0, words.find(' ')), words);
     }
+    added.remembers = std::ranges::any_of(instruments, [](const Instrument& each) { return !each.isScope(); });
     return added;
 }
 

@@ -44,6 +44,8 @@ Instrument addInstrument(runtime::Simulation& simulation, const SceneInstrument&
 {
     Instrument added{.keyed = !def.keys.empty()};
     if (added.keyed) checkTimes(def.keys, path + ".keys");
+    for (std::size_t i = 0; i < def.keys.size(); ++i)
+        static_cast<void>(physics::unitPose(def.keys[i].pose, text(path, ".keys[", i, "].pose")));
     if (!def.grip.empty()) checkTimes(def.grip, path + ".grip");
     const auto motionFrom = [&](const Pose& start) { return withFirstKey({.keys = def.keys}, start); };
     if (const auto* jaws = std::get_if<prefab::ArticulatedInstrumentDef>(&def.def)) {

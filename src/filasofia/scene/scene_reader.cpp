@@ -186,8 +186,10 @@ double SceneReader::number(const Json& json, const Place& place, const Bound& bo
     } else {
         refuse(json, place, "must be a number");
     }
-    if (!bound.range.contains(value))
-        refuse(json, place, text(bound.range.text(bound.unit), std::isinf(value) ? " and finite" : ""));
+    if (!bound.range.contains(value)) {
+        const std::string must = bound.range.text(bound.unit);
+        refuse(json, place, text(must, std::isinf(value) && must != "must be finite" ? " and finite" : ""));
+    }
     return value;
 }
 

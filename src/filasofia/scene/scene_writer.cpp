@@ -1,6 +1,7 @@
 #include "filasofia/scene/scene_writer.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/word.h"
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/geometry/mesh_text.h"
 #include "filasofia/record/output_file.h"
@@ -52,6 +53,16 @@ void print(std::string& out, const Written& json, std::size_t indent, std::size_
     out += json.is_array() ? ']' : '}';
 }
 
+bool isUtf8(const std::string& words)
+{
+    try {
+        static_cast<void>(Written(words).dump());
+    } catch (const Written::exception&) {
+        return false;
+    }
+    return true;
+}
+
 void writeFile(const std::filesystem::path& file, std::string_view bytes)
 {
     record::OutputFile out(file);
@@ -94,6 +105,9 @@ SceneWriter::SceneWriter(const std::filesystem::path& file)
 
 Written SceneWriter::write(const SceneDef& scene)
 {
+    for (const SceneBody& body : scene.bodies) // before a file is written
+        if (const std::string name = std::visit([](const auto& def) { return def.name; }, body.def); !isUtf8(name))
+            fail("a body's name must be UTF-8, got '", oneLine(name), "'");
     for (const SceneBody& body : scene.bodies)
         std::visit(
             [&](const auto& def) {
@@ -146,8 +160,11 @@ std::string SceneWriter::nameOf(const std::string& file)
 
 std::filesystem::path SceneWriter::newFile(std::string_view name, std::string_view extension)
 {
+    constexpr std::size_t kLongest = 60; // letters; systems allow 255 bytes
     std::string plain;
-    for (const char each : name) plain += std::isalnum(static_cast<unsigned char>(each)) ? each : '_';
+    if (name.empty()) name = "body";
+    for (const char each : name.substr(0, kLongest))
+        plain += std::isalnum(static_cast<unsigned char>(each)) ? each : '_';
     std::string unused = text(plain, extension);
     for (int i = 2; kept_.contains(files_ / unused) || !taken_.insert(unused).second; ++i)
         unused = text(plain, "_", i, extension);

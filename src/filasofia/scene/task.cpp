@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <mutex>
+#include <set>
 
 namespace filasofia::scene {
 namespace {
@@ -115,18 +116,43 @@ private:
     std::optional<double> since_; ///< [s]
 };
 
-void check(const Condition& condition, const std::string& path)
-{
-    if (const auto* reached = std::get_if<Reached>(&condition))
-        if (reached->place.has_value() == static_cast<bool>(reached->target))
-            fail(path, ".done must have a place or a target, and not both");
-}
+/// Refuses what could never hold. The condition has the ids of the bodies.
+class ConditionCheck {
+public:
+    ConditionCheck(const physics::PhysicsServer& server, std::string path) : server_(server), path_(path + ".done") {}
 
-prefab::TaskStep stepOf(const SceneTaskStep& step, const std::vector<BodyId>& ids,
-                        const std::shared_ptr<const Partings>& partings)
+    void operator()(const Reached& c) const
+    {
+        if (c.place.has_value() == static_cast<bool>(c.target))
+            fail(path_, " must have a place or a target, and not both");
+        differ(c.body, c.target);
+        const auto* rigid = std::get_if<physics::RigidBodyDef>(&*server_.def(c.body));
+        const std::size_t elements = rigid ? physics::elementCount(*rigid) : 1;
+        if (static_cast<std::size_t>(c.element) >= elements)
+            fail(path_, ".element must be in [0, ", elements, "), got ", c.element);
+    }
+    void operator()(const Touched& c) const { differ(c.first, c.second); }
+    void operator()(const Held& c) const { differ(c.body, c.by); }
+    void operator()(const Parted& c) const
+    {
+        const physics::BodyDef& def = *server_.def(c.body);
+        const auto* soft = std::get_if<physics::SoftBodyDef>(&def);
+        if (!soft || !soft->dynamicTopology)
+            fail(path_, ".body must be a soft body with dynamicTopology, got ", physics::describeBody(def));
+    }
+    void operator()(const Waited&) const {}
+
+private:
+    void differ(BodyId a, BodyId b) const
+    {
+        if (a == b) fail(path_, " must name two bodies, got ", physics::describeBody(*server_.def(a)), " twice");
+    }
+    const physics::PhysicsServer& server_;
+    const std::string path_;
+};
+
+prefab::TaskStep stepOf(const SceneTaskStep& step, Condition condition, const std::shared_ptr<const Partings>& partings)
 {
-    Condition condition = step.done;
-    SceneNumbers(ids).replaceIn(condition);
     const auto watch = std::make_shared<Watch>(std::move(condition), partings);
     return {.name = step.name,
             .instruction = step.instruction,
@@ -146,6 +172,18 @@ std::string nameOf(const SceneDef& scene, BodyId number)
 
 } // namespace
 
+SceneTask withNames(SceneTask task)
+{
+    std::set<std::string> known;
+    for (std::size_t i = 0; i < task.steps.size(); ++i) {
+        std::string& name = task.steps[i].name;
+        if (name.empty()) name = text("step ", i + 1);
+        if (!known.insert(name).second)
+            fail("task.steps[", i, "].name must differ from those before it, got '", prefab::shown(name), "'");
+    }
+    return task;
+}
+
 std::shared_ptr<const prefab::Task> addTask(runtime::Simulation& simulation, const SceneTask& task,
                                             const std::vector<BodyId>& ids, prefab::MetricTracker* tracker, bool arrow)
 {
@@ -154,8 +192,10 @@ std::shared_ptr<const prefab::Task> addTask(runtime::Simulation& simulation, con
     simulation.on<runtime::TearEvent>([partings](const runtime::TearEvent& tear) { partings->add(tear.rupture); });
     prefab::TaskDef def{.name = task.name, .timeLimit = task.timeLimit, .tracker = tracker};
     for (std::size_t i = 0; i < task.steps.size(); ++i) {
-        check(task.steps[i].done, text("task.steps[", i, "]"));
-        def.steps.push_back(stepOf(task.steps[i], ids, partings));
+        Condition condition = task.steps[i].done;
+        SceneNumbers(ids).replaceIn(condition);
+        std::visit(ConditionCheck(simulation.physics(), text("task.steps[", i, "]")), condition);
+        def.steps.push_back(stepOf(task.steps[i], std::move(condition), partings));
     }
     def.over = [&simulation, name = task.name](bool done) {
         simulation.finish(text("task '", prefab::shown(name), done ? "' is done" : "' is out of time"));
@@ -178,7 +218,7 @@ std::shared_ptr<prefab::MetricTracker> addTracker(runtime::Simulation& simulatio
     if (scene.task) {
         def.session.task = scene.task->name;
         def.session.watched.insert(def.session.watched.end(), {metric::EventKind::Step, metric::EventKind::Mistake});
-        for (const SceneTaskStep& step : scene.task->steps) {
+        for (const SceneTaskStep& step : withNames(*scene.task).steps) {
             def.session.steps.push_back(step.name);
             if (const auto* parted = std::get_if<Parted>(&step.done))
                 def.session.targets.push_back(nameOf(scene, parted->body));

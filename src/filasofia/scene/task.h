@@ -4,6 +4,9 @@
 
 namespace filasofia::scene {
 
+/// The task with a name for each step; throws an Error that begins with "task" if two have the same one.
+SceneTask withNames(SceneTask task);
+
 /// Starts a scene's task, with its instructions over the picture; the run ends when it is over. `ids`: the bodies of
 /// the scene; `tracker` gets the steps, and may be null; `arrow`: the picture is made by dress(), so an arrow may point
 /// in it. Throws an Error that begins with "task".
