@@ -87,6 +87,17 @@ def motion(engine, block, dt, references):
     return np.array(taken[2:]), errors  # the first two compile, in Newton
 
 
+def described(engine, options, block, dt):
+    """What a row of the results says of a run."""
+    return {
+        "engine": engine.package,
+        "law": engine.law,
+        "scheme": options["scheme"],
+        "tetrahedra": len(block.tetrahedra),
+        "dt_ms": round(dt * 1e3, 6),
+    }
+
+
 def measured(kind, options, dt, block, references):
     """One row. Medians, and of a run that is shorter than a second the fastest of three: other programs disturb."""
     best = None
@@ -99,11 +110,7 @@ def measured(kind, options, dt, block, references):
             break
     stable = len(errors) == len(TIMES) and all(each < 10 for each in errors) and not getattr(engine, "broken", bool)()
     return {
-        "engine": kind.package,
-        "law": engine.law,
-        "scheme": options["scheme"],
-        "tetrahedra": len(block.tetrahedra),
-        "dt_ms": round(dt * 1e3, 6),
+        **described(engine, options, block, dt),
         "median_ms": round(float(np.median(best)) * 1e3, 4),
         "p99_ms": round(float(np.percentile(best, 99)) * 1e3, 4),
         "seconds_per_second": round(float(np.median(best)) / dt, 4),
@@ -136,11 +143,7 @@ def rest(kind, options, how, block):
     seconds = time.perf_counter() - begin
     wanted = block.equilibrium(engine.law, kind.equal)
     return {
-        "engine": kind.package,
-        "law": engine.law,
-        "scheme": options["scheme"],
-        "tetrahedra": len(block.tetrahedra),
-        "dt_ms": round(dt * 1e3, 6),
+        **described(engine, options, block, dt),
         "damping_s": damping,
         "simulated_s": duration,
         "sag_mm": round(float((block.nodes - wanted)[:, 1].max()) * 1e3, 3),

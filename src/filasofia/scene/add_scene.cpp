@@ -56,6 +56,11 @@ void failAtPlace(const Places& places, const std::string& path, std::string_view
     fail(place, place.empty() ? "" : ": ", error);
 }
 
+void failAtPlace(const Places& places, std::string_view error)
+{
+    failAtPlace(places, std::string(error.substr(0, error.find_first_of(" :"))), error);
+}
+
 runtime::SimulationDef simulationDef(const SceneDef& scene)
 {
     return {.physics = scene.physics, .window = scene.window, .look = scene.look};
@@ -93,7 +98,7 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
         std::string words = error.what();
         if (constexpr std::string_view kBodies = "metric tracker: bodies["; words.starts_with(kBodies))
             words.replace(0, kBodies.size(), "measured["); // as the file calls them
-        failAtPlace(scene.places, words.substr(0, words.find(' ')), words);
+        failAtPlace(scene.places, words);
     }
     added.remembers = std::ranges::any_of(instruments, [](const Instrument& each) { return !each.isScope(); });
     return added;

@@ -128,8 +128,7 @@ void dressScene(runtime::Simulation& simulation, const SceneDef& scene, const st
         if (scene.cameras.empty()) return checkWithoutCameras(scene);
         dress = checked(scene, ids);
     } catch (const Error& error) {
-        const std::string_view words = error.what();
-        failAtPlace(scene.places, std::string(words.substr(0, words.find_first_of(" :"))), words);
+        failAtPlace(scene.places, error.what());
     }
     simulation.dress(
         [&simulation, dress = std::move(dress)](visual::VisualServer& visual) { make(dress, visual, simulation); });

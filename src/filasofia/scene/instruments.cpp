@@ -74,12 +74,11 @@ Instruments addInstruments(runtime::Simulation& simulation, const SceneDef& scen
             added.push_back(addInstrument(simulation, scene.instruments[i], path));
         } catch (const Error& error) {
             const std::string words = error.what();
-            const std::string at = words.starts_with(path) ? words.substr(0, words.find(' ')) : path;
-            failAtPlace(scene.places, at, words.starts_with(path) ? words : text(path, ": ", words));
+            failAtPlace(scene.places, words.starts_with(path) ? words : text(path, ": ", words));
         }
         ids.push_back(added.back().body);
     }
-    const auto scope = std::ranges::find_if(added, [](const Instrument& each) { return each.scope != nullptr; });
+    const auto scope = std::ranges::find_if(added, &Instrument::isScope);
     if (scope != added.end() && scene.cameras.empty())
         simulation.dress([view = scope->scope](visual::VisualServer& visual) { view->dress(visual); });
     return added;

@@ -1,6 +1,7 @@
 #include "filasofia/scene/scene_reader.h"
 
 #include "filasofia/runtime/assets.h"
+#include "filasofia/scene/path_within.h"
 #include "filasofia/scene/quantity.h"
 
 #include <cmath>
@@ -315,13 +316,7 @@ AttachmentId SceneReader::newAttachment(const Json& json, const Place& place)
 void SceneReader::checkFile(const std::filesystem::path& path, const Json& json, const Place& place) const
 {
     if (options_.anyFolder) return;
-    std::error_code problem;
-    const auto inside = [&](const std::filesystem::path& folder) {
-        const auto relative = std::filesystem::weakly_canonical(path, problem)
-                                  .lexically_relative(std::filesystem::weakly_canonical(folder, problem));
-        return !problem && !relative.empty() && *relative.begin() != "..";
-    };
-    if (path.native().find('\0') != std::string::npos || !inside(std::filesystem::absolute(folder_)))
+    if (path.native().find('\0') != std::string::npos || pathWithin(std::filesystem::absolute(folder_), path).empty())
         refuse(json, place, "must be a file in the folder of the scene, also behind links (--any-folder allows all)");
 }
 

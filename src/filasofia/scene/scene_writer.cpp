@@ -6,6 +6,7 @@
 #include "filasofia/geometry/mesh_text.h"
 #include "filasofia/record/output_file.h"
 #include "filasofia/runtime/assets.h"
+#include "filasofia/scene/path_within.h"
 #include "filasofia/scene/scene_file.h"
 
 #include <cctype>
@@ -21,6 +22,7 @@ void print(std::string& out, const Written& json, std::size_t indent, std::size_
 {
     std::string line;
     const auto inLine = [&line](const auto& self, const Written& it) -> void {
+        if (line.size() > kLineWidth) return; // it does not fit, so what follows need not be known
         if (!it.is_structured()) {
             line += it.dump();
             return;
@@ -70,16 +72,6 @@ void writeFile(const std::filesystem::path& file, std::string_view bytes)
     out.close();
 }
 
-/// The path from `folder` to a file in it; empty if it is elsewhere, also behind links.
-std::string within(const std::filesystem::path& folder, const std::filesystem::path& file)
-{
-    std::error_code problem;
-    const auto relative = std::filesystem::weakly_canonical(file, problem)
-                              .lexically_relative(std::filesystem::weakly_canonical(folder, problem));
-    if (problem || relative.empty() || *relative.begin() == "..") return {};
-    return relative.generic_string();
-}
-
 /// The name of a file that comes with Filasofia; else empty.
 std::string assetName(const std::filesystem::path& file)
 {
@@ -105,12 +97,10 @@ SceneWriter::SceneWriter(const std::filesystem::path& file)
 
 Written SceneWriter::write(const SceneDef& scene)
 {
-    for (const SceneBody& body : scene.bodies) // before a file is written
-        if (const std::string name = std::visit([](const auto& def) { return def.name; }, body.def); !isUtf8(name))
-            fail("a body's name must be UTF-8, got '", oneLine(name), "'");
     for (const SceneBody& body : scene.bodies)
         std::visit(
             [&](const auto& def) {
+                if (!isUtf8(def.name)) fail("a body's name must be UTF-8, got '", oneLine(def.name), "'");
                 bodies_.push_back(def.name);
                 for (std::size_t i = 0; i < def.attachments.size(); ++i)
                     attachments_.push_back(text(def.name, ".attachments[", i, "]"));
@@ -153,7 +143,7 @@ std::string SceneWriter::nameOf(const std::string& file)
 {
     if (file.empty()) return file;
     if (const std::string asset = assetName(std::filesystem::absolute(file)); !asset.empty()) return "asset:" + asset;
-    std::string name = within(folder_, file);
+    std::string name = pathWithin(folder_, file);
     if (!name.empty()) kept_.insert(folder_ / name);
     return name;
 }
@@ -171,7 +161,7 @@ std::filesystem::path SceneWriter::newFile(std::string_view name, std::string_vi
     std::error_code problem;
     std::filesystem::create_directories(files_, problem);
     if (problem) fail(files_.string(), ": cannot be made: ", problem.message());
-    if (within(folder_, files_).empty())
+    if (pathWithin(folder_, files_).empty())
         fail(files_.string(), ": must be in the folder of the scene, also behind links");
     return files_ / unused;
 }
@@ -184,7 +174,7 @@ std::string SceneWriter::newMesh(const std::shared_ptr<const void>& mesh, std::s
     if (found != meshes_.end()) return found->second;
     const std::filesystem::path file = newFile(current_, extension);
     writeFile(file, bytes());
-    return meshes_[mesh] = within(folder_, file);
+    return meshes_[mesh] = pathWithin(folder_, file);
 }
 
 std::string SceneWriter::meshFile(const TetPtr& mesh)
@@ -218,7 +208,7 @@ std::string SceneWriter::otherFile(const std::string& file)
     std::error_code problem;
     std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing, problem);
     if (problem) fail(file, ": cannot be copied to ", to.string(), ": ", problem.message());
-    return name = within(folder_, to);
+    return name = pathWithin(folder_, to);
 }
 
 std::string SceneWriter::otherFile(const std::shared_ptr<const device::Motion>&)

@@ -38,7 +38,7 @@ TriangleMesh surfaceOf(const Solid& solid)
     case Kind::Cylinder:
         return mapped(*geometry::shapes::cylinder(h.x, 2.0 * h.z), {{}, yToZ()});
     case Kind::Ellipsoid:
-        return *scaled(*geometry::shapes::sphere(1.0), h);
+        return *geometry::shapes::ellipsoid(h);
     case Kind::Mesh:
         break;
     }

@@ -4,6 +4,7 @@
 #include "filasofia/core/suggestion.h"
 #include "filasofia/core/user_file.h"
 #include "filasofia/core/word.h"
+#include "filasofia/scene/path_within.h"
 
 #include <algorithm>
 #include <charconv>
@@ -46,14 +47,6 @@ template <class Number> std::optional<Number> parsed(std::string_view word)
 }
 
 std::string quoted(std::string_view words) { return text("'", shortened(words), "'"); }
-
-bool isInside(const std::filesystem::path& path, const std::filesystem::path& folder)
-{
-    std::error_code problem;
-    const auto relative = std::filesystem::weakly_canonical(path, problem)
-                              .lexically_relative(std::filesystem::weakly_canonical(folder, problem));
-    return !problem && !relative.empty() && *relative.begin() != "..";
-}
 
 /// Refuses what no reader below expects: nesting that would exhaust the stack, attributes that are given twice.
 void checkTree(const XmlFile& file)
@@ -273,7 +266,7 @@ std::vector<int> XmlReader::wholes(const Attribute& attribute, const Range& rang
 std::filesystem::path XmlReader::allowed(const Attribute& attribute, const std::filesystem::path& path)
 {
     const auto contains = [&](const std::filesystem::path& folder) {
-        return isInside(path, std::filesystem::absolute(folder));
+        return !pathWithin(std::filesystem::absolute(folder), path).empty();
     };
     if (path.native().find('\0') != std::string::npos) refuse(attribute, "must be the name of a file");
     if (!options_.anyFolder && !contains(folder_) && !std::ranges::any_of(options_.packages, contains))
