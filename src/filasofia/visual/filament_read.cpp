@@ -2,6 +2,8 @@
 
 #include "filasofia/core/assert.h"
 
+#include <backend/PixelBufferDescriptor.h>
+
 namespace filasofia::visual {
 
 void readPixels(filament::Engine& engine, filament::Renderer& renderer, filament::RenderTarget* target, int width,
