@@ -1,8 +1,9 @@
 #pragma once
 
+#include "filasofia/core/output_file.h"
 #include "filasofia/device/haptic_device.h"
 
-#include <fstream>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -43,13 +44,12 @@ Motion readMotion(const std::string& file);
 /// Writes a motion file.
 class MotionWriter {
 public:
-    explicit MotionWriter(const std::string& file); ///< throws an Error if the file cannot be opened
+    explicit MotionWriter(const std::string& file); ///< throws an Error if the file cannot be opened, or is being written
     void write(const MotionSample& sample);         ///< samples that are not later than the last one are skipped
     void close();                                   ///< throws an Error if writing failed
 
 private:
-    std::string file_;
-    std::ofstream out_;
+    std::unique_ptr<OutputFile> out_;
     std::optional<double> last_;
 };
 

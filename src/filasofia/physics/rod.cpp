@@ -1,5 +1,6 @@
 #include "filasofia/physics/rod_body_def.h"
 
+#include "filasofia/core/error.h"
 #include "filasofia/physics/defs.h"
 
 #include <algorithm>
