@@ -241,10 +241,12 @@ TEST_CASE("MJCF: what says the same thing twice is refused, or told where MuJoCo
     CHECK(worldError("<joint/>") == "model.xml:3:2: mujoco/worldbody/joint must stand in a body, and not in the world");
     CHECK(worldError("<camera/><light type=\"spot\" directional=\"true\"/>")
               .ends_with("must not stand beside type, got 'true'"));
+    CHECK(worldError("<geom type=\"box\" pos=\"1 0 0\" fromto=\"0 0 0 1 0 0\" size=\"1\"/>")
+              .ends_with("geom.pos must not stand beside fromto, got '1 0 0'"));
     const Imported tolerant = world(R"(<body><freejoint/>
-<geom type="capsule" pos="1 0 0" size="0.1" fromto="0 0 0 1 0 0" mass="1" density="5"/></body>)");
+<geom type="capsule" quat="0 1 0 0" size="0.1" fromto="0 0 0 1 0 0" mass="1" density="5"/></body>)");
     CHECK(told(tolerant) ==
-          std::vector<std::string>{"model.xml:4:2: <geom> pos is not used beside fromto, as in MuJoCo",
+          std::vector<std::string>{"model.xml:4:2: <geom> quat is not used beside fromto, as in MuJoCo",
                                    "model.xml:4:2: <geom> density is not used beside mass, as in MuJoCo"});
 }
 

@@ -271,8 +271,9 @@ std::optional<Solid> MjcfBodies::solidOf(const Attributes& says, Pose& pose)
         const Vec3 a{v[0], v[1], v[2]}, b{v[3], v[4], v[5]}, axis = a - b;
         if (!(length(axis) > 1e-7)) reader_.refuse(*ends, "must be two points apart");
         half = 0.5 * length(axis);
+        if (pose.position != Vec3{}) reader_.refuse(*says.find("pos"), "must not stand beside fromto");
         pose = {0.5 * (a + b), turnOfZ(normalized(axis))};
-        noteUnused(*ends, {"pos", "quat", "axisangle", "euler", "xyaxes", "zaxis"});
+        noteUnused(*ends, {"quat", "axisangle", "euler", "xyaxes", "zaxis"});
     }
     Solid solid{Kind::Box, {size[0], ends ? size[0] : size[1], ends ? half : size[2]}};
     if (kind == 2) solid = {Kind::Sphere, {size[0], size[0], size[0]}};
