@@ -158,7 +158,8 @@ private:
         out_.scene.look.direction = {0.5, 0.4, 1.0};
         // The first camera is the picture, so those that stand still come first; a model may have eyes of its own.
         const auto moves = [&](const MjcfPending& each) { return bodies_.trees[each.place.tree].isMoved(); };
-        std::ranges::stable_partition(bodies_.cameras, [&](const MjcfPending& each) { return !moves(each); });
+        std::stable_partition(bodies_.cameras.begin(), bodies_.cameras.end(),
+                              [&](const MjcfPending& each) { return !moves(each); });
         for (const MjcfPending& each : bodies_.cameras) {
             if (moves(each) && out_.scene.cameras.empty())
                 reader_.tell(each.element, "moving camera",

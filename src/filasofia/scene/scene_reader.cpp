@@ -325,7 +325,8 @@ std::string SceneReader::fileNamed(const Json& json, const Place& place)
 {
     const std::string name = word(json, place);
     if (name.empty()) return name;
-    if (name.find('\0') != std::string::npos) refuse(json, place, "must be the name of a file, without a byte of value 0");
+    if (name.find('\0') != std::string::npos)
+        refuse(json, place, "must be the name of a file, without a byte of value 0");
     if (name.starts_with(kAsset)) {
         const std::filesystem::path inner(name.substr(kAsset.size()));
         if (inner.is_absolute() || std::ranges::find(inner, "..") != inner.end())

@@ -70,9 +70,9 @@ private:
         else if constexpr (std::is_enum_v<T>)
             return names(&it)[static_cast<std::size_t>(it)];
         else if constexpr (IsMesh<T>)
-            return std::visit([this](const auto& mesh) { return Written(meshFile(mesh)); }, it);
+            return std::visit([&](const auto& mesh) { return Written(meshFile(mesh)); }, it);
         else if constexpr (IsFile<T>)
-            return std::visit([this](const auto& file) { return Written(otherFile(file)); }, it);
+            return std::visit([&](const auto& file) { return Written(otherFile(file)); }, it);
         else if constexpr (kIsOptional<T>)
             return it ? value(*it, base ? *base : typename T::value_type{}) : Written();
         else if constexpr (kIsVariant<T>)
