@@ -44,10 +44,9 @@ Motion readMotion(const std::string& file);
 /// Writes a motion file.
 class MotionWriter {
 public:
-    explicit MotionWriter(
-        const std::string& file);           ///< throws an Error if the file cannot be opened, or is being written
-    void write(const MotionSample& sample); ///< samples that are not later than the last one are skipped
-    void close();                           ///< throws an Error if writing failed
+    explicit MotionWriter(const std::string& file); ///< throws an Error if the file cannot be opened
+    void write(const MotionSample& sample);         ///< samples that are not later than the last one are skipped
+    void close();                                   ///< throws an Error if writing failed
 
 private:
     std::unique_ptr<OutputFile> out_;
