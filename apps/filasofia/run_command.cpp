@@ -130,6 +130,21 @@ scene::ImportOptions importOptions(const RunCommandOptions& options)
     return import;
 }
 
+/// A run must not overwrite what it is made from.
+void checkOutputs(const RunCommandOptions& options, std::vector<std::filesystem::path> read)
+{
+    const RunDef& run = options.run;
+    if (!run.motion.empty()) read.emplace_back(run.motion);
+    std::error_code none;
+    for (const auto& [option, file] : {std::pair{"--measures", options.measures},
+                                       {"--log", run.log},
+                                       {"--record-motion", run.recordMotion},
+                                       {"--picture", run.picture}})
+        for (const std::filesystem::path& each : read)
+            if (!file.empty() && std::filesystem::equivalent(each, file, none))
+                fail("run: ", option, " ", shownWord(file), ": the run reads this file");
+}
+
 int runFile(const RunCommandOptions& options)
 {
     const RunCommandOptions standard;
@@ -139,6 +154,7 @@ int runFile(const RunCommandOptions& options)
     const auto load = [&] {
         LoadedScene scene{.since = std::filesystem::file_time_type::clock::now()};
         scene.def = scene::loadAnyScene(options.scene, importOptions(options));
+        checkOutputs(options, scene.def.files);
         if (options.threads != 0) scene.def.physics.threads = givenThreads(options.threads);
         scene.simulation = std::make_unique<runtime::Simulation>(scene::simulationDef(scene.def));
         scene.added = scene::addScene(*scene.simulation, scene.def,
@@ -172,83 +188,69 @@ int runScene(RunCommandOptions& options)
     return print(sim.run(options.run));
 }
 
+/// An option whose value has a legal range.
+Option bounded(std::string name, OptionTarget target, Bound bound, std::string meaning, std::string type = {})
+{
+    return {.name = std::move(name),
+            .target = target,
+            .meaning = std::move(meaning),
+            .type = std::move(type),
+            .bound = bound};
+}
+
+constexpr const char* kSceneMeaning =
+    "a scene file (.json, .urdf, MuJoCo's .xml), or bunny (pinned at the head, hanging by its own weight), poke, "
+    "grasp, friction, cut, tear or haptics";
+
+std::vector<Option> optionsOf(RunCommandOptions& o)
+{
+    return {
+        {.name = "SCENE", .target = &o.scene, .meaning = kSceneMeaning, .required = true},
+        {.name = "--tets",
+         .target = &o.bunny.tets,
+         .meaning = "Number of the bunny's tetrahedra: 756, 1492, 3004, 10000 or 30000",
+         .choices = bunnySizes()},
+        bounded("--subdivision", &o.bunny.subdivision, boundOf(&runtime::ShowDef::subdivision),
+                "Subdivision levels of the drawn surface, 0 to 3"),
+        bounded("--rate", &o.rate, boundOf(&runtime::PhysicsDef::rate), "Physics steps per second", "HZ"),
+        {"--headless", &o.run.headless, "No window and no clock: every run makes the same steps"},
+        bounded("--steps", &o.run.steps, boundOf(&RunDef::steps),
+                "End after this many steps; 0: no end (headless: 1000)"),
+        bounded("--seconds", &o.run.seconds, boundOf(&RunDef::seconds),
+                "End after this many seconds of wall time; 0: no end", "S"),
+        {"--picture", &o.run.picture, "Write a picture of the last state to this PNG file", "FILE"},
+        bounded("--picture-every", &o.run.pictureEvery, boundOf(&RunDef::pictureEvery),
+                "Headless: seconds of simulated time between numbered pictures; 0: only the last", "S"),
+        {"--video", &o.run.video, "Write the view to this MP4 file (needs ffmpeg)", "FILE"},
+        bounded("--fps", &o.run.fps, boundOf(&RunDef::fps), "Pictures per second of the video"),
+        {"--log", &o.run.log, "Write one line per step to this CSV file", "FILE"},
+        {"--record", &o.run.record, "Record the run in this .rec file, for replay", "FILE"},
+        bounded("--seed", &o.run.seed, boundOf(&RunDef::seed), "Noted in the recording: seed of the random choices"),
+        {"--session", &o.run.session, "Noted in the recording: name of the run", "NAME"},
+        {"--trainee", &o.run.trainee, "Noted in the recording: name of the trainee", "NAME"},
+        {"--device", &o.run.device, "haptics only: the device, NAME or NAME:LIBRARY", "NAME"},
+        {"--motion", &o.run.motion, "haptics only: play this motion file", "FILE"},
+        {"--record-motion", &o.run.recordMotion, "haptics only: record the hand's motion in this file", "FILE"},
+        bounded("--threads", &o.threads, kThreads, "Threads within one step; 0: all cores except one, at most 8"),
+        {"--measures", &o.measures,
+         "Write what a scene file measures to this .jsonl file, for report, or to a .csv file", "FILE"},
+        {"--any-folder", &o.anyFolder, "The files that a scene file names may be outside its folder"},
+        {"--strict", &o.strict, "URDF and MJCF: what is not read is an error"},
+        {"--package", &o.package, "URDF: the folder of package://NAME, or one that has it", "FOLDER"},
+    };
+}
+
 } // namespace
 
 Command runCommand()
 {
     // Static: there is one command line, and its targets must outlive this function.
     static RunCommandOptions options;
-    return {
-        .name = "run",
-        .meaning = "Run a scene in a window (Space pauses, Escape ends; more below), or headless",
-        .options = {{"SCENE",
-                     &options.scene,
-                     "a scene file (.json, .urdf, MuJoCo's .xml), or bunny (pinned at the head, hanging by its own "
-                     "weight), poke, grasp, "
-                     "friction, cut, tear or haptics",
-                     "",
-                     {},
-                     true},
-                    {.name = "--tets",
-                     .target = &options.bunny.tets,
-                     .meaning = "Number of the bunny's tetrahedra: 756, 1492, 3004, 10000 or 30000",
-                     .choices = bunnySizes()},
-                    {.name = "--subdivision",
-                     .target = &options.bunny.subdivision,
-                     .meaning = "Subdivision levels of the drawn surface, 0 to 3",
-                     .bound = boundOf(&runtime::ShowDef::subdivision)},
-                    {.name = "--rate",
-                     .target = &options.rate,
-                     .meaning = "Physics steps per second",
-                     .type = "HZ",
-                     .bound = boundOf(&runtime::PhysicsDef::rate)},
-                    {"--headless", &options.run.headless, "No window and no clock: every run makes the same steps"},
-                    {.name = "--steps",
-                     .target = &options.run.steps,
-                     .meaning = "End after this many steps; 0: no end (headless: 1000)",
-                     .bound = boundOf(&RunDef::steps)},
-                    {.name = "--seconds",
-                     .target = &options.run.seconds,
-                     .meaning = "End after this many seconds of wall time; 0: no end",
-                     .type = "S",
-                     .bound = boundOf(&RunDef::seconds)},
-                    {"--picture", &options.run.picture, "Write a picture of the last state to this PNG file", "FILE"},
-                    {.name = "--picture-every",
-                     .target = &options.run.pictureEvery,
-                     .meaning = "Headless: seconds of simulated time between numbered pictures; 0: only the last",
-                     .type = "S",
-                     .bound = boundOf(&RunDef::pictureEvery)},
-                    {"--video", &options.run.video, "Write the view to this MP4 file (needs ffmpeg)", "FILE"},
-                    {.name = "--fps",
-                     .target = &options.run.fps,
-                     .meaning = "Pictures per second of the video",
-                     .bound = boundOf(&RunDef::fps)},
-                    {"--log", &options.run.log, "Write one line per step to this CSV file", "FILE"},
-                    {"--record", &options.run.record, "Record the run in this .rec file, for replay", "FILE"},
-                    {.name = "--seed",
-                     .target = &options.run.seed,
-                     .meaning = "Noted in the recording: seed of the random choices",
-                     .bound = boundOf(&RunDef::seed)},
-                    {"--session", &options.run.session, "Noted in the recording: name of the run", "NAME"},
-                    {"--trainee", &options.run.trainee, "Noted in the recording: name of the trainee", "NAME"},
-                    {"--device", &options.run.device, "haptics only: the device, NAME or NAME:LIBRARY", "NAME"},
-                    {"--motion", &options.run.motion, "haptics only: play this motion file", "FILE"},
-                    {"--record-motion", &options.run.recordMotion,
-                     "haptics only: record the hand's motion in this file", "FILE"},
-                    {.name = "--threads",
-                     .target = &options.threads,
-                     .meaning = "Threads within one step; 0: all cores except one, at most 8",
-                     .bound = kThreads},
-                    {"--measures", &options.measures,
-                     "Write what a scene file measures to this .jsonl file, for report, or to a .csv file", "FILE"},
-                    {"--any-folder", &options.anyFolder, "The files that a scene file names may be outside its folder"},
-                    {"--strict", &options.strict, "URDF and MJCF: what is not read is an error"},
-                    {.name = "--package",
-                     .target = &options.package,
-                     .meaning = "URDF: the folder of package://NAME, or one that has it",
-                     .type = "FOLDER"}},
-        .run = [] { return runScene(options); },
-        .footer = "Mouse and keys in the window:\n" + runtime::keyHelp()};
+    return {.name = "run",
+            .meaning = "Run a scene in a window (Space pauses, Escape ends; more below), or headless",
+            .options = optionsOf(options),
+            .run = [] { return runScene(options); },
+            .footer = "Mouse and keys in the window:\n" + runtime::keyHelp()};
 }
 
 } // namespace filasofia::app

@@ -6,6 +6,7 @@
 #include "filasofia/scene/import.h"
 #include "filasofia/scene/scene_file.h"
 
+#include <algorithm>
 #include <iostream>
 
 namespace filasofia::app {
@@ -14,7 +15,7 @@ namespace {
 struct SaveCommandOptions {
     std::string source, scene;
     bool check = false;
-    bool anyFolder = false;
+    bool anyFolder = false, force = false;
 };
 
 /// The first step after which the scene has another hash than the recording; 0: none.
@@ -40,12 +41,17 @@ int save(const SaveCommandOptions& options)
     std::error_code none;
     if (std::filesystem::equivalent(options.source, options.scene, none))
         fail("save: SCENE must be another file than '", options.source, "'");
+    const auto isScene = [&](const std::filesystem::path& file) {
+        return std::filesystem::equivalent(file, options.scene, none);
+    };
     scene::RecordedScene made;
     if (recording)
         made = scene::sceneOf(options.source);
     else
         made.scene = scene::loadAnyScene(options.source, {.anyFolder = options.anyFolder});
-    scene::saveScene(made.scene, options.scene);
+    if (const auto read = std::ranges::find_if(made.scene.files, isScene); read != made.scene.files.end())
+        fail("save: SCENE must be another file than '", read->string(), "', which SOURCE is made from");
+    scene::saveScene(made.scene, options.scene, {.overwrite = options.force});
     for (const std::string& note : made.notes) std::cout << "note: " << note << '\n';
     std::cout << "wrote " << options.scene << '\n';
     if (!options.check) return 0;
@@ -63,26 +69,27 @@ Command saveCommand()
 {
     // Static: there is one command line, and its targets must outlive this function.
     static SaveCommandOptions options;
-    return {.name = "save",
-            .meaning = "Write what a program did as a scene file, from its recording",
-            .options = {{"SOURCE",
-                         &options.source,
-                         "A recording (--record FILE of any program), a robot (.urdf), a model of MuJoCo (.xml), or a "
-                         "scene file, which becomes one without include, defaults and classes",
-                         "FILE",
-                         {},
-                         true},
-                        {"SCENE",
-                         &options.scene,
-                         "The scene file to write (.json); meshes come into a folder beside it",
-                         "FILE",
-                         {},
-                         true},
-                        {"--check", &options.check,
-                         "Run the scene, and compare every step with the recording; exit code 1 if one differs"},
-                        {"--any-folder", &options.anyFolder,
-                         "The files that a scene file names may be outside its folder"}},
-            .run = [] { return save(options); }};
+    return {
+        .name = "save",
+        .meaning = "Write what a program did as a scene file, from its recording",
+        .options = {{"SOURCE",
+                     &options.source,
+                     "A recording (--record FILE of any program), a robot (.urdf), a model of MuJoCo (.xml), or a "
+                     "scene file, which becomes one without include, defaults and classes",
+                     "FILE",
+                     {},
+                     true},
+                    {"SCENE",
+                     &options.scene,
+                     "The scene file to write (.json); meshes come into a folder beside it",
+                     "FILE",
+                     {},
+                     true},
+                    {"--check", &options.check,
+                     "Run the scene, and compare every step with the recording; exit code 1 if one differs"},
+                    {"--any-folder", &options.anyFolder, "The files that a scene file names may be outside its folder"},
+                    {"--force", &options.force, "Meshes replace files of their names in the folder beside SCENE"}},
+        .run = [] { return save(options); }};
 }
 
 } // namespace filasofia::app

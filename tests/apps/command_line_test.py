@@ -657,6 +657,28 @@ class Save(Program):
         self.assertIn('"trainee":"A. B."', Path(session).read_text().splitlines()[0])
         self.refused("run", "bunny", "--headless", "--measures", session, says=["--measures applies to scene files"])
 
+    def test_no_two_outputs_are_one_file_and_none_is_what_the_run_reads(self):
+        scene, hand, table = Path(self.at("a.json")), Path(self.at("hand.csv")), self.at("a.csv")
+        scene.write_text('{"bodies": [{"type": "RigidBodyDef", "name": "a"}], "measured": [{"body": "a"}],'
+                         '"haptics": [{"device": {"type": "ScriptedDevice", "motion": "hand.csv"}, "body": "a"}]}')
+        hand.write_text("time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n")
+        words = ("run", str(scene), "--headless", "--steps", "3")
+        self.output(*words, "--measures", table)
+        self.refused(*words, "--measures", table, "--log", table, says=[table, "is already being written"])
+        self.refused(*words, "--record-motion", table, "--log", table, says=[table, "is already being written"])
+        for option in ("--measures", "--log", "--record-motion"):
+            self.refused(*words, option, str(hand), says=[option, "the run reads this file"])
+        self.assertIn("qw", hand.read_text())
+        self.refused(*words, "--strict", says=["a.json", "strict is for URDF and MJCF"])
+        self.refused(*words, "--package", ".", says=["a.json", "a package is for URDF"])
+
+    def test_files_of_meshes_are_overwritten_only_by_force(self):
+        source = str(Path(__file__).parents[2] / "examples/scenes/flex.xml")
+        scene = self.at("flex.json")
+        self.output("save", source, scene)
+        self.refused("save", source, scene, says=["flex_files", "is there already (--force replaces it)"])
+        self.assertEqual(self.output("save", source, scene, "--force")[-len(f"wrote {scene}\n"):], f"wrote {scene}\n")
+
     def test_a_scene_with_defaults_becomes_one_without(self):
         source = str(Path(__file__).parents[2] / "examples/scenes/jaws.json")
         flat = self.at("flat.json")
@@ -670,7 +692,7 @@ class Save(Program):
         scenes = Path(__file__).parents[2] / "examples/scenes"
         for name in ("needle_driver.urdf", "flex.xml"):
             with self.subTest(name):
-                source, scene = str(scenes / name), self.at("robot.json")
+                source, scene = str(scenes / name), self.at(name + ".json")
                 self.assertIn(f"wrote {scene}", self.output("save", source, scene))
                 hashes = {re.search(r"(?m)^state hash .*$", self.output("run", file, "--headless", "--steps", "20"))[0]
                           for file in (source, scene)}
@@ -680,6 +702,9 @@ class Save(Program):
         scene = self.at("a.json")
         Path(scene).write_text('{"bodies": []}')
         self.refused("save", scene, scene, says=["SCENE must be another file"])
+        whole = self.at("whole.json")
+        Path(whole).write_text('{"include": ["a.json"]}')
+        self.refused("save", whole, scene, says=["SCENE must be another file than", "a.json", "which SOURCE is made from"])
         self.refused("save", self.at("none.rec"), self.at("b.json"), says=["none.rec"])
         self.refused("save", scene, self.at("b.txt"), says=["b.txt", "ends in .json"])
         self.refused("save", scene, self.at("no/b.json"), says=["no/b.json", "its folder is not there"])

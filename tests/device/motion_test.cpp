@@ -92,6 +92,16 @@ TEST_CASE("a motion that was written is read again to the same bits")
     }
 }
 
+TEST_CASE("a motion file that is being written is not written by another one")
+{
+    const MotionFile file;
+    MotionWriter writer(file.path);
+    CHECK_THROWS_WITH(MotionWriter(file.path),
+                      "motion file " + file.path + ": is already being written, under this or another name");
+    writer.close();
+    CHECK_NOTHROW(MotionWriter(file.path));
+}
+
 TEST_CASE("an invalid motion file is refused with file, line, field and value")
 {
     const std::string head = kHeader;

@@ -1,6 +1,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/record/recording.h"
+#include "filasofia/scene/scene_file.h"
 
 #include "filasofia/record/chunks.h"
 
@@ -13,7 +14,8 @@
 #include <fstream>
 
 // If the input begins like a recording, it is read as a whole file. Otherwise it is the content of a file's chunks, in
-// chunks of a size given by the first byte: checksums would keep the fuzzer from everything behind them.
+// chunks of a size given by the first byte: checksums would keep the fuzzer from everything behind them. It is read
+// twice: step by step, and as a scene, which stops at what a scene cannot hold.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
     using namespace filasofia;
@@ -34,6 +36,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     try {
         record::RecordingReader reader(file);
         while (reader.next()) reader.takeScene();
+    } catch (const Error&) {
+    }
+    try {
+        static_cast<void>(scene::sceneOf(file));
     } catch (const Error&) {
     }
     std::remove(file.c_str());

@@ -304,6 +304,48 @@ TEST_CASE("a file for spreadsheets has a row per moment, and names that cannot a
     std::filesystem::remove(file);
 }
 
+TEST_CASE("two trackers, or a tracker and a log, cannot write the same file")
+{
+    const std::string file = temporary("_twice.csv");
+    Simulation sim;
+    const MetricTrackerDef def{.bodies = addProbes(sim, 1), .file = file};
+    MetricTracker tracker(sim, def);
+    const std::string taken = file + ": is already being written, under this or another name";
+    CHECK_THROWS_WITH(MetricTracker(sim, def), "metric tracker: " + taken);
+    CHECK_THROWS_WITH(sim.run({.headless = true, .steps = 3, .log = file}), taken);
+    tracker.close();
+    CHECK_NOTHROW(MetricTracker(sim, def));
+    CHECK_THROWS_WITH(MetricTracker(sim, {.bodies = def.bodies, .file = std::string("a\0.csv", 6)}),
+                      "metric tracker: a .csv: a file name must not have a byte of value 0");
+    std::filesystem::remove(file);
+}
+
+TEST_CASE("the lines of a session ascend in time: an event stands before the sample of its step")
+{
+    const std::string file = temporary("_order.csv");
+    Simulation sim({.physics = {.rate = 1000.0}});
+    MetricTracker tracker(sim, {.bodies = addProbes(sim, 1), .rate = 1000.0, .file = file});
+    int step = 0;
+    sim.everyStep([&](double) {
+        if (++step % 10 == 0) tracker.mark(metric::EventKind::Note, text(step));
+    });
+    sim.run({.headless = true, .steps = 2000});
+    tracker.close();
+    std::ifstream in(file);
+    std::string line;
+    std::getline(in, line);
+    double last = 0.0;
+    int descents = 0, lines = 0;
+    for (; std::getline(in, line); ++lines) {
+        const double time = std::stod(line);
+        descents += time < last ? 1 : 0;
+        last = time;
+    }
+    CHECK(lines > 2190);
+    CHECK(descents == 0);
+    std::filesystem::remove(file);
+}
+
 TEST_CASE("a tracker may end before the run, and the simulation goes on")
 {
     Simulation sim;

@@ -45,6 +45,21 @@ def test_mistakes_are_errors_with_their_place(tmp_path):
         filasofia.load(5)
 
 
+def test_a_recording_becomes_a_scene_whose_meshes_are_not_overwritten_unasked(tmp_path):
+    with filasofia.load(SCENES / "poke.json") as simulation:
+        simulation.record(tmp_path / "poke.rec")
+        simulation.step(5)
+        last = simulation.state_hash
+    scene = tmp_path / "poke.json"
+    assert filasofia.save_scene(tmp_path / "poke.rec", scene) == []
+    with pytest.raises(filasofia.Error, match="poke_files/.*: is there already"):
+        filasofia.save_scene(tmp_path / "poke.rec", scene)
+    filasofia.save_scene(tmp_path / "poke.rec", scene, overwrite=True)
+    again = filasofia.load(scene)
+    again.step(5)
+    assert again.state_hash == last
+
+
 def test_load_reads_a_model_of_mujoco_and_a_robot(tmp_path, capfd):
     flex = filasofia.load(SCENES / "flex.xml")
     flex.run(0.2)

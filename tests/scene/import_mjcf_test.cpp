@@ -218,6 +218,61 @@ TEST_CASE("MJCF: a mistake is one line with place, element, attribute, bound and
     CHECK(errorOf("") == "model.xml:1:2: mujoco must have a <worldbody>");
 }
 
+TEST_CASE("MJCF: what says the same thing twice is refused, or told where MuJoCo has a rule")
+{
+    const auto second = [](const std::string& tag) { return " is a second <" + tag + ">, where there may be one"; };
+    const std::string inertial = R"(<inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/>)";
+    CHECK(worldError("<body>" + inertial + inertial + "</body>") ==
+          "model.xml:3:60: mujoco/worldbody/body/inertial" + second("inertial"));
+    CHECK(worldError("<body>" + inertial + "<frame>" + inertial + "</frame></body>").ends_with(second("inertial")));
+    CHECK(worldError("<body quat=\"1 0 0 0\" euler=\"0 0 90\"/>") ==
+          "model.xml:3:2: mujoco/worldbody/body.euler must not stand beside quat, got '0 0 90'");
+    CHECK(worldError("<body zaxis=\"0 0 1\" axisangle=\"1 0 0 5\"/>")
+              .ends_with("must not stand beside axisangle, got '0 0 1'"));
+    CHECK(worldError(R"(<body><inertial mass="1" pos="0 0 0" diaginertia="1 1 1" fullinertia="1 1 1 0 0 0"/></body>)")
+              .ends_with(".fullinertia must not stand beside diaginertia, got '1 1 1 0 0 0'"));
+    CHECK(worldError(R"(<body><inertial mass="1" pos="0 0 0" quat="1 0 0 0" fullinertia="1 1 1 0 0 0"/></body>)")
+              .ends_with(".quat must not stand beside fullinertia, got '1 0 0 0'"));
+    CHECK(errorOf("<default><geom/><geom/></default><worldbody/>").ends_with("mujoco/default/geom" + second("geom")));
+    CHECK(worldError("<flexcomp dim=\"3\"><elasticity/><elasticity/></flexcomp>").ends_with(second("elasticity")));
+    CHECK(worldError("<body name=\"a\"/><body name=\"a\"/>").ends_with("body 'a' has a name that another one has"));
+    CHECK(worldError("<geom fromto=\"0 0 0 1 0 0\" size=\"1\"/>")
+              .ends_with("needs a capsule, ellipsoid, cylinder or box, got '0 0 0 1 0 0'"));
+    CHECK(worldError("<joint/>") == "model.xml:3:2: mujoco/worldbody/joint must stand in a body, and not in the world");
+    CHECK(worldError("<camera/><light type=\"spot\" directional=\"true\"/>")
+              .ends_with("must not stand beside type, got 'true'"));
+    CHECK(worldError("<geom type=\"box\" pos=\"1 0 0\" fromto=\"0 0 0 1 0 0\" size=\"1\"/>")
+              .ends_with("geom.pos must not stand beside fromto, got '1 0 0'"));
+    const Imported tolerant = world(R"(<body><freejoint/>
+<geom type="capsule" quat="0 1 0 0" size="0.1" fromto="0 0 0 1 0 0" mass="1" density="5"/></body>)");
+    CHECK(told(tolerant) ==
+          std::vector<std::string>{"model.xml:4:2: <geom> quat is not used beside fromto, as in MuJoCo",
+                                   "model.xml:4:2: <geom> density is not used beside mass, as in MuJoCo"});
+}
+
+TEST_CASE("MJCF: a joint in a frame moves the body that the frame is in, about the axis of the frame")
+{
+    const std::string geom = R"(<geom type="box" size="0.1 0.2 0.3" pos="0.3 0 0"/>)";
+    const auto posed = [&](const std::string& joint) {
+        const Imported imported = world("<body name=\"b\" pos=\"0 1 0\">" + joint + geom + "</body>");
+        Simulation sim(simulationDef(imported.scene));
+        const BodyId body = addScene(sim, imported.scene).bodies.at(0);
+        sim.run({.headless = true, .steps = 100});
+        return sim.physics().latest()->rigidBody(body)->poses.at(2);
+    };
+    // The frame turns z to y and is moved; the slide in it has its parent's axes again.
+    const Pose plain = posed(R"(<joint axis="0 1 0" pos="0.1 0.2 0.35" ref="20"/><joint type="slide" axis="0 0 1"/>)");
+    const Pose framed = posed(R"(<frame pos="0.1 0.2 0.3" euler="-90 0 0"><joint pos="0 -0.05 0" ref="20"/>
+        <frame euler="90 0 0"><joint type="slide"/></frame></frame>)");
+    CHECK(length(framed.position - plain.position) < 1e-9);
+    CHECK(std::abs(dot(framed.orientation, plain.orientation)) == Approx(1.0));
+    CHECK(length(plain.position) > 0.1); // it swings
+    const Imported classes = mjcf(R"(<default><default class="c"><joint damping="3"/></default></default><worldbody>
+<body><frame childclass="c"><joint/></frame><geom size="1"/></body></worldbody>)");
+    CHECK(rigid(classes, 0).articulation.joints.at(0).damping == 3);
+    CHECK(world("<body><frame pos=\"1 0 0\"><freejoint/><geom size=\"0.1\"/></frame></body>").scene.bodies.size() == 1);
+}
+
 TEST_CASE("MJCF: hostile files end in an error, quickly")
 {
     std::string deep, out;
@@ -276,7 +331,11 @@ TEST_CASE("imports: a file is what its name and its first element say")
     CHECK(std::get<RigidBodyDef>(robot.bodies.at(0).def).name == "r");
     CHECK(loadAnyScene(folder.write("b.xml", "<mujoco><worldbody><geom size=\"1\"/></worldbody></mujoco>"))
               .bodies.size() == 1);
-    CHECK(loadAnyScene(folder.write("c.json", "{}")).bodies.empty());
+    const std::string scene = folder.write("c.json", "{}");
+    CHECK(loadAnyScene(scene).bodies.empty());
+    CHECK_THROWS_WITH(loadAnyScene(scene, {.strict = true}), Catch::Contains("c.json: strict is for URDF and MJCF"));
+    CHECK_THROWS_WITH(loadAnyScene(scene, {.packages = {"/tmp"}}), Catch::Contains("c.json: a package is for URDF"));
+    CHECK_THROWS_WITH(loadUrdf(folder.file("a.xml"), {.packages = {"/nope"}}), "package must be a folder, got '/nope'");
 }
 
 } // namespace import_mjcf_test

@@ -205,6 +205,33 @@ TEST_CASE("URDF: a mistake is one line with place, element, attribute, bound and
                      "of the other two, together with the parts that are fixed to it");
 }
 
+TEST_CASE("URDF: what may be there once is refused the second time, and never taken or dropped without a word")
+{
+    const std::string two =
+        R"(<link name="a"/><link name="b"/><joint name="j" type="revolute"><parent link="a"/><child link="b"/>)";
+    const auto joint = [&](const std::string& inside) { return errorOf(two + "\n" + inside + "</joint>"); };
+    CHECK(joint("<limit upper=\"1\"/><limit upper=\"2\"/>") ==
+          "robot.urdf:3:20: robot 'r'/joint 'j'/limit is a second <limit>, where there may be one");
+    for (const char* tag :
+         {"axis xyz=\"1 0 0\"", "dynamics damping=\"1\"", "origin", "child link=\"a\"", "parent link=\"b\""})
+        CHECK_THAT(joint(text("<limit/><", tag, "/><", tag, "/>")), Catch::Contains("is a second <"));
+    const auto link = [](const std::string& inside) { return errorOf("<link name=\"a\">" + inside + "</link>"); };
+    const std::string inertial = R"(<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>)";
+    CHECK(link(inertial + inertial).ends_with("/inertial is a second <inertial>, where there may be one"));
+    CHECK(link("<inertial><mass value=\"1\"/><mass value=\"2\"/></inertial>")
+              .ends_with("a second <mass>, where there may be one"));
+    const std::string ball = "<geometry><sphere radius=\"1\"/></geometry>";
+    CHECK(link("<visual>" + ball + ball + "</visual>").ends_with("a second <geometry>, where there may be one"));
+    CHECK(link("<visual><geometry><sphere radius=\"1\"/><box size=\"1 1 1\"/></geometry></visual>")
+              .ends_with("geometry/box is a second shape: a <geometry> has one"));
+    const std::string red = R"(<material name="m"><color rgba="1 0 0 1"/></material>)";
+    const std::string blue = R"(<material name="m"><color rgba="0 0 1 1"/></material>)";
+    CHECK(errorOf("<link name=\"a\"/>" + red + red).ends_with("material 'm' has a name that another one has"));
+    const Imported own = urdf(red + "<link name=\"a\"><visual>" + ball + blue + "</visual></link>");
+    REQUIRE(own.notes.size() == 1);
+    CHECK_THAT(own.notes[0], Catch::Contains("a <material> has another colour than the first one of its name"));
+}
+
 TEST_CASE("URDF: meshes are scaled, mirrored right side out, and lie in the robot's folder or in a package")
 {
     const SceneFolder folder;

@@ -95,6 +95,24 @@ TEST_CASE("scenes: each condition of a task holds when it should")
     CHECK(stepsIn(R"({"type": "Held", "body": "ball", "by": "tissue"})") == Approx(252).margin(3));
 }
 
+TEST_CASE("scenes: an instrument begins at its pose or at its key at 0 s, and cannot have both")
+{
+    const SceneFolder folder;
+    const std::string key = R"("keys": [{"time": 0, "pose": "0 50 0 mm"}, {"time": 1, "pose": "0 20 0 mm"}])";
+    for (const std::string type : {"ArticulatedInstrumentDef", "EndoscopeDef"}) {
+        const std::string first = "{\"instruments\": [{\"type\": \"" + type + "\", \"name\": \"s\", ";
+        const SceneDef scene = folder.load(first + key + "}]}");
+        Simulation sim(simulationDef(scene));
+        const BodyId body = addScene(sim, scene).bodies.at(0);
+        const auto def = std::get<RigidBodyDef>(*sim.physics().def(body));
+        CHECK(def.elements.at(0).position == Vec3{0, 0.05, 0}); // and not at the origin, from where it would jump
+        for (const std::string pose : {"\"0 10 0 mm\"", "[0, 0, 0]"})
+            CHECK_THAT(addingFails(folder, first + "\n\"pose\": " + pose + ", " + key + "}]}"),
+                       Contains("scene.json:2:9: instruments[0].pose must not differ from that of keys[0]"));
+        CHECK(addingFails(folder, first + "\"pose\": \"0 50 0 mm\", " + key + "}]}") == "no error");
+    }
+}
+
 TEST_CASE("scenes: a task whose time is over ends the run")
 {
     const SceneFolder folder;
@@ -177,6 +195,13 @@ TEST_CASE("scenes: instruments, tasks and measures that are wrong are refused wi
                Contains("commands[0].id must not be an instrument"));
     CHECK_THAT(addingFails(folder, "{" + ball + ",\n\"measured\": [{\"body\": \"ball\", \"element\": 9}]}", true),
                Contains("scene.json:2:") && Contains("measured[0].element must be"));
+    CHECK_THAT(
+        fails("{" + ball + ",\n\"measured\": [{\"body\": \"ball\", \"element\": 9}]}"), // also if nobody measures
+        Contains("scene.json:2:") && Contains("measured[0].element must be"));
+    CHECK_THAT(fails("{" + ball + ",\n\"measured\": [{\"body\": \"ball\", \"axis\": [0, 0, 0]}]}"),
+               Contains("scene.json:2:") && Contains("measured[0].axis must have a length > 0"));
+    CHECK_THAT(fails("{\"instruments\": [{\"name\": \"s\"}],\n\"haptics\": [{\"body\": \"s\", \"element\": 1}]}"),
+               Contains("scene.json:2:13: haptics[0]") && Contains("element must be in [0, 1), got 1"));
     CHECK_THAT(fails("{" + ball + ", \"task\": {\"steps\": []}}"), Contains("steps must have at least one entry"));
     CHECK_THAT(fails("{" + ball + ", \"task\": {\"steps\": [{\"done\": {\"type\": \"Held\", \"body\": \"bal\"}}]}}"),
                Contains("task.steps[0].done.body must be the name of a body") && Contains("did you mean 'ball'?"));

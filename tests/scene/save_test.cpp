@@ -145,6 +145,26 @@ TEST_CASE("save: a scene file without include, defaults and classes has the same
     }
 }
 
+TEST_CASE("save: no file in the folder of meshes is overwritten unknowingly, and then nothing is written")
+{
+    const SceneFolder folder;
+    SceneDef scene;
+    for (const char* name : {"a", "b"})
+        scene.bodies.push_back({.def = RigidBodyDef{.name = name, .mesh = boxOf(0.01)}});
+    const std::string kept = folder.write("box_files/b.vtk", "somebody's work"), file = folder.file("box.json");
+    CHECK_THROWS_WITH(saveScene(scene, file), kept + ": is there already (--force replaces it)");
+    CHECK(contentOf(kept) == "somebody's work");
+    CHECK_FALSE(std::filesystem::exists(file));
+    CHECK_FALSE(std::filesystem::exists(folder.file("box_files/a.vtk")));
+    saveScene(scene, file, {.overwrite = true});
+    CHECK_THAT(contentOf(kept), Contains("vtk"));
+    CHECK(loadScene(file).bodies.size() == 2);
+
+    std::get<RigidBodyDef>(scene.bodies[1].def).friction = std::nan("");
+    CHECK_THROWS_WITH(saveScene(scene, folder.file("nan.json")), "a scene file cannot hold NaN");
+    CHECK_FALSE(std::filesystem::exists(folder.file("nan_files")));
+}
+
 TEST_CASE("save: a recording that names what is not there is refused")
 {
     const SceneFolder folder;

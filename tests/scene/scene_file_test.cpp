@@ -216,6 +216,10 @@ TEST_CASE("scene files: every mistake is one line with its place, its bound and 
     contains(body(R"(, "material": {"tissue": "livr"})"), "(did you mean 'liver'?)");
     contains(body(R"(, "material": {"stiffness": 1})"), "'stiffness' in bodies[0].material, a FemMaterial");
     contains(body(R"(, "attachments": [{"to": "nobody"}])"), "must be the name of a body before this one");
+    contains(R"({"cameras": [{"follow": {"body": "livr"}}], "bodies": [{"type": "RigidBodyDef", "name": "liver"}]})",
+             "follow.body must be the name of a body of the scene, got \"livr\" (did you mean 'liver'?)");
+    contains(R"({"commands": [{"time": 1, "type": "SetPressure", "id": "x"}]})",
+             "id must be the name of a body of the scene, got");
     contains(body(R"(, "attachments": {})"), "bodies[0].attachments must be a list, got an object");
     contains(body(R"(, "collision": [{"element": 0.5}])"), "collision[0].element must be a whole number, got 0.5");
     contains(body(R"(, "collision": [{"group": 1e12}])"), "collision[0].group must be in [-2147483648, 2147483647]");
@@ -284,7 +288,12 @@ TEST_CASE("scene files: a scene reads no file outside its folder unless that is 
     std::filesystem::create_symlink(secret, std::filesystem::path(scene("x")).parent_path() / "link.msh");
     CHECK_THROWS_WITH(loadScene(scene("link.msh")), refused);
     CHECK_THROWS_WITH(loadScene(scene("asset:../../etc/passwd")), Catch::Contains("must be a file that comes with"));
-    CHECK_THROWS_WITH(loadScene(scene("a\\u0000b")), refused);
+    const std::string zero = scene("a\\u0000b");
+    for (const bool anyFolder : {false, true})
+        CHECK_THROWS_WITH(
+            loadScene(zero, {.anyFolder = anyFolder}),
+            Catch::Contains("1:22: bodies[0].mesh must be the name of a file, without a byte of value 0"));
+    CHECK_THROWS_WITH(loadScene(std::string("a\0.json", 7)), "a .json: a file name must not have a byte of value 0");
     CHECK(std::get<std::string>(softOf(loadScene(scene(secret), {.anyFolder = true})).mesh) == secret);
 }
 

@@ -43,18 +43,20 @@ void bindReplay(nb::module_& module)
 {
     module.def(
         "save_scene",
-        [](nb::handle recording, nb::handle scene) {
+        [](nb::handle recording, nb::handle scene, bool overwrite) {
             const std::string from = readText(recording, {.name = "save_scene: recording"});
             const std::string to = readText(scene, {.name = "save_scene: scene"});
             const nb::gil_scoped_release free;
             const scene::RecordedScene made = scene::sceneOf(from);
-            scene::saveScene(made.scene, to);
+            scene::saveScene(made.scene, to, {.overwrite = overwrite});
             return made.notes;
         },
-        nb::arg("recording").none(), nb::arg("scene").none(),
-        nb::sig("def save_scene(recording: str | os.PathLike[str], scene: str | os.PathLike[str]) -> list[str]"),
+        nb::arg("recording").none(), nb::arg("scene").none(), nb::kw_only(), nb::arg("overwrite") = false,
+        nb::sig("def save_scene(recording: str | os.PathLike[str], scene: str | os.PathLike[str], *, "
+                "overwrite: bool = False) -> list[str]"),
         "Writes what a recorded run was made from as a scene file: bodies, motions, commands at their times, picture. "
-        "Meshes come into a folder beside it. Returns what a scene cannot hold, a sentence each.");
+        "Meshes come into a folder beside it; if one is there already, it is an Error, or replaced. Returns what a "
+        "scene cannot hold, a sentence each.");
     nb::class_<ReplayReport>(module, "ReplayReport", "How a replay went.")
         .def_ro("made", &ReplayReport::made, "number of replayed steps")
         .def_ro("step", &ReplayReport::step)

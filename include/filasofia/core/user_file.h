@@ -12,6 +12,9 @@ namespace filasofia {
 
 constexpr std::uintmax_t kMaxFile = 4'000'000'000; ///< [bytes]; a mesh of 300,000 tetrahedra is 13 MB of text
 
+/// Throws an Error "<object>: ..." if the name has a byte of value 0, at which the system would end it.
+void checkFileName(const std::filesystem::path& file, std::string_view object);
+
 /// Throws an Error "<object>: ..." unless `file` is a regular file of at most `maxBytes`: a device never ends, and
 /// opening a pipe waits for its writer. Links are followed. Returns its size [bytes].
 std::uintmax_t checkRegularFile(const std::filesystem::path& file, std::string_view object,

@@ -1,8 +1,9 @@
 #pragma once
 
+#include "filasofia/core/output_file.h"
 #include "filasofia/device/haptic_device.h"
 
-#include <fstream>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,8 +49,7 @@ public:
     void close();                                   ///< throws an Error if writing failed
 
 private:
-    std::string file_;
-    std::ofstream out_;
+    std::unique_ptr<OutputFile> out_;
     std::optional<double> last_;
 };
 

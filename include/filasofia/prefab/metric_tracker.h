@@ -64,11 +64,14 @@ constexpr auto fields(const MetricTrackerDef*)
 class MetricTracker {
 public:
     /// Construct it after the bodies and before a run (Error during one), and destroy it before the simulation. Throws
-    /// an Error if the Def is wrong or the file cannot be written.
+    /// an Error if the Def is wrong, or if the file cannot be written or something else writes it.
     MetricTracker(runtime::Simulation& simulation, MetricTrackerDef def);
     ~MetricTracker(); ///< calls close()
     MetricTracker(const MetricTracker&) = delete;
     MetricTracker& operator=(const MetricTracker&) = delete;
+
+    /// Throws the Error that the constructor throws if the Def is wrong; writes nothing.
+    static void check(runtime::Simulation& simulation, const MetricTrackerDef& def);
 
     /// Records an event at the present simulated time: a step of the task is done, a wall is pierced. Any thread.
     void mark(metric::EventKind kind, std::string what = {}, std::optional<double> amount = {});

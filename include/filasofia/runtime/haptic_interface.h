@@ -20,7 +20,7 @@ struct HapticInterfaceDef {
     /// scene's, and the hand's first place is where the body was added (without a body: where the device says).
     std::optional<Pose> origin = {};
     BodyId body = {}; ///< a rigid body, without joints if it is dynamic; none: the hand moves and feels nothing
-    int element = 0;  ///< [-], >= 0, index in the body; 0 without a body
+    int element = 0;  ///< [-], >= 0, index in the body; 0 without a body, and if it has joints
     VirtualCoupling coupling = {}; ///< in the scene
     double forceScale = 1.0;       ///< [-], in [0, 1e3], newtons on the hand per newton in the scene
     /// [N], > 0, on the hand; divided by the force scale, on the body; the device's own limit holds too

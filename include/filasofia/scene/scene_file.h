@@ -18,10 +18,16 @@ struct SceneFileOptions {
 /// Reads a scene. Throws an Error "FILE:LINE:COLUMN: ..." that names the field, its bound and the value.
 SceneDef loadScene(const std::filesystem::path& file, const SceneFileOptions& options = {});
 
+/// How a scene file is written.
+struct SaveOptions {
+    bool overwrite = false; ///< files in FILE_files that have the names of new ones are replaced
+};
+
 /// Writes a scene as a file that loadScene() reads back with the same bits. Meshes in memory, and files that are
 /// neither in its folder nor come with Filasofia, become files in the folder FILE_files beside it. Throws an Error if a
-/// file cannot be written, or if the scene holds what a file cannot.
-void saveScene(const SceneDef& scene, const std::filesystem::path& file);
+/// file cannot be written, if one of FILE_files is there already, or if the scene holds what a file cannot; in the
+/// last two cases nothing has been written.
+void saveScene(const SceneDef& scene, const std::filesystem::path& file, const SaveOptions& options = {});
 
 /// What a recording was made from, as a scene.
 struct RecordedScene {

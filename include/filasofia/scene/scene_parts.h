@@ -45,8 +45,8 @@ using InstrumentDef = std::variant<prefab::ArticulatedInstrumentDef, prefab::End
 /// the scene has cameras. In a file, the fields of its Def stand beside the others.
 struct SceneInstrument {
     InstrumentDef def = prefab::ArticulatedInstrumentDef{}; ///< its name must be the only one in the scene
-    std::vector<KeyPose> keys = {};                         ///< poses of its pivot or tip; times ascend
-    std::vector<KeyGrip> grip = {};                         ///< what its jaws do; times ascend
+    std::vector<KeyPose> keys = {}; ///< poses of its pivot or tip; times ascend, and at 0 s in place of the Def's
+    std::vector<KeyGrip> grip = {}; ///< what its jaws do; times ascend
 };
 constexpr auto fields(const SceneInstrument*)
 {

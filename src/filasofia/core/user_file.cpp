@@ -33,8 +33,15 @@ void waitForPipe(int file, double seconds, const std::string& object)
 
 } // namespace
 
+void checkFileName(const std::filesystem::path& file, std::string_view object)
+{
+    if (file.native().find('\0') != std::string::npos)
+        fail(oneLine(std::string(object)), ": a file name must not have a byte of value 0");
+}
+
 std::uintmax_t checkRegularFile(const std::filesystem::path& file, std::string_view object, std::uintmax_t maxBytes)
 {
+    checkFileName(file, object);
     std::error_code problem;
     const std::filesystem::file_status status = std::filesystem::status(file, problem);
     if (status.type() == std::filesystem::file_type::not_found) fail(object, ": no such file");

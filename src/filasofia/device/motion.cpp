@@ -136,10 +136,11 @@ Motion readMotion(const std::string& file)
     return {std::move(samples), text("motion file '", file, "'")};
 }
 
-MotionWriter::MotionWriter(const std::string& file) : file_(file), out_(file)
-{
-    if (!out_) fail("motion file '", file, "': cannot be written");
-    out_ << kHeader << '\n';
+MotionWriter::MotionWriter(const std::string& file)
+try : out_(std::make_unique<OutputFile>(file)) {
+    out_->write(text(kHeader, '\n'));
+} catch (const Error& error) {
+    fail("motion file ", error.what());
 }
 
 void MotionWriter::write(const MotionSample& sample)
@@ -147,14 +148,18 @@ void MotionWriter::write(const MotionSample& sample)
     if (last_ && !(sample.time > *last_)) return;
     last_ = sample.time;
     const auto& [p, q] = sample.pose;
-    out_ << text(sample.time, ',', p.x, ',', p.y, ',', p.z, ',', q.w, ',', q.x, ',', q.y, ',', q.z, ',', sample.buttons)
-         << '\n';
+    if (out_->failed()) return;
+    try {
+        out_->write(text(sample.time, ',', p.x, ',', p.y, ',', p.z, ',', q.w, ',', q.x, ',', q.y, ',', q.z, ',',
+                         sample.buttons, '\n'));
+    } catch (const Error&) { // a run goes on without its file, and close() tells it
+    }
 }
 
 void MotionWriter::close()
 {
-    out_.close();
-    if (!out_) fail("motion file '", file_, "': cannot be written completely; the disk may be full");
+    if (out_->failed()) fail(out_->name(), ": cannot be written completely; the disk may be full");
+    out_->close();
 }
 
 } // namespace filasofia::device

@@ -17,6 +17,7 @@
 #include <cmath>
 #include <condition_variable>
 #include <filesystem>
+#include <limits>
 #include <mutex>
 #include <thread>
 
@@ -40,7 +41,7 @@ std::string nameOf(runtime::Simulation& simulation, BodyId body)
     return std::visit([](const auto& def) { return def.name; }, *simulation.physics().def(body));
 }
 
-void check(const MetricTrackerDef& def)
+void checkNumbers(const MetricTrackerDef& def)
 {
     validate(def, "metric tracker");
     if (def.bodies.empty() || def.bodies.size() > kMaxBodies)
@@ -220,7 +221,7 @@ struct MetricTracker::Impl {
                 last = stopping;
                 hurry.store(false, std::memory_order_relaxed);
             }
-            drain();
+            drain(last);
         }
         session.lost = lost.load();
         attempt([this] {
@@ -229,17 +230,36 @@ struct MetricTracker::Impl {
         });
     }
 
-    void drain()
+    /// Takes what has happened, ordered by time.
+    void takeEvents()
     {
         while (std::optional<Event> event = events.pop()) {
             waiting.fetch_sub(1, std::memory_order_relaxed);
+            const auto later = std::ranges::upper_bound(happened, event->time, {}, &Event::time);
+            happened.insert(later, std::move(*event));
+        }
+    }
+    /// Writes the events up to this time [s].
+    void writeEvents(double time)
+    {
+        const auto end = std::ranges::upper_bound(happened, time, {}, &Event::time);
+        for (auto event = happened.begin(); event != end; ++event) {
             attempt([&] { writer.event(session, *event); });
             if (def.keep) keep(std::move(*event));
         }
+        happened.erase(happened.begin(), end);
+    }
+
+    void drain(bool last)
+    {
+        takeEvents();
         // At most one buffer's worth: whoever waits for room must not wait as long as new samples keep coming.
         const std::size_t limit = rowsOf(def);
+        std::size_t count = 0;
         Row* row = nullptr;
-        for (std::size_t count = 0; count < limit && (row = rows.beginRead()); ++count, rows.release()) {
+        for (; count < limit && (row = rows.beginRead()); ++count, rows.release()) {
+            takeEvents(); // those before a sample have been queued before it: lines ascend in time
+            writeEvents(row->front().time);
             attempt([&] {
                 writer.samples(session, *row);
                 if (writer.gathered() > kChunk) writer.flush();
@@ -247,6 +267,7 @@ struct MetricTracker::Impl {
             if (def.keep)
                 for (std::size_t i = 0; i < row->size(); ++i) session.tracks[i].samples.push_back((*row)[i]);
         }
+        if (count == 0 || last) writeEvents(std::numeric_limits<double>::infinity());
         attempt([this] { writer.flush(); });
     }
 
@@ -279,6 +300,7 @@ struct MetricTracker::Impl {
     metric::Session session;
     SpscRing<Row> rows;
     MpscQueue<Event> events;
+    std::vector<Event> happened;  ///< taken and not written, by time; the writing thread's
     std::atomic<int> waiting = 0; ///< [-], events
     std::atomic<std::uint64_t> taken = 0, lost = 0;
     std::atomic<bool> failed = false;
@@ -306,8 +328,7 @@ struct MetricTracker::Impl {
 
 MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef def)
 {
-    check(def);
-    checkBodies(simulation, def);
+    check(simulation, def);
     impl_ = std::make_shared<Impl>(simulation, std::move(def));
     const std::weak_ptr<Impl> weak = impl_;
     simulation.everyStep([weak](double time) {
@@ -329,6 +350,12 @@ MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef d
 }
 
 MetricTracker::~MetricTracker() { close(); }
+
+void MetricTracker::check(runtime::Simulation& simulation, const MetricTrackerDef& def)
+{
+    checkNumbers(def);
+    checkBodies(simulation, def);
+}
 
 void MetricTracker::mark(EventKind kind, std::string what, std::optional<double> amount)
 {

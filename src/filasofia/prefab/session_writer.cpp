@@ -5,24 +5,21 @@
 #include "filasofia/metric/session_file.h"
 
 #include <filesystem>
-#include <utility>
 
 namespace filasofia::prefab {
 
 SessionWriter::SessionWriter(const std::string& file, std::function<void(std::string_view)> function)
-    : name_(file), function_(std::move(function))
+    : function_(std::move(function))
 {
     if (file.empty()) return;
     const std::string extension = std::filesystem::path(file).extension().string();
     csv_ = extension == ".csv";
     if (!csv_ && extension != ".jsonl") fail("metric tracker: file must end in .jsonl or .csv, got '", file, "'");
-    file_ = std::fopen(file.c_str(), "we");
-    if (!file_) fail("metric tracker: ", file, ": cannot be written");
-}
-
-SessionWriter::~SessionWriter()
-{
-    if (file_) std::fclose(file_); // closed without flush(): the caller has called close() or knows of the failure
+    try {
+        file_.emplace(file);
+    } catch (const Error& error) {
+        fail("metric tracker: ", error.what());
+    }
 }
 
 void SessionWriter::head(const metric::Session& session)
@@ -51,9 +48,10 @@ void SessionWriter::end(std::uint64_t lost)
 void SessionWriter::flush()
 {
     if (function_ && !lines_.empty()) function_(lines_);
-    const std::string& text = csv_ ? table_ : lines_;
-    if (file_ && (std::fwrite(text.data(), 1, text.size(), file_) != text.size() || std::fflush(file_) != 0))
-        fail(name_, ": cannot be written (disk full?)");
+    if (file_) {
+        file_->write(csv_ ? table_ : lines_);
+        file_->flush();
+    }
     lines_.clear();
     table_.clear();
 }
@@ -61,8 +59,7 @@ void SessionWriter::flush()
 void SessionWriter::close()
 {
     flush();
-    if (std::FILE* file = std::exchange(file_, nullptr); file && std::fclose(file) != 0)
-        fail(name_, ": cannot be written (disk full?)");
+    if (file_) file_->close();
 }
 
 } // namespace filasofia::prefab

@@ -1,9 +1,10 @@
 #pragma once
 
+#include "filasofia/core/output_file.h"
 #include "filasofia/metric/session.h"
 
-#include <cstdio>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -14,9 +15,6 @@ class SessionWriter {
 public:
     /// `file` ends in .jsonl or .csv, or is empty.
     SessionWriter(const std::string& file, std::function<void(std::string_view)> function);
-    ~SessionWriter();
-    SessionWriter(const SessionWriter&) = delete;
-    SessionWriter& operator=(const SessionWriter&) = delete;
 
     // Lines are buffered; flush() writes them.
     void head(const metric::Session& session);
@@ -28,9 +26,8 @@ public:
     void close();
 
 private:
-    std::string name_;
     std::function<void(std::string_view)> function_;
-    std::FILE* file_ = nullptr;
+    std::optional<OutputFile> file_;
     bool csv_ = false;
     std::string lines_; ///< JSON, for the function and a .jsonl file
     std::string table_; ///< for a .csv file

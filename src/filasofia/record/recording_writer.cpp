@@ -2,11 +2,11 @@
 
 #include "filasofia/core/hash.h"
 #include "filasofia/core/log.h"
+#include "filasofia/core/output_file.h"
 #include "filasofia/record/chunks.h"
 #include "filasofia/record/json_limits.h"
 #include "filasofia/record/json_writer.h"
 #include "filasofia/record/mesh_bytes.h"
-#include "filasofia/record/output_file.h"
 #include "filasofia/record/replayable.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "filasofia/record/step_table.h"
 
-#include "filasofia/record/output_file.h"
+#include "filasofia/core/output_file.h"
 
 #include <array>
 #include <cinttypes>

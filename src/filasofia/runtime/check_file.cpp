@@ -1,6 +1,7 @@
 #include "filasofia/runtime/check_file.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/user_file.h"
 
 #include <filesystem>
 
@@ -9,6 +10,7 @@ namespace filasofia::runtime {
 void checkFile(const char* object, const std::string& file, const char* field, const char* extension)
 {
     if (file.empty()) return;
+    checkFileName(file, text(object, ": ", field, " '", file, "'"));
     const std::filesystem::path path(file);
     const auto folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
     if (path.extension() != extension) fail(object, ": ", field, " must end in ", extension, ", got '", file, "'");

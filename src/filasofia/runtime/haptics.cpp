@@ -61,9 +61,10 @@ std::optional<physics::RigidBodyDef> controlledBody(const HapticInterfaceDef& de
     if (!rigid)
         fail(object, ": body must be a rigid one, got '", std::visit([](const auto& each) { return each.name; }, *body),
              "'");
-    if (def.element >= static_cast<int>(rigid->elements.size()))
-        fail(object, ": element must be in [0, ", rigid->elements.size(), "), got ", def.element);
-    if (rigid->dynamic && !rigid->articulation.joints.empty())
+    const bool jointed = !rigid->articulation.joints.empty(); // joints move all links but the base
+    const int elements = jointed ? 1 : static_cast<int>(rigid->elements.size());
+    if (def.element >= elements) fail(object, ": element must be in [0, ", elements, "), got ", def.element);
+    if (rigid->dynamic && jointed)
         fail(object, ": body must not be a dynamic one with joints, got '", rigid->name,
              "'; let the hand hold another body, and attach the base to that");
     return *rigid;

@@ -44,8 +44,11 @@ bool isSceneFile(const std::filesystem::path& file)
 SceneDef loadAnyScene(const std::filesystem::path& file, const ImportOptions& options)
 {
     const std::string extension = extensionOf(file);
-    if (extension != ".urdf" && extension != ".xml" && extension != ".mjcf")
+    if (extension != ".urdf" && extension != ".xml" && extension != ".mjcf") {
+        if (options.strict) fail(file.string(), ": strict is for URDF and MJCF: all that a scene file says is read");
+        if (!options.packages.empty()) fail(file.string(), ": a package is for URDF, and this is a scene file");
         return loadScene(file, {.anyFolder = options.anyFolder});
+    }
     const bool robot = extension == ".urdf" || (extension == ".xml" && isRobot(file));
     Imported imported = robot ? loadUrdf(file, options) : loadMjcf(file, options);
     for (const std::string& note : imported.notes) logWarning(note);

@@ -40,7 +40,18 @@ void followKeys(runtime::Simulation& simulation, const std::shared_ptr<Moved>& m
     simulation.everyStep([moved, motion = std::move(motion)](double time) { moved->move(poseAt(motion, time)); });
 }
 
-Instrument addInstrument(runtime::Simulation& simulation, const SceneInstrument& def, const std::string& path)
+/// The pose at which an instrument begins: that of its key at 0 s or, if it has none, its Def's.
+Pose firstPose(const Pose& said, const std::vector<KeyPose>& keys, const std::string& path, const Places& places)
+{
+    if (keys.empty() || keys.front().time > 0.0) return said;
+    const Pose& first = keys.front().pose;
+    if ((said != Pose{} || places.contains(path + ".pose")) && said != first)
+        fail(path, ".pose must not differ from that of keys[0], where it is at 0 s");
+    return first;
+}
+
+Instrument addInstrument(runtime::Simulation& simulation, const SceneInstrument& def, const std::string& path,
+                         const Places& places)
 {
     Instrument added{.keyed = !def.keys.empty()};
     if (added.keyed) checkTimes(def.keys, path + ".keys");
@@ -48,14 +59,17 @@ Instrument addInstrument(runtime::Simulation& simulation, const SceneInstrument&
         static_cast<void>(physics::unitPose(def.keys[i].pose, text(path, ".keys[", i, "].pose")));
     if (!def.grip.empty()) checkTimes(def.grip, path + ".grip");
     const auto motionFrom = [&](const Pose& start) { return withFirstKey({.keys = def.keys}, start); };
-    if (const auto* jaws = std::get_if<prefab::ArticulatedInstrumentDef>(&def.def)) {
-        added.jaws = std::make_shared<prefab::ArticulatedInstrument>(simulation, *jaws);
+    if (const auto* given = std::get_if<prefab::ArticulatedInstrumentDef>(&def.def)) {
+        prefab::ArticulatedInstrumentDef jaws = *given;
+        jaws.pose = firstPose(jaws.pose, def.keys, path, places);
+        added.jaws = std::make_shared<prefab::ArticulatedInstrument>(simulation, jaws);
         added.body = added.jaws->body();
-        if (added.keyed) followKeys(simulation, added.jaws, motionFrom(jaws->pose));
+        if (added.keyed) followKeys(simulation, added.jaws, motionFrom(jaws.pose));
         if (!def.grip.empty()) simulation.everyStep(GripFollower(added.jaws, def.grip));
         return added;
     }
-    const auto& scope = std::get<prefab::EndoscopeDef>(def.def);
+    prefab::EndoscopeDef scope = std::get<prefab::EndoscopeDef>(def.def);
+    scope.pose = firstPose(scope.pose, def.keys, path, places);
     if (!def.grip.empty()) fail(path, ".grip must be empty: an endoscope has no jaws");
     added.scope = std::make_shared<prefab::Endoscope>(simulation, scope);
     added.body = added.scope->body();
@@ -71,7 +85,7 @@ Instruments addInstruments(runtime::Simulation& simulation, const SceneDef& scen
     for (std::size_t i = 0; i < scene.instruments.size(); ++i) {
         const std::string path = text("instruments[", i, "]");
         try {
-            added.push_back(addInstrument(simulation, scene.instruments[i], path));
+            added.push_back(addInstrument(simulation, scene.instruments[i], path, scene.places));
         } catch (const Error& error) {
             const std::string words = error.what();
             failAtPlace(scene.places, words.starts_with(path) ? words : text(path, ": ", words));

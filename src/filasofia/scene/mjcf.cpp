@@ -214,6 +214,7 @@ private:
         if (const auto mode = says.find("mode"); mode && mode->words != "fixed")
             return reader_.tell(at.element, "light mode", "<light> is read only with mode=\"fixed\"");
         SceneLight light;
+        reader_.refuseSecond(at.element, {"type", "directional"});
         const std::size_t type = reader_.oneOf(says, "type", 0, {"spot", "directional", "point", "image"});
         if (type > 1) return reader_.tell(at.element, "light type", "<light> is read only as a spot or directional");
         const bool directional = reader_.flag(says, "directional", false) || type == 1;

@@ -34,7 +34,12 @@ void MjcfBodies::read(const Element& worldbody)
 {
     reader_.tellUnread(worldbody, {"childclass"});
     trees[0].place = worldbody;
-    readChildren(worldbody, {.childClass = source_.childClassOf(worldbody, {})}, false);
+    const std::string childClass = source_.childClassOf(worldbody, {});
+    const std::vector<Member> members = membersOf(worldbody, childClass);
+    for (const Member& each : members)
+        if (isJoint(each.element) || each.element.tag() == "inertial")
+            reader_.refuse(each.element, "must stand in a body, and not in the world");
+    readMembers(members, {.childClass = childClass});
 }
 
 Pose MjcfBodies::worldPose(const MjcfPlace& place)
@@ -54,53 +59,74 @@ geometry::Box MjcfBodies::bounds()
     return box;
 }
 
-void MjcfBodies::readChildren(const Element& of, const MjcfPlace& place, bool weighed)
+std::vector<MjcfBodies::Member> MjcfBodies::membersOf(const Element& body, const std::string& childClass)
 {
-    using FromGeoms = MjcfCompiler::FromGeoms;
+    std::vector<Member> members;
+    addMembers(body, {}, childClass, members);
+    std::vector<Element> elements;
+    for (const Member& each : members) elements.push_back(each.element);
+    reader_.refuseSecond(elements, {"inertial"});
+    return members;
+}
+
+void MjcfBodies::addMembers(const Element& of, const Pose& frame, const std::string& childClass,
+                            std::vector<Member>& all)
+{
     if (++depth_ > kMaxBodyDepth) reader_.refuse(of, text("is nested more than ", kMaxBodyDepth, " deep"));
-    const std::vector<Element> children = source_.childrenOf(of);
-    const bool given =
-        weighed || (source_.compiler.fromGeoms != FromGeoms::Always &&
-                    std::ranges::any_of(children, [](const Element& each) { return each.tag() == "inertial"; }));
-    for (const Element& each : children) {
-        if (each.tag() == "body") {
-            readBody(each, place);
-        } else if (each.tag() == "geom") {
-            readGeom(each, place, !given && source_.compiler.fromGeoms != FromGeoms::Never);
-        } else if (each.tag() == "inertial") {
-            if (given) readInertial(each, place);
-        } else if (each.tag() == "frame") {
-            reader_.tellUnread(each, {"name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"});
-            MjcfPlace inner = place;
-            inner.pose = place.pose * source_.poseOf(Attributes(each));
-            inner.childClass = source_.childClassOf(each, place.childClass);
-            for (const Element& joint : source_.childrenOf(each))
-                if (isJoint(joint)) reader_.refuse(joint, "must stand in its body, and not in a <frame>");
-            readChildren(each, inner, given);
-        } else if (each.tag() == "flexcomp") {
-            flexes.push_back({each, place});
-        } else if (each.tag() == "camera" || each.tag() == "light") {
-            (each.tag() == "camera" ? cameras : lights).push_back({each, place});
-        } else if (!isJoint(each)) {
-            reader_.tellUnread(each);
+    for (const Element& each : source_.childrenOf(of)) {
+        if (each.tag() != "frame") {
+            all.push_back({each, frame, childClass});
+            continue;
         }
+        reader_.tellUnread(each, {"name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler"});
+        addMembers(each, frame * source_.poseOf(Attributes(each)), source_.childClassOf(each, childClass), all);
     }
     --depth_;
 }
 
+void MjcfBodies::readMembers(const std::vector<Member>& members, const MjcfPlace& place)
+{
+    using FromGeoms = MjcfCompiler::FromGeoms;
+    const FromGeoms fromGeoms = source_.compiler.fromGeoms;
+    const bool given = fromGeoms != FromGeoms::Always && std::ranges::any_of(members, [](const Member& each) {
+                           return each.element.tag() == "inertial";
+                       });
+    for (const auto& [element, frame, childClass] : members) {
+        const MjcfPlace at{place.tree, place.link, place.pose * frame, childClass};
+        if (element.tag() == "body") {
+            readBody(element, at);
+        } else if (element.tag() == "geom") {
+            readGeom(element, at, !given && fromGeoms != FromGeoms::Never);
+        } else if (element.tag() == "inertial") {
+            if (given) readInertial(element, at);
+        } else if (element.tag() == "flexcomp") {
+            flexes.push_back({element, at});
+        } else if (element.tag() == "camera" || element.tag() == "light") {
+            (element.tag() == "camera" ? cameras : lights).push_back({element, at});
+        } else if (!isJoint(element)) {
+            reader_.tellUnread(element);
+        }
+    }
+}
+
 void MjcfBodies::readBody(const Element& body, const MjcfPlace& outer)
 {
+    if (++depth_ > kMaxBodyDepth) reader_.refuse(body, text("is nested more than ", kMaxBodyDepth, " deep"));
     reader_.tellUnread(body, {"name", "childclass", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mocap"});
+    const std::string name = reader_.word(Attributes(body), "name");
+    if (!name.empty() && !bodyNames_.insert(name).second) reader_.refuse(body, "has a name that another one has");
     MjcfPlace place = outer;
     place.pose = outer.pose * source_.poseOf(Attributes(body));
     place.childClass = source_.childClassOf(body, outer.childClass);
-    readChildren(body, enter(body, place), false);
+    const std::vector<Member> members = membersOf(body, place.childClass);
+    readMembers(members, enter(body, members, place));
+    --depth_;
 }
 
-MjcfPlace MjcfBodies::enter(const Element& body, MjcfPlace place)
+MjcfPlace MjcfBodies::enter(const Element& body, const std::vector<Member>& members, MjcfPlace place)
 {
-    std::vector<Element> own = source_.childrenOf(body);
-    std::erase_if(own, [](const Element& each) { return !isJoint(each); });
+    std::vector<Member> own = members;
+    std::erase_if(own, [](const Member& each) { return !isJoint(each.element); });
     const std::string name = reader_.word(Attributes(body), "name");
     if (place.tree == 0) { // every body that stands in the world is a tree of its own
         RigidTree& tree = trees.emplace_back();
@@ -110,39 +136,42 @@ MjcfPlace MjcfBodies::enter(const Element& body, MjcfPlace place)
         place = {trees.size() - 1, 0, {}, place.childClass};
     }
     if (own.size() > 1) trees[place.tree].manyJoints = true;
-    for (std::size_t j = 0; j < own.size(); ++j) {
-        const Attributes says = source_.attributesOf(own[j], place.childClass);
-        if (own[j].tag() == "freejoint" || reader_.oneOf(says, "type", 3, kJoints) == 0) {
-            if (own[j].tag() == "freejoint") reader_.tellUnread(own[j], {"name", "group", "align"});
+    for (const auto& [joint, frame, childClass] : own) {
+        const Attributes says = source_.attributesOf(joint, childClass);
+        if (joint.tag() == "freejoint" || reader_.oneOf(says, "type", 3, kJoints) == 0) {
+            if (joint.tag() == "freejoint") reader_.tellUnread(joint, {"name", "group", "align"});
             if (trees[place.tree].place.node != body.node || own.size() > 1)
-                reader_.refuse(own[j], "must be the only joint of a body that stands in the world");
+                reader_.refuse(joint, "must be the only joint of a body that stands in the world");
             trees[place.tree].def.dynamic = true;
         } else {
-            place = addJoint(says, place, j + 1 == own.size(), name);
+            const bool last = joint.node == own.back().element.node;
+            place = addJoint(says, frame, place, last ? name : std::string());
         }
     }
     return place;
 }
 
-MjcfPlace MjcfBodies::addJoint(const Attributes& says, const MjcfPlace& place, bool last, const std::string& name)
+MjcfPlace MjcfBodies::addJoint(const Attributes& says, const Pose& frame, const MjcfPlace& place,
+                               const std::string& link)
 {
     const std::size_t kind = reader_.oneOf(says, "type", 3, kJoints);
     if (kind == 1) reader_.refuse(says.element(), "is a ball joint: hinges and slides are carried, and free joints");
     const bool turns = kind == 3;
-    const Vec3 at = reader_.vector(says, "pos", {}, closed(-kFarthestShape, kFarthestShape));
+    const Vec3 pos = reader_.vector(says, "pos", {}, closed(-kFarthestShape, kFarthestShape));
+    const Vec3 axis = reader_.vector(says, "axis", {0, 0, 1}, closed(-1e6, 1e6)), at = transform(frame, pos);
+    if (!(length(axis) > 1e-9)) reader_.refuse(says.element(), "must have an axis of some length");
     physics::JointDef def{.kind = turns ? physics::JointKind::Revolute : physics::JointKind::Prismatic,
-                          .axis = reader_.vector(says, "axis", {0, 0, 1}, closed(-1e6, 1e6)),
+                          .axis = rotate(frame.orientation, axis),
                           .parent = place.link,
                           .parentOffset = place.pose * Pose{at, {}},
                           .childOffset = {at, {}},
                           .command = physics::JointForce{0.0}};
-    if (!(length(def.axis) > 1e-9)) reader_.refuse(says.element(), "must have an axis of some length");
     const double ref = reader_.number(says, "ref", 0.0);
     def.start = turns ? source_.angle(ref) : ref;
     if (def.start != 0.0) { // there, the bodies are where the file says
-        const Vec3 axis = normalized(def.axis);
+        const Vec3 along = normalized(def.axis);
         def.parentOffset =
-            def.parentOffset * (turns ? Pose{{}, axisAngle(axis, -def.start)} : Pose{-def.start * axis, {}});
+            def.parentOffset * (turns ? Pose{{}, axisAngle(along, -def.start)} : Pose{-def.start * along, {}});
     }
     readLimits(says, turns, def);
     def.damping = reader_.number(says, "damping", 0.0, closed(0, 1e12));
@@ -150,10 +179,10 @@ MjcfPlace MjcfBodies::addJoint(const Attributes& says, const MjcfPlace& place, b
     def.inertia = reader_.number(says, "armature", 0.0, closed(0, 1e12));
     RigidTree& tree = trees[place.tree];
     const std::string jointName = reader_.word(says, "name");
-    const int link = tree.add(def, jointName, last ? name : std::string());
+    const int element = tree.add(def, jointName, link);
     if (!jointName.empty() && !joints.emplace(jointName, std::pair{place.tree, tree.links() - 2}).second)
         reader_.refuse(says.element(), "has a name that another one has");
-    return {place.tree, link, {}, place.childClass};
+    return {place.tree, element, {}, place.childClass};
 }
 
 void MjcfBodies::readLimits(const Attributes& says, bool turns, physics::JointDef& def) const
@@ -178,6 +207,9 @@ void MjcfBodies::readInertial(const Element& element, const MjcfPlace& place)
     reader_.tellUnread(element,
                        {"pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "mass", "diaginertia", "fullinertia"});
     const Attributes says(element);
+    reader_.refuseSecond(element, {"diaginertia", "fullinertia"});
+    for (const char* way : {"quat", "axisangle", "euler", "xyaxes", "zaxis"})
+        reader_.refuseSecond(element, {"fullinertia", way}); // a full tensor is in the body's axes
     if (!says.has("mass") || !says.has("pos")) reader_.refuse(element, "must say its mass and pos");
     physics::RigidInertia inertia{.mass = reader_.number(says, "mass", 0.0, closed(0, 1e9))};
     Pose pose = source_.poseOf(says);
@@ -189,6 +221,14 @@ void MjcfBodies::readInertial(const Element& element, const MjcfPlace& place)
     } else
         reader_.refuse(element, "must say its diaginertia or fullinertia");
     trees[place.tree].addInertia(place.link, moved(place.pose * pose, inertia), element);
+}
+
+void MjcfBodies::noteUnused(const Attribute& before, std::initializer_list<const char*> names) const
+{
+    for (const char* name : names)
+        if (before.at.has(name))
+            reader_.note(before.at, text("geom.", before.name, name),
+                         text("<geom> ", name, " is not used beside ", before.name, ", as in MuJoCo"));
 }
 
 Solid MjcfBodies::planeOf(const Attributes& says, Pose& pose) const
@@ -206,7 +246,9 @@ Solid MjcfBodies::planeOf(const Attributes& says, Pose& pose) const
 std::optional<Solid> MjcfBodies::solidOf(const Attributes& says, Pose& pose)
 {
     const bool mesh = says.has("mesh");
+    const auto ends = says.find("fromto");
     const std::size_t kind = reader_.oneOf(says, "type", mesh ? 7 : 2, kGeoms);
+    if (ends && (kind < 3 || kind > 6)) reader_.refuse(*ends, "needs a capsule, ellipsoid, cylinder or box");
     if (kind == 0) return planeOf(says, pose);
     if (kind == 1 || kind == 8) {
         reader_.tell(says.element(), kGeoms[kind], text("<geom> of type ", kGeoms[kind], " is not read"));
@@ -216,9 +258,9 @@ std::optional<Solid> MjcfBodies::solidOf(const Attributes& says, Pose& pose)
         if (!mesh) reader_.refuse(says.element(), "must say its mesh");
         return Solid{Kind::Mesh, {}, source_.meshOf(*says.find("mesh"))};
     }
+    if (mesh) reader_.refuse(*says.find("mesh"), "must not stand beside a shape that MuJoCo would fit to it");
     const auto given = says.find("size");
     if (!given) reader_.refuse(says.element(), "must say its size");
-    const auto ends = says.find("fromto");
     const bool round = kind == 3 || kind == 5;
     const std::size_t needs = kind == 2 || ends ? 1 : round ? 2 : 3;
     std::vector<double> size = reader_.numbers(*given, needs, 3, closed(0, kFarthestShape));
@@ -229,11 +271,9 @@ std::optional<Solid> MjcfBodies::solidOf(const Attributes& says, Pose& pose)
         const Vec3 a{v[0], v[1], v[2]}, b{v[3], v[4], v[5]}, axis = a - b;
         if (!(length(axis) > 1e-7)) reader_.refuse(*ends, "must be two points apart");
         half = 0.5 * length(axis);
-        const Vec3 z = normalized(axis), turn = cross({0, 0, 1}, z);
-        const Quat to = length(turn) > 1e-12 ? axisAngle(turn, std::atan2(length(turn), z.z))
-                        : z.z > 0.0          ? Quat{}
-                                             : Quat{0, 1, 0, 0};
-        pose = {0.5 * (a + b), to};
+        if (pose.position != Vec3{}) reader_.refuse(*says.find("pos"), "must not stand beside fromto");
+        pose = {0.5 * (a + b), turnOfZ(normalized(axis))};
+        noteUnused(*ends, {"quat", "axisangle", "euler", "xyaxes", "zaxis"});
     }
     Solid solid{Kind::Box, {size[0], ends ? size[0] : size[1], ends ? half : size[2]}};
     if (kind == 2) solid = {Kind::Sphere, {size[0], size[0], size[0]}};
@@ -249,6 +289,7 @@ void MjcfBodies::weigh(const Attributes& says, const Solid& solid, const MjcfPla
 {
     try {
         const std::string name = says.element().path();
+        if (const auto given = says.find("mass")) noteUnused(*given, {"density"});
         const double density = reader_.number(says, "density", 1000.0, closed(0, 1e9));
         const double mass =
             says.has("mass") ? reader_.number(says, "mass", 0.0, closed(0, 1e9)) : density * volumeOf(solid, name);

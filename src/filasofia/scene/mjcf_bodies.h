@@ -39,16 +39,26 @@ public:
     [[nodiscard]] geometry::Box bounds();
 
 private:
-    /// `weighed`: what they are in has its inertia from elsewhere.
-    void readChildren(const Element& of, const MjcfPlace& place, bool weighed);
+    /// An element of a body, in its <frame> elements if it stands in some.
+    struct Member {
+        Element element;
+        Pose frame; ///< in the body
+        std::string childClass;
+    };
+    /// What a body holds, without its frames.
+    [[nodiscard]] std::vector<Member> membersOf(const Element& body, const std::string& childClass);
+    void addMembers(const Element& of, const Pose& frame, const std::string& childClass, std::vector<Member>& all);
+    void readMembers(const std::vector<Member>& members, const MjcfPlace& place);
     void readBody(const Element& body, const MjcfPlace& outer);
     /// The place behind the body's joints; a new tree if it hangs on nothing that moves.
-    [[nodiscard]] MjcfPlace enter(const Element& body, MjcfPlace place);
-    [[nodiscard]] MjcfPlace addJoint(const Attributes& says, const MjcfPlace& place, bool last,
-                                     const std::string& name);
+    [[nodiscard]] MjcfPlace enter(const Element& body, const std::vector<Member>& members, MjcfPlace place);
+    [[nodiscard]] MjcfPlace addJoint(const Attributes& says, const Pose& frame, const MjcfPlace& place,
+                                     const std::string& link);
     void readLimits(const Attributes& says, bool turns, physics::JointDef& def) const;
     void readInertial(const Element& element, const MjcfPlace& place);
     void readGeom(const Element& element, const MjcfPlace& place, bool weighs);
+    /// Notes attributes of the same element that another one makes useless.
+    void noteUnused(const Attribute& before, std::initializer_list<const char*> names) const;
     [[nodiscard]] std::optional<Solid> solidOf(const Attributes& says, Pose& pose);
     [[nodiscard]] Solid planeOf(const Attributes& says, Pose& pose) const;
     void weigh(const Attributes& says, const Solid& solid, const MjcfPlace& place);
@@ -59,6 +69,7 @@ private:
     XmlReader& reader_;
     std::size_t shapes_ = 0;
     int depth_ = 0;
+    std::set<std::string> bodyNames_;
     std::set<std::size_t> rubbed_; ///< the trees whose friction a geom has said
     std::vector<std::pair<MjcfPlace, std::shared_ptr<const geometry::TriangleMesh>>> bounded_;
     std::map<std::size_t, std::vector<Pose>> poses_; ///< each tree's links

@@ -31,16 +31,18 @@ double measureOf(const FlexMesh& mesh)
 
 void MjcfFlex::readParts(Flex& flex)
 {
-    for (const Element& each : source_.childrenOf(flex.says.element())) {
+    const std::vector<Element> parts = source_.childrenOf(flex.says.element());
+    reader_.refuseSecond(parts, {"edge", "elasticity", "contact"});
+    for (const Element& each : parts) {
         if (each.tag() == "edge") {
             reader_.tellUnread(each, {"equality"});
-            flex.edges.push_back(each);
+            flex.edge = each;
         } else if (each.tag() == "elasticity") {
             reader_.tellUnread(each, {"young", "poisson", "damping", "thickness", "elastic2d"});
-            flex.elasticities.push_back(each);
+            flex.elasticity = each;
         } else if (each.tag() == "contact") {
             reader_.tellUnread(each, {"selfcollide", "internal", "contype", "conaffinity", "friction"});
-            flex.contacts.push_back(each);
+            flex.contact = each;
         } else if (each.tag() == "pin") {
             reader_.tellUnread(each, {"id", "range", "grid", "gridrange"});
             flex.pins.push_back(each);
@@ -123,7 +125,7 @@ void MjcfFlex::readMesh(Flex& flex)
 {
     const Element element = flex.says.element();
     if (flex.type == MeshFile || flex.type == Gmsh || flex.type == Direct) {
-        flex.mesh = flex.type == MeshFile ? surfaceFile(flex) : flex.type == Gmsh ? gmshFile(flex) : directMesh(flex);
+        flex.mesh = flex.type == Direct ? directMesh(flex) : fileMesh(flex);
         checkCount(flex, static_cast<double>(flex.mesh.nodes.size()));
         const Vec3 scale = reader_.vector(flex.says, "scale", {1, 1, 1}, closed(1e-9, 1e9));
         for (Vec3& each : flex.mesh.nodes) each = {scale.x * each.x, scale.y * each.y, scale.z * each.z};
@@ -143,32 +145,14 @@ void MjcfFlex::readMesh(Flex& flex)
     flex.mesh = gridOf(flex);
 }
 
-FlexMesh MjcfFlex::surfaceFile(const Flex& flex)
+FlexMesh MjcfFlex::fileMesh(const Flex& flex)
 {
     const auto file = flex.says.find("file");
     if (!file) reader_.refuse(flex.says.element(), "must say its file");
     const std::filesystem::path path = reader_.fileNamed(*file, reader_.folder() / source_.compiler.meshFolder);
+    const Vec3 origin = reader_.vector(flex.says, "origin", {});
     try {
-        const geometry::TriangleMesh surface = geometry::loadTriangleMesh(path);
-        if (!flex.pins.empty())
-            reader_.note(flex.says.element(), "pin of a mesh",
-                         "<pin> numbers the vertices of a mesh file as its triangles first use them");
-        if (flex.dim == 3) return flexFan(surface, reader_.vector(flex.says, "origin", {}));
-        FlexMesh mesh{.nodes = surface.vertices, .corners = 3};
-        for (const geometry::Triangle& each : surface.triangles)
-            mesh.elements.insert(mesh.elements.end(), each.begin(), each.end());
-        return mesh;
-    } catch (const Error& error) {
-        fail(flex.says.element().place(), ": ", flex.says.element().path(), ": ", error.what());
-    }
-}
-
-FlexMesh MjcfFlex::gmshFile(const Flex& flex)
-{
-    const auto file = flex.says.find("file");
-    if (!file) reader_.refuse(flex.says.element(), "must say its file");
-    const std::filesystem::path path = reader_.fileNamed(*file, reader_.folder() / source_.compiler.meshFolder);
-    try {
+        if (flex.type == MeshFile) return surfaceMesh(flex, geometry::loadTriangleMesh(path), origin);
         const geometry::TetMesh read = geometry::loadTetMesh(path);
         FlexMesh mesh{.nodes = read.nodes};
         for (const geometry::Tetrahedron& each : read.tetrahedra)
@@ -177,6 +161,18 @@ FlexMesh MjcfFlex::gmshFile(const Flex& flex)
     } catch (const Error& error) {
         fail(flex.says.element().place(), ": ", flex.says.element().path(), ": ", error.what());
     }
+}
+
+FlexMesh MjcfFlex::surfaceMesh(const Flex& flex, const geometry::TriangleMesh& surface, Vec3 origin)
+{
+    if (!flex.pins.empty())
+        reader_.note(flex.says.element(), "pin of a mesh",
+                     "<pin> numbers the vertices of a mesh file as its triangles first use them");
+    if (flex.dim == 3) return flexFan(surface, origin);
+    FlexMesh mesh{.nodes = surface.vertices, .corners = 3};
+    for (const geometry::Triangle& each : surface.triangles)
+        mesh.elements.insert(mesh.elements.end(), each.begin(), each.end());
+    return mesh;
 }
 
 FlexMesh MjcfFlex::directMesh(const Flex& flex) const
@@ -257,20 +253,19 @@ double MjcfFlex::standInYoung(const Flex& flex) const
 
 void MjcfFlex::readElasticity(Flex& flex, physics::SoftBodyDef& def)
 {
-    const Element at = flex.elasticities.empty() ? flex.says.element() : flex.elasticities.back();
+    const Element at = flex.elasticity ? flex.elasticity : flex.says.element();
     const Attributes says(at);
     double young = 0.0, poisson = 0.0, thickness = -1.0;
     std::size_t kind = 0;
-    if (!flex.elasticities.empty()) {
+    if (flex.elasticity) {
         young = reader_.number(says, "young", 0.0, closed(0, 1e15));
         poisson = reader_.number(says, "poisson", 0.0, closedOpen(0, 0.5));
         def.rayleigh.stiffness = reader_.number(says, "damping", 0.0, closed(0, 1e9));
         thickness = reader_.number(says, "thickness", -1.0, closed(-1, 1e3));
         kind = reader_.oneOf(says, "elastic2d", 0, {"none", "bend", "stretch", "both"});
     }
-    for (const Element& each : flex.edges)
-        if (reader_.oneOf(Attributes(each), "equality", 0, {"false", "true", "vert", "strain"}) != 0)
-            reader_.tell(each, "edge.equality", "<edge> equality is not read: edges stretch as the material does");
+    if (flex.edge && reader_.oneOf(Attributes(flex.edge), "equality", 0, {"false", "true", "vert", "strain"}) != 0)
+        reader_.tell(flex.edge, "edge.equality", "<edge> equality is not read: edges stretch as the material does");
     if (young == 0.0 || (flex.dim == 2 && kind == 0)) {
         young = young > 0.0 ? young : standInYoung(flex);
         reader_.note(
@@ -298,8 +293,8 @@ void MjcfFlex::readContact(const Flex& flex, double radius, physics::SoftBodyDef
 {
     physics::CollisionDef model{.proximity = std::max(0.5e-3, radius), .self = true};
     def.friction = 1.0;
-    if (!flex.contacts.empty()) {
-        const Attributes says(flex.contacts.back());
+    if (flex.contact) {
+        const Attributes says(flex.contact);
         model.self = reader_.oneOf(says, "selfcollide", 1, {"none", "auto", "narrow", "bvh", "sap"}) != 0;
         if (reader_.flag(says, "internal", false))
             reader_.tell(says.element(), "contact.internal",

@@ -26,13 +26,15 @@ private:
         std::array<int, 3> count = {10, 10, 10};
         FlexMesh mesh = {};
         std::vector<bool> pinned = {};
-        std::vector<Element> edges = {}, elasticities = {}, contacts = {}, pins = {};
+        Element edge = {}, elasticity = {}, contact = {};
+        std::vector<Element> pins = {};
     };
     void readParts(Flex& flex);
     void readMesh(Flex& flex);
     [[nodiscard]] FlexMesh gridOf(const Flex& flex) const;
-    [[nodiscard]] FlexMesh surfaceFile(const Flex& flex);
-    [[nodiscard]] FlexMesh gmshFile(const Flex& flex);
+    /// The mesh in the file that it names: a surface, or tetrahedra of Gmsh.
+    [[nodiscard]] FlexMesh fileMesh(const Flex& flex);
+    [[nodiscard]] FlexMesh surfaceMesh(const Flex& flex, const geometry::TriangleMesh& surface, Vec3 origin);
     [[nodiscard]] FlexMesh directMesh(const Flex& flex) const;
     void checkCount(const Flex& flex, double nodes);
     void readPins(Flex& flex) const;

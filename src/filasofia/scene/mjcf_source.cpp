@@ -14,6 +14,27 @@ namespace {
 
 constexpr std::string_view kMain = "main";
 
+const std::map<std::string_view, std::vector<std::string_view>> kCarried = {
+    {"geom",
+     {"name",   "class", "type",    "size",     "pos",  "quat",     "axisangle", "xyaxes",  "zaxis",       "euler",
+      "fromto", "mass",  "density", "friction", "rgba", "material", "mesh",      "contype", "conaffinity", "group"}},
+    {"joint",
+     {"name", "class", "type", "pos", "axis", "range", "limited", "ref", "damping", "frictionloss", "armature"}},
+    {"mesh", {"name", "class", "file", "scale"}},
+    {"material", {"name", "class", "rgba"}},
+    {"camera", {"name", "class", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fovy", "mode"}},
+    {"light", {"name", "class", "pos", "dir", "directional", "type", "castshadow", "mode"}},
+    {"motor", {"name", "class", "joint"}},
+    {"position", {"name", "class", "joint"}},
+};
+
+std::vector<std::string_view> tagsWithDefaults()
+{
+    std::vector<std::string_view> tags;
+    for (const auto& each : kCarried) tags.push_back(each.first);
+    return tags;
+}
+
 Vec3 unit(Vec3 v, const XmlReader& reader, const Attribute& from)
 {
     if (!(length(v) > 1e-9)) reader.refuse(from, "must have some length");
@@ -22,23 +43,17 @@ Vec3 unit(Vec3 v, const XmlReader& reader, const Attribute& from)
 
 } // namespace
 
+Quat turnOfZ(Vec3 direction)
+{
+    const Vec3 axis = cross({0, 0, 1}, direction);
+    if (!(length(axis) > 1e-12)) return direction.z > 0.0 ? Quat{} : Quat{0, 1, 0, 0};
+    return axisAngle(axis, std::atan2(length(axis), direction.z));
+}
+
 const std::vector<std::string_view>* carriedAttributes(std::string_view tag)
 {
-    static const std::map<std::string_view, std::vector<std::string_view>> carried = {
-        {"geom", {"name",   "class",    "type",  "size",    "pos",         "quat",    "axisangle",
-                  "xyaxes", "zaxis",    "euler", "fromto",  "mass",        "density", "friction",
-                  "rgba",   "material", "mesh",  "contype", "conaffinity", "group"}},
-        {"joint",
-         {"name", "class", "type", "pos", "axis", "range", "limited", "ref", "damping", "frictionloss", "armature"}},
-        {"mesh", {"name", "class", "file", "scale"}},
-        {"material", {"name", "class", "rgba"}},
-        {"camera", {"name", "class", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fovy", "mode"}},
-        {"light", {"name", "class", "pos", "dir", "directional", "type", "castshadow", "mode"}},
-        {"motor", {"name", "class", "joint"}},
-        {"position", {"name", "class", "joint"}},
-    };
-    const auto found = carried.find(tag);
-    return found == carried.end() ? nullptr : &found->second;
+    const auto found = kCarried.find(tag);
+    return found == kCarried.end() ? nullptr : &found->second;
 }
 
 MjcfSource::MjcfSource(const std::filesystem::path& file, const ImportOptions& options)
@@ -138,7 +153,9 @@ void MjcfSource::readClass(const Element& element, const std::string& parent, in
     if (depth > 0 && !classes_.emplace(name, Class{parent}).second)
         reader.refuse(element, "is a class that there is already");
     Class& own = classes_[name];
-    for (const Element& inner : childrenOf(element)) {
+    const std::vector<Element> all = childrenOf(element);
+    reader.refuseSecond(all, tagsWithDefaults());
+    for (const Element& inner : all) {
         if (inner.tag() == "default")
             readClass(inner, name, depth + 1);
         else if (const auto* carried = carriedAttributes(inner.tag())) {
@@ -223,11 +240,7 @@ Quat MjcfSource::turnOf(const Attribute& found) const
     }
     if (found.name == "axisangle") return axisAngle(unit({v[0], v[1], v[2]}, reader, found), angle(v[3]));
     if (found.name == "euler") return eulerOf(v);
-    if (found.name == "zaxis") {
-        const Vec3 z = unit({v[0], v[1], v[2]}, reader, found), axis = cross({0, 0, 1}, z);
-        if (!(length(axis) > 1e-12)) return z.z > 0.0 ? Quat{} : Quat{0, 1, 0, 0};
-        return axisAngle(axis, std::atan2(length(axis), z.z));
-    }
+    if (found.name == "zaxis") return turnOfZ(unit({v[0], v[1], v[2]}, reader, found));
     const Vec3 x = unit({v[0], v[1], v[2]}, reader, found);
     const Vec3 given{v[3], v[4], v[5]}, y = unit(given - dot(given, x) * x, reader, found);
     return toQuat(Mat3::columns(x, y, cross(x, y)));
@@ -235,8 +248,11 @@ Quat MjcfSource::turnOf(const Attribute& found) const
 
 Quat MjcfSource::orientationOf(const Attributes& says) const
 {
-    const auto found = says.findAny({"quat", "axisangle", "euler", "xyaxes", "zaxis"});
-    return found ? normalized(turnOf(*found)) : Quat{};
+    const std::initializer_list<std::string_view> ways = {"quat", "axisangle", "euler", "xyaxes", "zaxis"};
+    const auto found = says.findAny(ways);
+    if (!found) return {};
+    reader.refuseSecond(found->at, ways);
+    return normalized(turnOf(*found));
 }
 
 Pose MjcfSource::poseOf(const Attributes& says) const

@@ -33,6 +33,7 @@ public:
     /// The class of the elements in a body or frame.
     [[nodiscard]] std::string childClassOf(const Element& element, const std::string& outer) const;
 
+    /// Throws an Error if an element gives it in two ways.
     [[nodiscard]] Quat orientationOf(const Attributes& says) const;
     [[nodiscard]] Pose poseOf(const Attributes& says) const;
     [[nodiscard]] double angle(double value) const; ///< [rad]
@@ -68,6 +69,9 @@ private:
     std::map<std::string, Element, std::less<>> meshAssets_, materials_;
     std::map<std::string, std::shared_ptr<const geometry::TriangleMesh>, std::less<>> meshes_;
 };
+
+/// The shortest turn from z to this direction, which has length 1.
+Quat turnOfZ(Vec3 direction);
 
 /// The attributes that are read of the elements that have defaults; null for other tags.
 const std::vector<std::string_view>* carriedAttributes(std::string_view tag);

@@ -47,6 +47,7 @@ public:
             reader_.readMember({{&json}}, numbered, scene.places, scene.instruments.emplace_back());
             reader_.addInstrument(scene.instruments.back(), json, numbered);
         });
+        reader_.endBodies();
         readList("cameras", scene.cameras, scene.places);
         readList("lights", scene.lights, scene.places);
         readList("views", scene.views, scene.places);

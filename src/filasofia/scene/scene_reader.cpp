@@ -288,6 +288,7 @@ BodyId SceneReader::bodyNamed(const Json& json, const Place& place) const
     const std::string name = word(json, place);
     const auto found = std::ranges::find(bodies_, name);
     if (found != bodies_.end()) return BodyId{static_cast<std::uint32_t>(found - bodies_.begin()) + 1};
+    if (allRead_) refuse(json, place, "must be the name of a body of the scene", hintFor(name, allBodies_));
     const bool later = std::ranges::find(allBodies_, name) != allBodies_.end();
     refuse(json, place, "must be the name of a body before this one",
            later ? ", which is this one or comes later" : hintFor(name, allBodies_));
@@ -316,7 +317,7 @@ AttachmentId SceneReader::newAttachment(const Json& json, const Place& place)
 void SceneReader::checkFile(const std::filesystem::path& path, const Json& json, const Place& place) const
 {
     if (options_.anyFolder) return;
-    if (path.native().find('\0') != std::string::npos || pathWithin(std::filesystem::absolute(folder_), path).empty())
+    if (pathWithin(std::filesystem::absolute(folder_), path).empty())
         refuse(json, place, "must be a file in the folder of the scene, also behind links (--any-folder allows all)");
 }
 
@@ -324,6 +325,8 @@ std::string SceneReader::fileNamed(const Json& json, const Place& place)
 {
     const std::string name = word(json, place);
     if (name.empty()) return name;
+    if (name.find('\0') != std::string::npos)
+        refuse(json, place, "must be the name of a file, without a byte of value 0");
     if (name.starts_with(kAsset)) {
         const std::filesystem::path inner(name.substr(kAsset.size()));
         if (inner.is_absolute() || std::ranges::find(inner, "..") != inner.end())

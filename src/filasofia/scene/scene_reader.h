@@ -50,6 +50,8 @@ public:
     }
     /// The names of all bodies of the scene, for errors.
     void knowBodies(std::vector<std::string> names) { allBodies_ = std::move(names); }
+    /// From now on all bodies have been read, and what is read may name any.
+    void endBodies() { allRead_ = true; }
     /// Reads a member of the scene, and notes where it and what is in it stand.
     template <class T> void readMember(const Layers& from, const Place& place, Places& places, T& out)
     {
@@ -381,6 +383,7 @@ private:
     bool partial_ = false;                    ///< what is read need not be complete
     std::vector<std::string> bodies_;         ///< the names of those that were read, in their order
     std::vector<std::string> allBodies_;      ///< the names of all that the files have
+    bool allRead_ = false;                    ///< no more bodies come
     /// An attachment of the scene.
     struct NamedAttachment {
         std::string name;

@@ -1,10 +1,11 @@
 #include "filasofia/scene/scene_writer.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/output_file.h"
+#include "filasofia/core/user_file.h"
 #include "filasofia/core/word.h"
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/geometry/mesh_text.h"
-#include "filasofia/record/output_file.h"
 #include "filasofia/runtime/assets.h"
 #include "filasofia/scene/path_within.h"
 #include "filasofia/scene/scene_file.h"
@@ -67,7 +68,7 @@ bool isUtf8(const std::string& words)
 
 void writeFile(const std::filesystem::path& file, std::string_view bytes)
 {
-    record::OutputFile out(file);
+    OutputFile out(file);
     out.write(bytes);
     out.close();
 }
@@ -148,7 +149,7 @@ std::string SceneWriter::nameOf(const std::string& file)
     return name;
 }
 
-std::filesystem::path SceneWriter::newFile(std::string_view name, std::string_view extension)
+std::string SceneWriter::newFile(std::string_view name, std::string_view extension, Write write)
 {
     constexpr std::size_t kLongest = 60; // letters; systems allow 255 bytes
     std::string plain;
@@ -158,33 +159,42 @@ std::filesystem::path SceneWriter::newFile(std::string_view name, std::string_vi
     std::string unused = text(plain, extension);
     for (int i = 2; kept_.contains(files_ / unused) || !taken_.insert(unused).second; ++i)
         unused = text(plain, "_", i, extension);
+    new_.emplace_back(files_ / unused, std::move(write));
+    return (files_.filename() / unused).generic_string();
+}
+
+void SceneWriter::writeFiles(bool overwrite) const
+{
+    if (new_.empty()) return;
     std::error_code problem;
+    for (const auto& each : new_)
+        if (!overwrite && std::filesystem::exists(std::filesystem::symlink_status(each.first, problem)))
+            fail(each.first.string(), ": is there already (--force replaces it)");
+    if (std::filesystem::exists(files_, problem) && pathWithin(folder_, files_).empty())
+        fail(files_.string(), ": must be in the folder of the scene, also behind links");
     std::filesystem::create_directories(files_, problem);
     if (problem) fail(files_.string(), ": cannot be made: ", problem.message());
-    if (pathWithin(folder_, files_).empty())
-        fail(files_.string(), ": must be in the folder of the scene, also behind links");
-    return files_ / unused;
+    for (const auto& [file, write] : new_) write(file);
 }
 
 std::string SceneWriter::newMesh(const std::shared_ptr<const void>& mesh, std::string_view extension,
-                                 const std::function<std::string()>& bytes)
+                                 std::function<std::string()> bytes)
 {
     if (!mesh) return {};
     const auto found = meshes_.find(mesh);
     if (found != meshes_.end()) return found->second;
-    const std::filesystem::path file = newFile(current_, extension);
-    writeFile(file, bytes());
-    return meshes_[mesh] = pathWithin(folder_, file);
+    const auto write = [bytes = std::move(bytes)](const std::filesystem::path& file) { writeFile(file, bytes()); };
+    return meshes_[mesh] = newFile(current_, extension, write);
 }
 
 std::string SceneWriter::meshFile(const TetPtr& mesh)
 {
-    return newMesh(mesh, ".msh", [&] { return geometry::gmshText(*mesh); });
+    return newMesh(mesh, ".msh", [mesh] { return geometry::gmshText(*mesh); });
 }
 
 std::string SceneWriter::meshFile(const TrianglePtr& mesh)
 {
-    return newMesh(mesh, ".vtk", [&] { return geometry::vtkText(*mesh); });
+    return newMesh(mesh, ".vtk", [mesh] { return geometry::vtkText(*mesh); });
 }
 
 std::string SceneWriter::meshFile(const std::string& file)
@@ -204,11 +214,12 @@ std::string SceneWriter::otherFile(const std::string& file)
     if (std::string name = nameOf(file); !name.empty() || file.empty()) return name;
     std::string& name = written_[file];
     if (!name.empty()) return name;
-    const std::filesystem::path from(file), to = newFile(from.stem().string(), from.extension().string());
-    std::error_code problem;
-    std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing, problem);
-    if (problem) fail(file, ": cannot be copied to ", to.string(), ": ", problem.message());
-    return name = pathWithin(folder_, to);
+    const std::filesystem::path from(file);
+    return name = newFile(from.stem().string(), from.extension().string(), [from](const std::filesystem::path& to) {
+               std::error_code problem;
+               std::filesystem::copy_file(from, to, std::filesystem::copy_options::overwrite_existing, problem);
+               if (problem) fail(from.string(), ": cannot be copied to ", to.string(), ": ", problem.message());
+           });
 }
 
 std::string SceneWriter::otherFile(const std::shared_ptr<const device::Motion>&)
@@ -216,14 +227,17 @@ std::string SceneWriter::otherFile(const std::shared_ptr<const device::Motion>&)
     fail("a scene file cannot hold a motion in memory: write it into a file first");
 }
 
-void saveScene(const SceneDef& scene, const std::filesystem::path& file)
+void saveScene(const SceneDef& scene, const std::filesystem::path& file, const SaveOptions& options)
 {
+    checkFileName(file, file.string());
     if (file.extension() != ".json") fail(file.string(), ": a scene file has a name that ends in .json");
     std::error_code none;
     if (!std::filesystem::is_directory(std::filesystem::absolute(file).parent_path(), none))
         fail(file.string(), ": cannot be written: its folder is not there");
     std::string out;
-    print(out, SceneWriter(file).write(scene), 0, 0);
+    SceneWriter writer(file);
+    print(out, writer.write(scene), 0, 0);
+    writer.writeFiles(options.overwrite);
     writeFile(file, out + '\n');
 }
 

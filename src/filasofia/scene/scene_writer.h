@@ -53,6 +53,9 @@ public:
     explicit SceneWriter(const std::filesystem::path& file);
 
     Written write(const SceneDef& scene);
+    /// Writes the files that the scene names. Throws an Error before the first one if one is there already, unless it
+    /// may be replaced.
+    void writeFiles(bool overwrite) const;
 
 private:
     /// `base` is what a reader has before it reads the value.
@@ -185,9 +188,10 @@ private:
     std::string otherFile(const std::string& file);
     static std::string otherFile(const std::shared_ptr<const device::Motion>& motion);
     std::string newMesh(const std::shared_ptr<const void>& mesh, std::string_view extension,
-                        const std::function<std::string()>& bytes);
-    /// A new file in the scene's folder of files, named after what is written.
-    std::filesystem::path newFile(std::string_view name, std::string_view extension);
+                        std::function<std::string()> bytes);
+    /// Plans a new file in the scene's folder of files, named after what it holds, and returns its name in the scene.
+    using Write = std::function<void(const std::filesystem::path&)>;
+    std::string newFile(std::string_view name, std::string_view extension, Write write);
     /// The name of a file that comes with Filasofia or is in the scene's folder; else empty.
     [[nodiscard]] std::string nameOf(const std::string& file);
 
@@ -200,6 +204,7 @@ private:
     std::map<std::string, std::string> written_;                ///< names of files by what they are copies of
     std::set<std::string> taken_;                               ///< names of new files
     std::set<std::filesystem::path> kept_;                      ///< files that the scene goes on naming
+    std::vector<std::pair<std::filesystem::path, Write>> new_;  ///< what writeFiles() writes
 };
 
 } // namespace filasofia::scene

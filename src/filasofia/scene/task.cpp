@@ -210,8 +210,11 @@ std::shared_ptr<const prefab::Task> addTask(runtime::Simulation& simulation, con
 std::shared_ptr<prefab::MetricTracker> addTracker(runtime::Simulation& simulation, const SceneDef& scene,
                                                   const std::vector<BodyId>& ids, prefab::MetricTrackerDef def)
 {
-    if (def.file.empty() && !def.keep && !def.write) return {};
-    if (scene.measured.empty()) fail("measured must name a body: without one there is nothing to write");
+    const bool wanted = !def.file.empty() || def.keep || def.write;
+    if (scene.measured.empty()) {
+        if (wanted) fail("measured must name a body: without one there is nothing to write");
+        return {};
+    }
     def.bodies = scene.measured;
     for (prefab::TrackedBody& each : def.bodies) SceneNumbers(ids).replaceIn(each);
     def.session.watched = {metric::EventKind::Cut, metric::EventKind::Tear};
@@ -224,7 +227,9 @@ std::shared_ptr<prefab::MetricTracker> addTracker(runtime::Simulation& simulatio
                 def.session.targets.push_back(nameOf(scene, parted->body));
         }
     }
-    return std::make_shared<prefab::MetricTracker>(simulation, std::move(def));
+    if (wanted) return std::make_shared<prefab::MetricTracker>(simulation, std::move(def));
+    prefab::MetricTracker::check(simulation, def); // what is wrong is found before somebody wants to measure
+    return {};
 }
 
 } // namespace filasofia::scene

@@ -58,13 +58,19 @@ private:
             if (element.tag() == "link")
                 addNamed(element, links_, linkNames_, UrdfLink{element});
             else if (element.tag() == "joint")
-                addNamed(element, joints_, jointNames_, UrdfJoint{element});
+                addJoint(element);
             else if (element.tag() == "material")
-                shapes_.readMaterial(element);
+                shapes_.defineMaterial(element);
             else
                 reader_.tellUnread(element);
         }
         if (links_.empty()) reader_.refuse(robot_, "must have a <link>");
+    }
+    void addJoint(const Element& element)
+    {
+        reader_.refuseSecond(childrenOf(element),
+                             {"origin", "parent", "child", "axis", "limit", "dynamics", "mimic", "safety_controller"});
+        addNamed(element, joints_, jointNames_, UrdfJoint{element});
     }
     template <class Part>
     void addNamed(const Element& element, std::vector<Part>& parts, std::map<std::string, int>& names, Part part)
@@ -248,6 +254,7 @@ private:
     {
         const Element& link = links_[at.link].element;
         reader_.tellUnread(link, {"name"});
+        reader_.refuseSecond(childrenOf(link), {"inertial"});
         for (const Element& inner : childrenOf(link)) {
             if (inner.tag() == "inertial")
                 readInertial(inner, at);
@@ -260,6 +267,7 @@ private:
 
     void readInertial(const Element& element, const Place& at)
     {
+        reader_.refuseSecond(childrenOf(element), {"origin", "mass", "inertia"});
         for (const Element& inner : childrenOf(element))
             if (inner.tag() != "origin" && inner.tag() != "mass" && inner.tag() != "inertia") reader_.tellUnread(inner);
         const Element mass = childOf(element, "mass"), inertia = childOf(element, "inertia");
@@ -286,6 +294,7 @@ private:
         const bool seen = element.tag() == "visual";
         if (++shapeCount_ > kMostShapes) reader_.refuse(element, text("is one of more than ", kMostShapes, " shapes"));
         reader_.tellUnread(element, {"name"});
+        reader_.refuseSecond(childrenOf(element), {"origin", "geometry", "material"});
         std::optional<visual::Material> material;
         for (const Element& inner : childrenOf(element)) {
             if (inner.tag() == "material" && seen)

@@ -23,9 +23,17 @@ std::vector<Element> childrenOf(const Element& of)
     return all;
 }
 
+void UrdfShapes::defineMaterial(const Element& element)
+{
+    const std::string name = reader_.requiredWord(Attributes(element), "name");
+    if (materials_.contains(name)) reader_.refuse(element, "has a name that another one has");
+    static_cast<void>(readMaterial(element));
+}
+
 std::optional<visual::Material> UrdfShapes::readMaterial(const Element& element)
 {
     reader_.tellUnread(element, {"name"});
+    reader_.refuseSecond(childrenOf(element), {"color"});
     const std::string name = reader_.word(Attributes(element), "name");
     for (const Element& inner : childrenOf(element))
         if (inner.tag() != "color") reader_.tellUnread(inner);
@@ -35,9 +43,12 @@ std::optional<visual::Material> UrdfShapes::readMaterial(const Element& element)
         if (!rgba) reader_.refuse(color, "must say its rgba");
         const std::vector<double> c = reader_.numbers(*rgba, 4, 4, closed(0, 1));
         if (c[3] < 1.0) reader_.note(color, "alpha", "a colour's alpha is not read: everything is opaque");
-        return materials_[name] = plainMaterial({c[0], c[1], c[2]});
+        const Vec3 rgb{c[0], c[1], c[2]};
+        if (!name.empty() && materials_.emplace(name, rgb).first->second != rgb)
+            reader_.note(color, "second colour", "a <material> has another colour than the first one of its name");
+        return plainMaterial(rgb);
     }
-    if (const auto known = materials_.find(name); known != materials_.end()) return known->second;
+    if (const auto known = materials_.find(name); known != materials_.end()) return plainMaterial(known->second);
     reader_.note(element, "no colour", "a <material> without a colour is grey");
     return {};
 }
@@ -53,7 +64,9 @@ bool UrdfShapes::isNothing(const Attributes& says) const
 
 std::optional<Solid> UrdfShapes::readSolid(const Element& geometry)
 {
-    for (const Element& inner : childrenOf(geometry)) {
+    const std::vector<Element> shapes = childrenOf(geometry);
+    if (shapes.size() > 1) reader_.refuse(shapes[1], "is a second shape: a <geometry> has one");
+    for (const Element& inner : shapes) {
         const Attributes says(inner);
         if (inner.tag() == "mesh") return readMesh(inner);
         if (isNothing(says)) {

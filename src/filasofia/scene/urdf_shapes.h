@@ -17,6 +17,8 @@ class UrdfShapes {
 public:
     explicit UrdfShapes(XmlReader& reader) : reader_(reader) {}
 
+    /// A material of the robot, which its links use by its name.
+    void defineMaterial(const Element& element);
     /// The colour of a material, which is remembered by its name; one without a colour is meant by its name.
     std::optional<visual::Material> readMaterial(const Element& element);
     /// The shape in <geometry>; nothing if it is one of size 0.
@@ -28,7 +30,7 @@ private:
     Solid readMesh(const Element& element);
 
     XmlReader& reader_;
-    std::map<std::string, visual::Material> materials_;
+    std::map<std::string, Vec3> materials_; ///< colours
     std::map<std::filesystem::path, std::shared_ptr<const geometry::TriangleMesh>> meshes_;
 };
 

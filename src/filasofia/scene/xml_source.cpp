@@ -108,6 +108,10 @@ XmlReader::XmlReader(const std::filesystem::path& file, const ImportOptions& opt
     : folder_(std::filesystem::absolute(file.has_parent_path() ? file.parent_path() : ".")), options_(options),
       kind_(kind)
 {
+    std::error_code problem;
+    for (const std::filesystem::path& package : options.packages)
+        if (!std::filesystem::is_directory(package, problem))
+            fail("package must be a folder, got ", quoted(std::string_view(package.native())));
 }
 
 const XmlFile& XmlReader::read(const std::filesystem::path& path, const std::string& shown)
@@ -141,6 +145,28 @@ void XmlReader::refuse(const Attribute& attribute, std::string_view must, std::s
 void XmlReader::refuse(const Element& element, std::string_view says) const
 {
     fail(element.place(), ": ", element.path(), " ", says);
+}
+
+void XmlReader::refuseSecond(const std::vector<Element>& elements, const std::vector<std::string_view>& tags) const
+{
+    for (const std::string_view tag : tags) {
+        const auto same = [&](const Element& each) { return each.tag() == tag; };
+        const auto first = std::ranges::find_if(elements, same);
+        if (first == elements.end()) continue;
+        const auto second = std::find_if(first + 1, elements.end(), same);
+        if (second != elements.end()) refuse(*second, text("is a second <", tag, ">, where there may be one"));
+    }
+}
+
+void XmlReader::refuseSecond(const Element& element, std::initializer_list<std::string_view> attributes) const
+{
+    const Attributes says(element);
+    std::string_view first;
+    for (const std::string_view name : attributes) {
+        const auto found = says.find(name);
+        if (found && !first.empty()) refuse(*found, text("must not stand beside ", first));
+        if (found) first = name;
+    }
 }
 
 void XmlReader::tell(const Element& element, const std::string& kind, std::string_view says)

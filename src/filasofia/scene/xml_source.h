@@ -72,6 +72,10 @@ public:
     /// Throws the Error "FILE:LINE:COLUMN: <path>.<attribute> must be ..., got '...'".
     [[noreturn]] void refuse(const Attribute& attribute, std::string_view must, std::string_view hint = {}) const;
     [[noreturn]] void refuse(const Element& element, std::string_view says) const;
+    /// Refuses a second element of one of these tags, of which there may be one.
+    void refuseSecond(const std::vector<Element>& elements, const std::vector<std::string_view>& tags) const;
+    /// Refuses a second one of these attributes in an element: they say the same thing in several ways.
+    void refuseSecond(const Element& element, std::initializer_list<std::string_view> attributes) const;
 
     /// Notes that something is meant in another way than the file's program means it, once per `kind`.
     void note(const Element& element, const std::string& kind, std::string_view says);

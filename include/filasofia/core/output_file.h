@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace filasofia::record {
+namespace filasofia {
 
 /// A file being written, emptied first. Every function throws an Error naming the file if it fails. Only one object at
 /// a time writes the same regular file, under any of its names, in any program.
@@ -32,4 +32,4 @@ private:
     bool failed_ = false;
 };
 
-} // namespace filasofia::record
+} // namespace filasofia

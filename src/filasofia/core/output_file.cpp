@@ -1,7 +1,8 @@
-#include "filasofia/record/output_file.h"
+#include "filasofia/core/output_file.h"
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
+#include "filasofia/core/user_file.h"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -11,7 +12,7 @@
 #include <cerrno>
 #include <utility>
 
-namespace filasofia::record {
+namespace filasofia {
 namespace {
 
 constexpr const char* kNotWritten = ": cannot be written (disk full?)";
@@ -20,6 +21,7 @@ constexpr const char* kNotWritten = ": cannot be written (disk full?)";
 /// locked.
 std::FILE* openAlone(const std::string& name)
 {
+    checkFileName(name, name);
     const int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
     if (file < 0) fail(name, ": cannot be written");
     struct stat status = {};
@@ -69,4 +71,4 @@ void OutputFile::close()
     if (std::FILE* file = std::exchange(file_, nullptr); file && std::fclose(file) != 0) refuse();
 }
 
-} // namespace filasofia::record
+} // namespace filasofia
