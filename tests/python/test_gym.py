@@ -266,6 +266,15 @@ def test_wrong_options_of_vectors_are_one_clear_error():
     envs.close()
 
 
+def test_a_closed_vector_says_so():
+    envs = gym.VectorEnv(gym.Reach, 2, threads=1)
+    envs.close()
+    envs.close()
+    for act in (envs.reset, envs.render, lambda: envs.step(np.zeros((2, 3)))):
+        with pytest.raises(gymnasium.error.ClosedEnvironmentError, match="^VectorEnv: it is closed"):
+            act()
+
+
 def test_the_guide_is_true():
     text = (pathlib.Path(os.environ["FILASOFIA_ROOT"]) / "docs" / "guide" / "environments.md").read_text()
     for block in text.split("```python\n")[1:]:

@@ -25,7 +25,8 @@ class Picture(Pixels):
     """
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Writes it as a PNG."""
+        """Writes it as a PNG: the name must end in .png."""
+        _png.check_name(file, "picture")
         if not self._shown():
             raise _core.Error(f"picture: it must be (height, width, 3), uint8, got {self.shape}, {self.dtype}")
         _png.write(file, _png.png(self))
@@ -82,7 +83,8 @@ class Film(typing.Sequence[Picture]):
         return numpy.concatenate([self.pictures[i] for i in chosen], axis=1).view(Picture)
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Writes an animated PNG: browsers show it moving, other programs its first picture."""
+        """Writes an animated PNG, .png, too: browsers show it moving, other programs its first picture."""
+        _png.check_name(file, "film")
         _png.write(file, _png.animated_png(self.pictures, self.fps))
 
     def _repr_png_(self) -> bytes:

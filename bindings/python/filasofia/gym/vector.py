@@ -111,6 +111,8 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         One job for each thread, which takes environments until none is left: a job for each environment would cost as
         much as its observation.
         """
+        if self.closed:
+            raise gymnasium.error.ClosedEnvironmentError("VectorEnv: it is closed; make another one")
         chosen = [int(i) for i in (range(self.num_envs) if which is None else which)]
         found: list[typing.Any] = [None] * len(chosen)
         problems: dict[int, BaseException] = {}
