@@ -33,6 +33,14 @@ class Odd:
         (lambda sim: fs.shapes.sphere("a"), "sphere: radius must be a number, got 'a'"),
         (lambda sim: fs.TetMesh(), "TetMesh: nodes is missing: it takes (nodes: ArrayLike, "),
         (lambda sim: fs.Simulation.step(5), "step: takes (n: int=1, "),
+        (lambda sim: sim.off(-1), "off: observer must be a whole number that C++ can hold, got -1"),
+        (lambda sim: fs.shapes.block((1, 1, 1), (1.5, 1, 1)), "block: cells must be whole numbers, got (1.5, 1, 1)"),
+        (lambda sim: fs.load(None), "load: file must be a text, got None"),
+        (lambda sim: sim.film("a"), "film: seconds must be a number, got 'a'"),
+        (lambda sim: sim.film(0.1, fps=None), "film: fps must be a number, got None"),
+        (lambda sim: fs.Film(5), "film: pictures must be a list of them, got 5"),
+        (lambda sim: fs.Film([], fps="x"), "film: fps must be a number, got 'x'"),
+        (lambda sim: fs.viewer.launch_passive(5), "launch_passive: sim must be a Simulation, got 5"),
     ],
 )
 def test_a_wrong_call_is_one_line_with_function_argument_and_value(act, line):
@@ -40,6 +48,12 @@ def test_a_wrong_call_is_one_line_with_function_argument_and_value(act, line):
     with pytest.raises(TypeError) as caught:
         act(sim)
     assert str(caught.value).startswith(line) and "\n" not in str(caught.value)
+
+
+def test_an_empty_name_of_a_file_is_seen():
+    for act in (fs.load, fs.measures, lambda name: fs.replay(file=name)):
+        with pytest.raises(fs.Error, match="^'': no such file"):
+            act("")
 
 
 def test_errors_of_callbacks_stay_what_they_are():

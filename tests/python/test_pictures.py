@@ -265,5 +265,5 @@ def test_a_wrong_film_is_one_clear_error(drawn):
         fs.Film([still, still[:, :5]])
     with pytest.raises(fs.Error, match="film: fps must be in"):
         fs.Film([still], fps=float("inf"))
-    with pytest.raises(fs.Error, match="film: count must be at least 1, got 0"):
+    with pytest.raises(fs.Error, match="film: count must be a whole number >= 1, got 0"):
         fs.Film([still]).strip(0)

@@ -4,6 +4,9 @@ import os
 import pathlib
 import re
 import subprocess
+import sys
+
+import pytest
 
 ROOT = pathlib.Path(os.environ["FILASOFIA_ROOT"])
 
@@ -44,6 +47,14 @@ def test_an_environment_gets_packages_that_are_asked_for_later(tmp_path):
     assert ask("broken") == (["broken"], False)
     assert ask("broken") == (["broken"], False)  # it is not taken for made
     assert ask("numpy", "scipy") == (["numpy scipy"], True)
+
+
+@pytest.mark.parametrize("picture", ["demo.jpg", "nowhere/demo.png", ""])
+def test_the_demo_refuses_a_wrong_file_before_its_run(picture, tmp_path):
+    words = [sys.executable, "-m", "filasofia.demo", "--picture", picture]
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert f"--picture must be a .png in a folder that exists, got {picture!r}" in done.stderr
 
 
 def test_the_first_program_of_the_guide_has_at_most_twelve_lines():

@@ -16,6 +16,7 @@ _KINDS: dict[str, tuple[typing.Any, str]] = {
     "dict": (lambda value: isinstance(value, dict), "a dict"),
     "None": (lambda value: value is None, "None"),
 }
+_LISTS = {"Sequence[str]": ("str", "a list of texts"), "Sequence[int]": ("int", "whole numbers"), "Sequence[float]": ("float", "numbers")}
 _LONG = r"(?:collections\.abc|numpy\.typing|typing|filasofia(?:\._core)?)\."  # before names that are known without it
 
 
@@ -23,15 +24,18 @@ def _wrong(annotation: str, value: typing.Any) -> str | None:
     """What the value must be, if it is not: None if it may be right."""
     words = []
     for each in annotation.split(" | "):
-        fits, kind = _KINDS.get(each, (None, ""))
-        if fits is None and each != "Sequence[str]":
-            return None  # a class, or anything: the function itself says what is wrong with it
-        if fits is None:
-            listed = isinstance(value, (list, tuple))
-            if listed and all(isinstance(member, str) for member in value):
-                return None
-            kind = "a list of texts"
-        elif fits(value):
+        if each in _LISTS:
+            member, kind = _LISTS[each]
+            if isinstance(value, (list, tuple)):
+                right = all(_KINDS[member][0](one) for one in value)
+            else:
+                right = hasattr(value, "__len__") and not isinstance(value, (str, bytes, dict))  # an array, perhaps
+        elif each in _KINDS:
+            fits, kind = _KINDS[each]
+            right = fits(value)
+        else:
+            right = True  # a class, or anything: the function itself says what is wrong with it
+        if right:
             return None
         words.append(kind)
     return " or ".join(words)
@@ -55,15 +59,14 @@ def _parsed(signature: str) -> tuple[ast.arguments, str]:
 def explain(function: typing.Any, given: list[typing.Any], named: dict[str, typing.Any]) -> str:
     """The line for a call that nanobind has refused."""
     name = function.__name__
-    if not name.startswith("__"):
-        name = name.lstrip("_")  # what a function of the same name in Python passes on
+    if name.startswith("__"):
+        name = function.__qualname__.split(".")[-2]  # the class, of a constructor or operator
+    name = name.lstrip("_")  # what a function of the same name in Python passes on
     arguments, shown = _parsed(function.__nb_signature__[0][0])
     every = [*arguments.posonlyargs, *arguments.args]
     if every and every[0].arg == "self":
         every, given = every[1:], given[1:]
         shown = re.sub(r"^\(self(, /)?(, )?", "(", shown)
-        if name == "__init__":
-            name = function.__qualname__.split(".")[-2]
     known = [each.arg for each in every if each not in arguments.posonlyargs]
     if len(given) > len(every):
         most = f"at most {len(every)} argument{'s' if len(every) != 1 else ''}" if every else "no arguments"
@@ -84,7 +87,7 @@ def explain(function: typing.Any, given: list[typing.Any], named: dict[str, typi
         if must:
             return f"{name}: {each.arg} must be {must}, got {_shown(values[each.arg])}"
     for word, value in values.items():
-        if isinstance(value, int) and not -(2**31) <= value < 2**31:
+        if isinstance(value, int) and not 0 <= value < 2**31:
             return f"{name}: {word} must be a whole number that C++ can hold, got {_shown(value)}"
     got = ", ".join([*map(_shown, given), *(f"{word}={_shown(value)}" for word, value in named.items())])
     return f"{name}: takes {shown}, got ({got})"
