@@ -37,7 +37,7 @@ void explain(PyObject* function, PyObject* const* arguments, size_t flaggedCount
         const nb::object line =
             nb::module_::import_("filasofia._call_errors").attr("explain")(nb::handle(function), given, named);
         PyErr_SetObject(PyExc_TypeError, line.ptr());
-    } catch (const std::exception&) { // of a callback, while the interpreter ends, without the package
+    } catch (const std::exception&) { // a text that fails, the end of the interpreter, no package
         problem.restore();
     }
 }

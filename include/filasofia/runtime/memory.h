@@ -8,7 +8,7 @@
 namespace filasofia::runtime {
 
 /// What a part of a simulator remembers from step to step beside physics: how far a task is, what jaws hold. Saved
-/// states have a copy of it (runtime/stepped_run.h).
+/// states have a copy of it (runtime/stepped_run.h). Simulation::remember() takes it.
 struct Memory {
     std::string of = {};                               ///< "task 'biopsy'", the same wherever a state may be restored
     std::function<std::any()> save = {};               ///< a copy of it; nothing if the part is gone

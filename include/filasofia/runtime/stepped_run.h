@@ -51,8 +51,8 @@ constexpr auto fields(const ViewerDef*)
 /// What a stepped run returns to with restore(). It lives in memory and never changes; any thread may use it.
 struct RunState {
     std::shared_ptr<const physics::SavedState> physics;
-    Memories memories;  ///< of the parts that told Simulation::remember()
-    std::string reason; ///< of Simulation::finish(); empty: none was given
+    Memories memories;  ///< what was given to Simulation::remember()
+    std::string reason; ///< given to Simulation::finish(); empty: none was
 };
 
 /// A headless run that its owner drives: step() makes one step and delivers its events. For programs that have a loop

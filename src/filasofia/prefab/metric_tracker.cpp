@@ -122,8 +122,8 @@ struct MetricTracker::Impl {
     struct Past {
         Observation observed;
         std::shared_ptr<const Token> tracker;
-        std::uint64_t number = 0; ///< [-], of the tracker's saved states
-        double time = 0.0;        ///< [s], of the state
+        std::uint64_t number = 0; ///< [-], counts the saved states of the tracker
+        double time = 0.0;        ///< [s], when it was saved
     };
     /// A return to a state: those that were saved before and are later are no longer in the session.
     struct Return {
