@@ -38,11 +38,16 @@ configure() {
 # build PRESET [options for cmake --build]: shows progress.
 build() { (cd "$root" && cmake --build --preset "$1" -j "$(jobs_that_fit)" "${@:2}") || die "the preset '$1' does not build"; }
 
-# python_environment FOLDER PACKAGES...: makes FOLDER/venv of $PYTHON with these packages, unless it is there.
+# python_environment FOLDER PACKAGES...: makes FOLDER/venv of $PYTHON with these packages. The file FOLDER/venv/packages
+# says which it was made with: if others are asked for, pip installs what is missing.
 python_environment() {
-  [ ! -x "$1/venv/bin/python" ] || return 0
+  local venv=$1/venv asked
+  asked=$(printf '%s\n' "${@:2}")
+  if [ -x "$venv/bin/python" ] && [ "$(cat "$venv/packages" 2>/dev/null)" = "$asked" ]; then return 0; fi
   headline "python: environment"
   mkdir -p "$1"
-  "${PYTHON:-python3}" -m venv "$1/venv" || die "python3 -m venv failed (Debian: python3-venv)"
-  "$1/venv/bin/python" -m pip install --quiet "${@:2}" || { rm -rf "$1/venv"; die "pip could not install ${*:2}"; }
+  [ -x "$venv/bin/python" ] || "${PYTHON:-python3}" -m venv "$venv" ||
+    { rm -rf "$venv"; die "python3 -m venv failed (Debian: python3-venv)"; }
+  "$venv/bin/python" -m pip install --quiet "${@:2}" || die "pip could not install ${*:2}"
+  echo "$asked" >"$venv/packages"
 }

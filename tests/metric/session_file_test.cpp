@@ -8,6 +8,7 @@
 
 #include <fstream>
 #include <limits>
+#include <sstream>
 
 namespace session_file_test {
 
@@ -171,6 +172,27 @@ TEST_CASE("events that come a little late are put where they belong")
     REQUIRE(session.events.size() == 2);
     CHECK(session.events[0].what == "a");
     CHECK(session.lost == 3);
+}
+
+TEST_CASE("what was taken back is not in a session, and the lines after it are")
+{
+    const std::string head = headLine(little());
+    const auto line = [](double time) {
+        return text(R"({"t":)", time, R"(,"s":[[0,0,0,1,0,0,0],[0,0,0,1,0,0,0]]})", "\n");
+    };
+    const auto event = [](double time) { return eventLine({.time = time, .kind = EventKind::Step, .what = "enter"}); };
+    const auto read = [](const std::string& lines) {
+        std::istringstream stream(lines);
+        return readSession(stream, "a");
+    };
+    const Session session = read(head + line(1) + event(1.5) + line(2) + event(2.5) + line(3) + backLine(1.5) +
+                                 line(2.25) + event(2.5) + endLine(0));
+    REQUIRE(session.tracks[1].samples.size() == 2);
+    CHECK(session.tracks[1].samples[1].time == 2.25);
+    REQUIRE(session.events.size() == 2);
+    CHECK(session.events[0].time == 1.5);
+    CHECK(read(head + line(0) + backLine(-1) + endLine(0)).tracks[0].samples.empty());
+    CHECK_THROWS_WITH(read(head + "{\"back\":\"x\"}\n"), "a, line 2: 'back' must be a number");
 }
 
 TEST_CASE("a sample has a body's pose and the forces on it")

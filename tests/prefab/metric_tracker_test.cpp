@@ -3,6 +3,7 @@
 #include "filasofia/core/log.h"
 #include "filasofia/metric/catalog.h"
 #include "filasofia/metric/session_file.h"
+#include "filasofia/runtime/stepped_run.h"
 
 #include <unistd.h>
 
@@ -116,6 +117,56 @@ TEST_CASE("every step of a run is sampled, the last one too, where and when it w
         for (const metric::Sample& sample : session.tracks[0].samples)
             CHECK(distance(sample.pose.position, pathAt(sample.time)) < 1e-12);
     }
+}
+
+TEST_CASE("a restored state takes back what was measured after it; a table for spreadsheets goes only on")
+{
+    const std::string file = temporary("_back.jsonl"), table = temporary("_back.csv");
+    const auto timesOf = [](const metric::Session& session) {
+        std::vector<double> out;
+        for (const metric::Sample& sample : session.tracks[0].samples) out.push_back(sample.time);
+        for (const metric::Event& each : session.events) out.push_back(each.time);
+        return out;
+    };
+    const auto near = [](std::vector<double> times) { return Catch::Matchers::Approx(times).margin(1e-9); };
+    Simulation sim;
+    const std::vector<TrackedBody> probes = addProbes(sim, 1);
+    MetricTracker tracker(sim, {.bodies = probes, .rate = 250, .file = file, .keep = true});
+    MetricTracker detour(sim, {.bodies = probes, .rate = 250, .keep = true});
+    std::optional<MetricTracker> csv(std::in_place, sim, MetricTrackerDef{.bodies = probes, .file = table});
+    runtime::SteppedRun run(sim);
+    const auto steps = [&run](int count) {
+        for (int i = 0; i < count; ++i) run.step();
+    };
+    steps(30); // between two samples
+    tracker.mark(EventKind::Note, "kept");
+    const auto early = run.save();
+    CHECK_THROWS_WITH(run.restore(*early), Catch::Contains("_back.csv', where time only goes on"));
+    csv.reset();
+    steps(21);
+    const auto late = run.save();
+    steps(70);
+    tracker.mark(EventKind::Note, "taken back");
+    run.restore(*late);
+    steps(5);
+    run.restore(*early);
+    steps(71);
+    tracker.mark(EventKind::Note, "kept, too");
+    tracker.close();
+    std::vector<double> expected = {1e-3};
+    for (int i = 4; i <= 100; i += 4) expected.push_back(i * 1e-3);
+    for (const double time : {0.030, 0.101}) expected.push_back(time);
+    CHECK_THAT(timesOf(tracker.session()), near(expected));
+    CHECK(timesOf(metric::readSession(file)) == timesOf(tracker.session()));
+    CHECK(tracker.lost() == 0);
+
+    // What led to a state that was taken back is gone: the session begins with it.
+    run.restore(*late);
+    steps(6);
+    detour.close();
+    CHECK_THAT(timesOf(detour.session()), near({0.051, 0.052, 0.056}));
+    std::filesystem::remove(file);
+    std::filesystem::remove(table);
 }
 
 TEST_CASE("four bodies at 1 kHz: while writes are blocked for a second no sample is lost and physics does not wait")

@@ -3,6 +3,9 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/units.h"
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/prefab/endoscope.h"
+#include "filasofia/prefab/overlays.h"
+#include "filasofia/runtime/stepped_run.h"
 
 #include <catch2/catch.hpp>
 
@@ -98,6 +101,35 @@ TEST_CASE("a tracker notes a perforation, with its force")
     REQUIRE(tracker.session().events.size() == 1);
     CHECK(tracker.session().events[0].kind == metric::EventKind::Perforation);
     CHECK(tracker.session().events[0].amount == 0.0);
+}
+
+TEST_CASE("perforations, force bars and scopes go back with a saved state")
+{
+    Scene scene;
+    const PerforationWatch watch = scene.watch({.force = 0.5});
+    const ForceBar bar(scene.sim, {.bodies = {scene.wall}, .warning = 0.1});
+    Endoscope scope(scene.sim, {.groups = {}});
+    const auto down = [](double time) { return 8_mm - 7_mm * std::clamp((time - 0.05) / 0.05, 0.0, 1.0); };
+    scene.sim.everyStep([&](double time) { scene.sim.physics().setPose(scene.rod, {{0, down(time) + 13_mm, 0}}); });
+    runtime::SteppedRun run(scene.sim);
+    const auto seen = [&](int steps) {
+        std::string out;
+        for (int i = 0; i < steps; ++i) {
+            scope.roll(scope.tip().orientation.z + 1e-3);
+            run.step();
+            out += text(watch.count(), ' ', bar.force(), ' ', bar.highest(), ' ', bar.warnings(), ' ',
+                        scope.tip().orientation.z, '\n');
+        }
+        return out;
+    };
+    seen(50);
+    const auto state = run.save();
+    const std::string first = seen(150);
+    CHECK(watch.count() == 1);
+    CHECK(bar.warnings() == 1);
+    run.restore(*state);
+    CHECK(watch.count() == 0);
+    CHECK(seen(150) == first);
 }
 
 TEST_CASE("a wrong perforation Def is refused with its field")

@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/units.h"
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/runtime/stepped_run.h"
 
 #include <catch2/catch.hpp>
 
@@ -118,6 +119,14 @@ TEST_CASE("a person's wheel and keys move the hands smoothly and within their bo
     CHECK(fromAxis(tip, scene.def.fulcrum) < 1e-6);
     const double angle = std::acos(rotate(tip.orientation, {0, 0, -1}).y);
     CHECK(angle == Approx(0.2).epsilon(1e-3));
+}
+
+TEST_CASE("hands do not go back to a saved state")
+{
+    Scene scene;
+    runtime::SteppedRun run(scene.sim);
+    run.step();
+    CHECK_THROWS_WITH(run.restore(*run.save()), "restore: hands hold the scope, and do not go back");
 }
 
 TEST_CASE("wrong hands are refused with the field and the bound")

@@ -31,6 +31,7 @@ def test_the_errors_in_the_guide_are_what_is_said():
     for act in (
         lambda: fs.Simulation(threads=1).add(bad),
         lambda: fs.FemMaterial(youngs_modulus=1),
+        lambda: fs.Simulation(threads=1).step(1.5),
     ):
         try:
             bad = fs.SoftBodyDef(name="liver", mesh=fs.shapes.block((1, 1, 1)))
@@ -40,4 +41,4 @@ def test_the_errors_in_the_guide_are_what_is_said():
             lines.append(str(problem))
     with open(os.path.join(os.environ["FILASOFIA_ROOT"], "docs/guide/python.md")) as page:
         text = page.read()
-    assert len(lines) == 2 and all(f"    {line}\n" in text for line in lines), lines
+    assert len(lines) == 3 and all(f"    {line}\n" in text for line in lines), lines

@@ -263,7 +263,27 @@ def test_wrong_options_of_vectors_are_one_clear_error():
     envs = gym.VectorEnv(gym.Reach, 2)
     with pytest.raises(fs.Error, match="seed must be a number or 2 of them, got 3"):
         envs.reset(seed=[1, 2, 3])
+    for act, words in (
+        (lambda: envs.reset(seed="a"), "seed must be a number or 2 of them, got 'a'"),
+        (lambda: envs.reset(options=5), "options must be a dict, got 5"),
+        (lambda: envs.reset(options={"reset_mask": [1, 0, 1]}), r"reset_mask must have 2 members, got \[1, 0, 1\]"),
+        (lambda: envs.step(5), "actions must be 2, got 5"),
+        (lambda: gym.VectorEnv(5, 1), "task must be a class or the name of an environment, got 5"),
+    ):
+        with pytest.raises(fs.Error, match=f"^VectorEnv: {words}"):
+            act()
     envs.close()
+    with pytest.raises(fs.Error, match="Reach: image_size must be two whole numbers"):
+        gym.Reach(image_size=5)
+
+
+def test_a_closed_vector_says_so():
+    envs = gym.VectorEnv(gym.Reach, 2, threads=1)
+    envs.close()
+    envs.close()
+    for act in (envs.reset, envs.render, lambda: envs.step(np.zeros((2, 3)))):
+        with pytest.raises(gymnasium.error.ClosedEnvironmentError, match="^VectorEnv: it is closed"):
+            act()
 
 
 def test_the_guide_is_true():

@@ -35,12 +35,46 @@ def test_a_scene_is_measured_by_its_task(tmp_path):
     sim = fs.load(scene, measures=file)
     assert len(sim.bodies) == 4
     sim.step(1600)
-    with pytest.raises(fs.Error, match="instruments with jaws"):
-        sim.restore(sim.save_state())
+    state = sim.save_state()  # the jaws hold the polyp, and the task is done
+    sim.step(300)
+    last = sim.state_hash
+    sim.restore(state)
+    sim.step(300)
+    assert sim.state_hash == last
+    other = fs.load(scene, threads=1)  # without measures
+    other.step()
+    other.restore(state)
+    other.step(300)
+    assert other.state_hash == last
     sim.close()
     measures = fs.measures(file)
     assert measures["steps_done"] == 1.0 and measures["tears_unintended"] == 0.0
     assert 0.01 < measures["path_length"] < 0.04
+
+
+def test_what_is_measured_goes_back_with_a_state(tmp_path):
+    measured = {}
+    for detour in (False, True):
+        file = tmp_path / f"{detour}.jsonl"
+        sim, _, tool = poke()
+        sim.measure(bodies=[fs.TrackedBody(body=tool)], file=file, steps=["there"])
+        sim.step()
+        start = sim.frame[tool].poses[0, :3].copy()
+        if detour:
+            state = sim.save_state()
+            sim.step(300, {tool: start + (0, 0.03, 0)})
+            sim.mark("step", "there")
+            sim.restore(state)
+        sim.step(400, {tool: start + (0.03, 0, 0)})
+        sim.close()
+        measured[detour] = fs.measures(file)
+    assert measured[True] == measured[False]
+    assert measured[True]["path_length"] == pytest.approx(0.03, rel=0.03) and measured[True]["steps_done"] == 0.0
+    sim, _, tool = poke()
+    sim.measure(bodies=[fs.TrackedBody(body=tool)], file=tmp_path / "a.csv")
+    sim.step()
+    with pytest.raises(fs.Error, match="a.csv', where time only goes on"):
+        sim.restore(sim.save_state())
 
 
 def test_measures_that_are_wrong_are_errors(tmp_path):
@@ -58,5 +92,9 @@ def test_measures_that_are_wrong_are_errors(tmp_path):
         sim.measure(bodies=[fs.TrackedBody(body=tool)], file=tmp_path / "a.jsonl")
     with pytest.raises(fs.Error, match="mark: kind must be one of"):
         fs.Simulation().mark("jump")
+    with pytest.raises(fs.Error, match="load: measures must name a .jsonl or .csv file, got ''"):
+        fs.load(os.path.join(os.environ["FILASOFIA_ROOT"], "examples/scenes/biopsy.json"), measures="")
+    with pytest.raises(fs.Error, match="file must be a text without NUL characters, got 'a"):
+        fs.measures("a\0b")
     with pytest.raises(fs.Error, match="nothing.jsonl"):
         fs.measures(tmp_path / "nothing.jsonl")

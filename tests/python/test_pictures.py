@@ -232,6 +232,16 @@ def test_a_film_is_the_run_that_it_shows(tmp_path):
     other.close()
 
 
+def test_a_picture_has_no_name_of_another_format(tmp_path):
+    still = np.full((4, 6, 3), 7, np.uint8)
+    for what, made in (("picture", still.view(fs.Picture)), ("film", fs.Film([still]))):
+        for name in ("a.jpg", "a", "a.gif", "png", b"a.png", "a\0.png"):
+            with pytest.raises(fs.Error, match=f"^{what}: file must end in .png, got "):
+                made.save(name)
+        made.save(tmp_path / "A.PNG")
+    assert [each.name for each in tmp_path.iterdir()] == ["A.PNG"]
+
+
 def test_a_film_of_equal_pictures_is_one():
     still = np.full((4, 6, 3), 7, np.uint8)
     pictures, _ = films(fs.Film([still, still, still], fps=10)._repr_png_())
@@ -255,5 +265,5 @@ def test_a_wrong_film_is_one_clear_error(drawn):
         fs.Film([still, still[:, :5]])
     with pytest.raises(fs.Error, match="film: fps must be in"):
         fs.Film([still], fps=float("inf"))
-    with pytest.raises(fs.Error, match="film: count must be at least 1, got 0"):
+    with pytest.raises(fs.Error, match="film: count must be a whole number >= 1, got 0"):
         fs.Film([still]).strip(0)

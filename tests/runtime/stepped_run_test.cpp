@@ -319,6 +319,49 @@ TEST_CASE("a stepped run returns to a saved state, and another simulation with t
     std::filesystem::remove(file);
 }
 
+TEST_CASE("a saved state has what a part of the program remembers, and what it does not know is an error")
+{
+    Simulation sim, other;
+    int here = 0, there = 0;
+    const auto remember = [](Simulation& in, int& count, const std::string& of) {
+        in.remember({.of = of,
+                     .save = [&] { return std::any(count); },
+                     .restore = [&](const std::any& copy) { count = std::any_cast<int>(copy); }});
+        in.everyStep([&count](double) { ++count; });
+    };
+    remember(sim, here, "count");
+    remember(other, there, "count");
+    CHECK_THROWS_WITH(sim.remember({.of = "count"}), "simulation: remember: of, save and restore must not be empty");
+    bool gone = false;
+    sim.remember({.of = "count", // another one of this name
+                  .save = [&] { return gone ? std::any() : std::any(0.5); },
+                  .restore = [](const std::any&) {}});
+    SteppedRun run(sim), second(other);
+    CHECK_THROWS_WITH(sim.remember({.of = "a", .save = [] { return std::any(); }, .restore = [](const std::any&) {}}),
+                      Catch::Contains("must be called before a run"));
+    run.step();
+    second.step();
+    const auto early = run.save();
+    for (int i = 0; i < 4; ++i) run.step();
+    sim.finish("done");
+    CHECK(run.report().finished == "done");
+    run.restore(*early);
+    CHECK(here == 1);
+    CHECK(run.report().finished == "not yet");
+    for (int i = 0; i < 2; ++i) run.step();
+    const auto late = run.save();
+    second.restore(*late);
+    CHECK(there == 3);
+    CHECK_THROWS_WITH(run.restore(*second.save()), "restore: the state knows nothing of count (2)");
+    auto strange = *early;
+    strange.memories["count"] = std::string("three");
+    CHECK_THROWS_WITH(run.restore(strange), "restore: the state has another kind of count");
+    CHECK(here == 3);
+    gone = true;
+    run.restore(*second.save());
+    CHECK(here == 3);
+}
+
 TEST_CASE("a state is not restored while readers hold all frames, and nothing changes then")
 {
     Poke poke;

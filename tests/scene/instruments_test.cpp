@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <array>
+
 namespace instruments_test {
 
 using namespace filasofia;
@@ -64,6 +66,85 @@ TEST_CASE("scenes: instruments of a file take a polyp, step by step, and the ses
         CHECK(steps == "approach grasp take ");
     }
     CHECK(hashes[0] == hashes[1]);
+}
+
+TEST_CASE(
+    "scenes: a state saved while jaws press, ask or hold is restored with its task and measures, here and elsewhere")
+{
+    const SceneDef scene = loadScene(kBiopsy);
+    struct Run {
+        explicit Run(const SceneDef& of)
+            : sim(simulationDef(of)), added(addScene(sim, of, {.keep = true})), stepped(sim)
+        {
+        }
+        std::vector<std::uint64_t> hashes(int steps)
+        {
+            std::vector<std::uint64_t> out;
+            for (int i = 0; i < steps; ++i) {
+                stepped.step();
+                if (i % 20 == 0) out.push_back(sim.physics().hash());
+            }
+            out.push_back(sim.physics().hash());
+            return out;
+        }
+        Simulation sim;
+        AddedScene added;
+        runtime::SteppedRun stepped;
+    };
+    const auto session = [](Run& run) {
+        run.added.tracker->close();
+        const metric::Session& found = run.added.tracker->session();
+        std::string out = text(found.tracks[0].samples.size(), " samples");
+        for (const metric::Event& each : found.events) out += text("; ", each.what, " at ", each.time);
+        return out;
+    };
+    Run run(scene);
+    std::vector<std::shared_ptr<const runtime::RunState>> states; // open, closing, holding, and when it is done
+    std::vector<std::vector<std::uint64_t>> expected(4);
+    for (std::size_t i = 0; i < 4; ++i) {
+        const std::size_t steps = std::array{950, 70, 200, 500}[i];
+        for (const std::uint64_t hash : run.hashes(static_cast<int>(steps))) expected[i].push_back(hash);
+        states.push_back(run.stepped.save());
+    }
+    CHECK(run.stepped.report().finished == "task 'biopsy' is done");
+    const std::vector<double> doneAt = run.added.task->progress().doneAt;
+    REQUIRE(doneAt.size() == 3);
+    for (const std::size_t i : {2, 1, 0}) {
+        run.stepped.restore(*states[i]);
+        CHECK(run.added.task->progress().state == prefab::TaskProgress::State::Running);
+        CHECK(run.stepped.report().finished == "not yet");
+        for (std::size_t next = i; next < 3; ++next)
+            CHECK(run.hashes(std::array{70, 200, 500}[next]) == expected[next + 1]);
+    }
+    CHECK(run.added.task->progress().doneAt == doneAt);
+    CHECK(run.stepped.report().finished == "task 'biopsy' is done");
+
+    // In another simulation the commands that led to the state are not given again.
+    Run other(scene), without(scene);
+    other.stepped.step();
+    other.stepped.restore(*states[2]);
+    CHECK(other.hashes(500) == expected[3]);
+    CHECK(other.added.task->progress().doneAt == doneAt);
+
+    // The session is that of a run without detours; that of the other one begins with the state.
+    without.hashes(1720);
+    CHECK(session(run) == session(without));
+    CHECK(other.added.tracker->taken() > 0);
+    other.added.tracker->close();
+    CHECK(other.added.tracker->session().tracks[0].samples.front().time == Approx(1.22));
+
+    // What does not know the jaws is refused, and nothing has happened.
+    Simulation plain(simulationDef(scene));
+    static_cast<void>(addScene(plain, scene));
+    auto strange = *states[0];
+    strange.memories.erase("instrument 'forceps'");
+    runtime::SteppedRun plainRun(plain);
+    plainRun.step();
+    const std::uint64_t before = plain.physics().hash();
+    CHECK_THROWS_WITH(plainRun.restore(strange), "restore: the state knows nothing of instrument 'forceps'");
+    CHECK(plain.physics().hash() == before);
+    plainRun.restore(*states[0]); // a state may know what is not there: a tracker
+    CHECK(plain.physics().hash() == expected[0].back());
 }
 
 TEST_CASE("scenes: each condition of a task holds when it should")

@@ -188,7 +188,7 @@ TEST_CASE("scenes: commands are given at their times, with the hash of a program
     Simulation sim(simulationDef(scene));
     static_cast<void>(addScene(sim, scene));
     runtime::SteppedRun run(sim);
-    std::shared_ptr<const physics::SavedState> state;
+    std::shared_ptr<const runtime::RunState> state;
     for (int i = 1; i <= 40; ++i) {
         run.step();
         if (i == 19) state = run.save();
@@ -197,6 +197,19 @@ TEST_CASE("scenes: commands are given at their times, with the hash of a program
         run.restore(*state);
         for (int i = 20; i <= 40; ++i) run.step();
         CHECK(sim.physics().hash() == pressedInCpp(40));
+    }
+
+    // In another simulation those that led to the state are not given again, and ids mean what they meant.
+    for (const int saved : {19, 25}) {
+        Simulation other(simulationDef(scene));
+        static_cast<void>(addScene(other, scene));
+        runtime::SteppedRun there(other);
+        there.step();
+        run.restore(*state);
+        for (int i = 20; i <= saved; ++i) run.step();
+        there.restore(*run.save());
+        for (int i = saved; i < 40; ++i) there.step();
+        CHECK(other.physics().hash() == pressedInCpp(40));
     }
 }
 

@@ -25,7 +25,8 @@ class Picture(Pixels):
     """
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Writes it as a PNG."""
+        """Writes it as a PNG: the name must end in .png."""
+        _png.check_name(file, "picture")
         if not self._shown():
             raise _core.Error(f"picture: it must be (height, width, 3), uint8, got {self.shape}, {self.dtype}")
         _png.write(file, _png.png(self))
@@ -51,6 +52,10 @@ class Film(typing.Sequence[Picture]):
     """
 
     def __init__(self, pictures: typing.Iterable[NDArray[numpy.uint8]], fps: float = 25.0):
+        if not hasattr(pictures, "__iter__"):
+            raise TypeError(f"film: pictures must be a list of them, got {pictures!r}")
+        if not hasattr(fps, "__float__"):
+            raise TypeError(f"film: fps must be a number, got {fps!r}")
         self.pictures = [numpy.asarray(each).view(Picture) for each in pictures]
         self.fps = float(fps)
         if not math.isfinite(self.fps) or not 0.1 <= self.fps <= 1000:
@@ -76,13 +81,14 @@ class Film(typing.Sequence[Picture]):
 
     def strip(self, count: int = 5) -> Picture:
         """`count` of the pictures, evenly spread in time, beside each other, as a page of paper has them."""
-        if count < 1:
-            raise _core.Error(f"film: count must be at least 1, got {count}")
+        if not hasattr(count, "__index__") or count < 1:
+            raise _core.Error(f"film: count must be a whole number >= 1, got {count!r}")
         chosen = numpy.linspace(0, len(self) - 1, count).round().astype(int)
         return numpy.concatenate([self.pictures[i] for i in chosen], axis=1).view(Picture)
 
     def save(self, file: str | os.PathLike[str]) -> None:
-        """Writes an animated PNG: browsers show it moving, other programs its first picture."""
+        """Writes an animated PNG, .png, too: browsers show it moving, other programs its first picture."""
+        _png.check_name(file, "film")
         _png.write(file, _png.animated_png(self.pictures, self.fps))
 
     def _repr_png_(self) -> bytes:

@@ -9,6 +9,8 @@ import zlib
 
 import numpy
 
+from . import _core
+
 if typing.TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -59,6 +61,13 @@ def animated_png(pictures: typing.Sequence[NDArray[numpy.uint8]], fps: float) ->
         out.append(_chunk(b"fdAT", struct.pack(">I", number + 1) + data) if i else _chunk(b"IDAT", data))
         number += 2 if i else 1
     return b"".join(out) + _chunk(b"IEND", b"")
+
+
+def check_name(file: str | os.PathLike[str], what: str) -> None:
+    """Error if the name says that it is something else."""
+    name = os.fspath(file)
+    if not isinstance(name, str) or "\0" in name or not name.lower().endswith(".png"):
+        raise _core.Error(f"{what}: file must end in .png, got {name!r}")
 
 
 def write(file: str | os.PathLike[str], data: bytes) -> None:

@@ -95,6 +95,9 @@ class Simulation(_core.Simulation):
         """
         from ._pictures import Film
 
+        for name, value in (("seconds", seconds), ("fps", fps)):
+            if not hasattr(value, "__float__"):
+                raise TypeError(f"film: {name} must be a number, got {value!r}")
         steps = round(seconds / self.dt) if 0 < seconds < 1e6 else 0
         if steps < 1:
             raise _core.Error(f"film: seconds must be in [{self.dt:.6g}, 1e6), got {seconds!r}")
@@ -177,6 +180,8 @@ def load(
     the same bits. `measures` is a .jsonl or .csv file that close() completes: what the scene measures. A task that is
     over does not stop step(). Raises Error "FILE:LINE:COLUMN: ...".
     """
+    if file is None:
+        raise TypeError("load: file must be a text, got None")
     simulation = Simulation.__new__(Simulation)
     _core.Simulation.__init__(
         simulation,

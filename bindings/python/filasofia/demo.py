@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import os
+import sys
 
 import filasofia as fs
 
@@ -11,6 +13,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(prog="python -m filasofia.demo", description="Tissue hangs, swings and is pushed.")
     parser.add_argument("--picture", default="filasofia_demo.png", help="file of the picture (default: %(default)s)")
     file = parser.parse_args().picture
+    folder = os.path.dirname(file) or "."
+    if not file.lower().endswith(".png") or not os.path.isdir(folder):  # before the run, not after it
+        parser.error(f"--picture must be a .png in a folder that exists, got {file!r}")
 
     around = fs.Box((-0.1, -0.05, -0.05), (0.06, 0.15, 0.08))
     sim = fs.Simulation(rate=1000, look=fs.LookDef(around=around, direction=(0.8, 0.3, 1)))
@@ -39,8 +44,11 @@ def main() -> int:
     try:
         sim.render(960, 720).save(file)
         print(f"wrote {file}")
-    except fs.Error as problem:
+    except fs.Error as problem:  # no OpenGL
         print(f"no picture: {problem}")
+    except OSError as problem:
+        print(f"no picture: {file}: {problem.strerror}", file=sys.stderr)
+        return 1
     return 0
 
 

@@ -45,5 +45,7 @@ def launch_passive(sim: Simulation, definition: _defs.ViewerDef | None = None, *
     turns the camera, the wheel moves it, F12 writes a picture, Escape closes the window. It needs a display (X11); one
     simulation at a time can have a window.
     """
+    if not isinstance(sim, Simulation):
+        raise TypeError(f"launch_passive: sim must be a Simulation, got {sim!r}")
     sim._open_viewer(_only(_defs.ViewerDef, definition, fields))  # type: ignore[attr-defined]
     return Viewer(sim)

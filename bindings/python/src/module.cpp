@@ -1,3 +1,4 @@
+#include "call_errors.h"
 #include "defs.h"
 #include "frames.h"
 #include "meshes.h"
@@ -48,4 +49,5 @@ NB_MODULE(_core, module)
     bindFrames(module);
     bindSimulation(module);
     module.def("close_all", &closeAll, nb::call_guard<nb::gil_scoped_release>());
+    explainWrongArguments(module);
 }

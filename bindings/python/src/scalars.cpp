@@ -91,7 +91,10 @@ std::string readText(nb::handle value, const Where& where)
         PyErr_Clear();
         failValue(where, "must be a text that UTF-8 can hold", value);
     }
-    return {letters, static_cast<std::size_t>(size)};
+    std::string read(letters, static_cast<std::size_t>(size));
+    // The system's functions end a name there, and would write another file.
+    if (read.find('\0') != std::string::npos) failValue(where, "must be a text without NUL characters", value);
+    return read;
 }
 
 bool isSequence(nb::handle value)

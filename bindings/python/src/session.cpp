@@ -117,15 +117,14 @@ physics::StepReport Session::step()
     return report;
 }
 
-std::shared_ptr<const physics::SavedState> Session::save()
+std::shared_ptr<const runtime::RunState> Session::save()
 {
     if (!run_) fail("save_state: make a step first");
     return running().save();
 }
 
-void Session::restore(const physics::SavedState& state)
+void Session::restore(const runtime::RunState& state)
 {
-    if (scene_.remembers) fail("restore: the scene has instruments with jaws, which remember what they hold");
     if (!run_) fail("restore: make a step first");
     running().restore(state);
     const frame::FrameRef now = physics().latest();

@@ -67,8 +67,8 @@ public:
     void showInViewer() { running().showInViewer(); }
     void closeViewer() { running().closeViewer(); }
     /// Error before the first step.
-    [[nodiscard]] std::shared_ptr<const physics::SavedState> save();
-    void restore(const physics::SavedState& state);
+    [[nodiscard]] std::shared_ptr<const runtime::RunState> save();
+    void restore(const runtime::RunState& state);
     /// Ends the run; what it was stays readable. Does nothing the second time.
     void close();
 

@@ -54,6 +54,7 @@ void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle 
     if (!physics.is_none()) def.physics = readDef<runtime::PhysicsDef>(physics, "Simulation");
     if (!look.is_none()) def.look = readDef<runtime::LookDef>(look, "Simulation: look");
     const std::string written = measures.is_none() ? "" : readText(measures, {.name = "load: measures"});
+    if (!measures.is_none() && written.empty()) fail("load: measures must name a .jsonl or .csv file, got ''");
     std::shared_ptr<Session> session;
     {
         const nb::gil_scoped_release free;

@@ -8,7 +8,7 @@ namespace {
 
 /// A saved state, as Python holds it.
 struct HeldState {
-    std::shared_ptr<const physics::SavedState> state;
+    std::shared_ptr<const runtime::RunState> state;
     double time = 0.0;       ///< [s]
     std::uint64_t steps = 0; ///< [-]
 };
@@ -36,14 +36,17 @@ void addStates(nb::module_& module, nb::class_<HeldSimulation>& sim)
     nb::class_<HeldState>(module, "SavedState", "What Simulation.restore() returns to; it never changes.")
         .def_ro("time", &HeldState::time, "[s]")
         .def_ro("steps", &HeldState::steps, "Number of steps made.");
-    sim.def("save_state", &save,
-            "The present state: bodies, cut meshes, contacts, attachments, time, warm starts, and the commands that "
-            "wait for the next step. It stays in memory and never changes. Before the first step, and while a body or "
-            "a material waits for a step, it is an Error.");
+    sim.def(
+        "save_state", &save,
+        "The present state: bodies, cut meshes, contacts, attachments, time, warm starts, the commands that wait for "
+        "the next step, what instruments hold, and how far tasks and measures are. It stays in memory and never "
+        "changes. Before the first step, and while a body or a material waits for a step, it is an Error.");
     sim.def("restore", &restore, nb::arg("state").none(),
             nb::sig("def restore(self, state: filasofia.SavedState) -> None"),
             "Returns at once to a state of this simulation, or of another one with the same bodies and rate. The same "
-            "commands then give the same bits. Error if bodies were added or removed, or if the run is recorded.");
+            "commands then give the same bits, and what is measured goes on from there. Error if bodies were added or "
+            "removed, if the run is recorded, if it is measured into a .csv file, or if the state does not know an "
+            "instrument or a task.");
 }
 
 } // namespace filasofia::python

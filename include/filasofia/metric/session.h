@@ -85,6 +85,9 @@ struct Session {
     bool complete = true;           ///< false: the record has no end, because it was interrupted
 };
 
+/// Takes back the samples and events that are later than `time` [s], because a saved state was restored.
+void takeBack(Session& session, double time);
+
 /// The track of a role after skipping the first `skip` of them, or nullptr.
 const Track* findTrack(const Session& session, Role role, int skip = 0);
 

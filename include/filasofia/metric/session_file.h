@@ -18,6 +18,8 @@ std::string headLine(const Session& session);
 /// `samples`: one per track, all at the same time.
 void appendSampleLine(std::string& out, const Session& session, std::span<const Sample> samples);
 std::string eventLine(const Event& event);
+/// What is later than `time` [s] has been taken back.
+std::string backLine(double time);
 std::string endLine(std::uint64_t lost);
 
 /// Writes a whole session. Throws an Error if its tracks were not sampled together, or if the file cannot be written.

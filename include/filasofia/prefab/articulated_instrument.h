@@ -92,8 +92,9 @@ constexpr auto fields(const ArticulatedInstrumentDef*)
 ///
 /// Closing presses with a torque, so tissue between the jaws stops them. If a soft body pushes both sides of the mouth
 /// with `gripForce` or more, it is grasped: it is attached to the jaws, which then keep their angle (a ratchet), until
-/// open() or until `breakForce` is exceeded. A reset of the simulation does not release it: call open() before. Every
-/// function may be called from any thread and takes effect at the next step.
+/// open() or until `breakForce` is exceeded. A reset of the simulation does not release it: call open() before. A saved
+/// state knows what it holds; onGrasp is not called when such a state is restored. Every function may be called from
+/// any thread and takes effect at the next step.
 class ArticulatedInstrument {
 public:
     static constexpr int kShaft = 0; ///< element of the body; moving jaws follow from 1 on

@@ -95,7 +95,7 @@ public:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    std::shared_ptr<Impl> impl_; // shared with the simulation's memories
 };
 
 } // namespace filasofia::prefab

@@ -60,7 +60,8 @@ constexpr auto fields(const MetricTrackerDef*)
 /// A run faster than real time waits for its disk, but not longer than real time would have taken. Memory is bounded:
 /// memory() bytes, plus the session if `keep` is set. A sample is lost, and counted, only if writing stalls for longer
 /// than `buffer`. If writing fails, that is one line in the log and a FileFailedEvent, and the simulation goes on.
-/// While physics is paused nothing is observed.
+/// While physics is paused nothing is observed. If a saved state is restored, what is later is taken back; if the
+/// session does not have what led to the state, it begins with it. That is an Error if `file` is a .csv.
 class MetricTracker {
 public:
     /// Construct it after the bodies and before a run (Error during one), and destroy it before the simulation. Throws

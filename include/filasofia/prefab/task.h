@@ -59,7 +59,8 @@ struct TaskProgress {
 };
 
 /// Ordered steps, each with its own condition. The task begins with the first step of the simulation that is not
-/// paused, and uses simulated time only.
+/// paused, and uses simulated time only. A saved state knows how far it is, but not what `done` functions remember
+/// (Simulation::remember() is for them).
 class Task {
 public:
     /// Construct it before a run; throws an Error if the Def is wrong.

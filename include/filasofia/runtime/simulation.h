@@ -9,6 +9,7 @@
 #include "filasofia/runtime/file_failed_event.h"
 #include "filasofia/runtime/follow.h"
 #include "filasofia/runtime/intersection_event.h"
+#include "filasofia/runtime/memory.h"
 #include "filasofia/runtime/paint.h"
 #include "filasofia/runtime/run.h"
 #include "filasofia/runtime/rupture_event.h"
@@ -165,6 +166,9 @@ public:
     /// If it throws, that is logged and it is not called again. Set it before a run (Error during one); several are
     /// called in order.
     void everyStep(std::function<void(double time)> callback);
+    /// Lets saved states of a SteppedRun have what a part of the program remembers from step to step. Set it before a
+    /// run (Error during one, or if the name or a function is missing).
+    void remember(Memory memory);
     /// Posts an event, stamped with the simulation's time and step. Any thread. Error if the queue is full.
     void post(std::unique_ptr<event::Event> event);
     template <event::EventClass E> void post(E event) { post(std::make_unique<E>(std::move(event))); }

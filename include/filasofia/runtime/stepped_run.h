@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/physics/physics_server.h"
+#include "filasofia/runtime/memory.h"
 #include "filasofia/runtime/run.h"
 #include "filasofia/visual/camera.h"
 #include "filasofia/visual/depth_image.h"
@@ -9,6 +10,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 
 namespace filasofia::runtime {
 
@@ -46,6 +48,13 @@ constexpr auto fields(const ViewerDef*)
                     field("rate", &T::rate, "1/s", closed(1, 1000), "pictures per second"));
 }
 
+/// What a stepped run returns to with restore(). It lives in memory and never changes; any thread may use it.
+struct RunState {
+    std::shared_ptr<const physics::SavedState> physics;
+    Memories memories;  ///< what was given to Simulation::remember()
+    std::string reason; ///< given to Simulation::finish(); empty: none was
+};
+
 /// A headless run that its owner drives: step() makes one step and delivers its events. For programs that have a loop
 /// of their own: learning, optimisation, bindings to other languages. With the same calls before each step the states
 /// are those of a headless Simulation::run(), bit for bit.
@@ -82,14 +91,16 @@ public:
     void closeViewer();
     /// Whether a viewer is open; its window may have been closed by the person. Any thread.
     [[nodiscard]] bool viewing() const;
-    /// The present state, in memory: bodies, cut meshes, contacts, attachments, time, and the commands that wait for
-    /// the next step. Error if a body, a material or a tune() waits: make a step first.
-    [[nodiscard]] std::shared_ptr<const physics::SavedState> save();
-    /// Returns at once to a state of this simulation, or of another one with the same bodies, rate and contact method.
-    /// The steps that follow have the bits of those that followed save(), if they get the same commands. Paint, the
-    /// counts of the report and what functions of everyStep() remember do not go back. Error, and nothing has changed,
-    /// if bodies differ, if the run is written to a file, or if there is a haptic interface: a hand does not go back.
-    void restore(const physics::SavedState& state);
+    /// The present state, in memory: bodies, cut meshes, contacts, attachments, time, the commands that wait for the
+    /// next step, and what the parts of the simulator remember (tasks, jaws, trackers, commands of scenes). Error if a
+    /// body, a material or a tune() waits: make a step first.
+    [[nodiscard]] std::shared_ptr<const RunState> save();
+    /// Returns at once to a state of this simulation, or of another one with the same bodies, parts, rate and contact
+    /// method. The steps that follow have the bits of those that followed save(), if they get the same commands. Paint,
+    /// the counts of the report and what functions of everyStep() remember do not go back, unless
+    /// Simulation::remember() says how. Error, and nothing has changed, if bodies differ, if the state does not know a
+    /// part, if the run is written to a file, or if there is a haptic interface: a hand does not go back.
+    void restore(const RunState& state);
     /// How the run went until now; without the times of single steps.
     [[nodiscard]] RunReport report() const;
     /// Ends the run: closes its files and the renderer, and returns the report. Error if it has ended.

@@ -194,7 +194,6 @@ struct [[nodiscard]] AddedScene {
     std::shared_ptr<const prefab::Task> task = {}; ///< null if the scene has none
     /// Null if no session is written. Let it go when the run has ended, and before the simulation.
     std::shared_ptr<prefab::MetricTracker> tracker = {};
-    bool remembers = false; ///< jaws remember what they hold, which a saved state does not know: do not restore one
 };
 
 /// Adds the scene's bodies, pictures, motions, commands, cameras, lights, instruments, haptic interfaces and task to a

@@ -44,7 +44,7 @@ std::uintmax_t checkRegularFile(const std::filesystem::path& file, std::string_v
     checkFileName(file, object);
     std::error_code problem;
     const std::filesystem::file_status status = std::filesystem::status(file, problem);
-    if (status.type() == std::filesystem::file_type::not_found) fail(object, ": no such file");
+    if (status.type() == std::filesystem::file_type::not_found) fail(object.empty() ? "''" : object, ": no such file");
     if (!std::filesystem::exists(status)) fail(object, ": cannot be read: ", problem.message());
     if (std::filesystem::is_directory(status)) fail(object, ": must be a file, got a directory");
     if (!std::filesystem::is_regular_file(status)) fail(object, ": is not a regular file");

@@ -25,6 +25,13 @@ constexpr std::array kKinds = {
 
 } // namespace
 
+void takeBack(Session& session, double time)
+{
+    const auto later = [time](const auto& each) { return each.time > time; };
+    for (Track& track : session.tracks) std::erase_if(track.samples, later);
+    std::erase_if(session.events, later);
+}
+
 std::string_view name(Role role) { return names(&role)[static_cast<std::size_t>(role)]; }
 
 std::string_view name(EventKind kind)

@@ -207,6 +207,10 @@ private:
             if (!lost->is_number_unsigned()) wrong("'end' must be the number of lost samples");
             session_.lost = lost->get<std::uint64_t>();
             session_.complete = true;
+        } else if (const Json* back = find(json, "back")) {
+            takeBack(session_, number(*back, "back"));
+            samples_ = 0;
+            for (const Track& track : session_.tracks) samples_ += track.samples.size();
         } else if (const Json* kind = find(json, "event")) {
             readEvent(json, word(*kind, "event"));
         } else {
@@ -316,6 +320,13 @@ std::string eventLine(const Event& event)
     Json json = {{"t", event.time}, {"event", std::string(name(event.kind))}, {"what", event.what}};
     if (event.amount) json["amount"] = *event.amount;
     return dumped(json);
+}
+
+std::string backLine(double time)
+{
+    std::string line = "{\"back\":";
+    appendNumber(line, time);
+    return line + "}\n";
 }
 
 std::string endLine(std::uint64_t lost) { return text("{\"end\":", lost, "}\n"); }

@@ -4,10 +4,12 @@
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/math/rounded.h"
+#include "filasofia/prefab/remember.h"
 #include "filasofia/prefab/turns.h"
 #include "filasofia/runtime/assets.h"
 
 #include <algorithm>
+#include <tuple>
 
 namespace filasofia::prefab {
 namespace {
@@ -215,6 +217,9 @@ struct ArticulatedInstrument::Impl {
             {.pose = lastPose, .holding = state == State::Holding ? held : BodyId{}, .force = force, .widest = widest});
     }
 
+    using Kept = std::tuple<Pose, State, double, AttachmentId, BodyId, std::uint64_t, double, double>;
+    auto kept() { return std::tie(lastPose, state, torque, grip, held, requestedAt, force, widest); }
+
     [[nodiscard]] double widestOf(const frame::RigidBodyFrame& now) const
     {
         double widestFraction = 0.0;
@@ -294,6 +299,7 @@ ArticulatedInstrument::ArticulatedInstrument(runtime::Simulation& simulation, co
     simulation.everyStep([weak = std::weak_ptr(impl_)](double) {
         if (const auto impl = weak.lock()) impl->watch();
     });
+    remember(simulation, text("instrument '", impl_->def.name, "'"), impl_);
 }
 ArticulatedInstrument::~ArticulatedInstrument() = default;
 

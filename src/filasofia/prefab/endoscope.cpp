@@ -4,10 +4,12 @@
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/math/rounded.h"
+#include "filasofia/prefab/remember.h"
 #include "filasofia/prefab/turns.h"
 #include "filasofia/runtime/assets.h"
 
 #include <cmath>
+#include <tuple>
 
 namespace filasofia::prefab {
 namespace {
@@ -72,12 +74,16 @@ struct Endoscope::Impl {
     [[nodiscard]] static Pose tip(const Aim& at) { return at.lastPose * Pose{{}, axisAngle(kBackwards, at.rolled)}; }
     [[nodiscard]] Pose camera(const Aim& at) const { return tip(at) * mounted(def, at.cameraRolled); }
 
+    using Kept = std::tuple<Aim>;
+    auto kept() { return std::tie(aim); }
+    void publish() { newest.write(aim); }
+
     /// Any thread. The stepping thread does not wait for others.
     template <class Change> void change(Change by)
     {
         turns.take(!simulation.physics().stepsHere(), [this, by] {
             by(aim);
-            newest.write(aim);
+            publish();
             simulation.physics().setPose(body, rounded(tip(aim)), kShaft);
             simulation.physics().setPose(body, rounded(camera(aim)), kCamera);
         });
@@ -97,8 +103,9 @@ struct Endoscope::Impl {
 };
 
 Endoscope::Endoscope(runtime::Simulation& simulation, const EndoscopeDef& def)
-    : impl_(std::make_unique<Impl>(simulation, def))
+    : impl_(std::make_shared<Impl>(simulation, def))
 {
+    remember(simulation, text("endoscope '", impl_->def.name, "'"), impl_);
 }
 Endoscope::~Endoscope() = default;
 

@@ -33,6 +33,7 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kMaxBodies = 64;
 constexpr int kMaxEvents = 100'000;     ///< [-], events that can wait
 constexpr std::size_t kChunk = 1 << 16; ///< [bytes] written at once
+constexpr double kNothing = -1.0;       ///< [s], before the first sample
 constexpr std::chrono::milliseconds kRest = std::chrono::milliseconds(20);
 constexpr std::chrono::microseconds kRoomPoll = std::chrono::microseconds(100); ///< between two checks for room
 
@@ -110,17 +111,46 @@ std::size_t rowsOf(const MetricTrackerDef& def)
 struct MetricTracker::Impl {
     using Row = std::vector<Sample>; ///< the samples of one moment, one per body
 
+    /// What was observed until the last step.
+    struct Observation {
+        std::vector<metric::StepSampler> samplers; ///< one per body
+        std::optional<double> stepEnd;             ///< [s], end of the last step that began
+        std::optional<double> seen;                ///< [s], time of the newest frame that was seen
+        double lastPeriod = kNothing;
+    };
+    struct Token {}; ///< says which tracker it was
+    /// What a saved state has of a tracker.
+    struct Past {
+        Observation observed;
+        std::shared_ptr<const Token> tracker;
+        std::uint64_t number = 0; ///< [-], counts the saved states of the tracker
+        double time = 0.0;        ///< [s], when it was saved
+    };
+    /// A return to a state: those that were saved before and are later are no longer in the session.
+    struct Return {
+        std::uint64_t saved = 0; ///< [-], number of saved states then
+        double time = 0.0;       ///< [s], to which it led
+    };
+
     Impl(runtime::Simulation& sim, MetricTrackerDef asked)
         : simulation(sim), def(std::move(asked)), session(begun(sim, def)), rows(rowsOf(def)),
           writer(def.file, def.write)
     {
-        for (const TrackedBody& body : def.bodies)
-            samplers.emplace_back(
-                metric::Observed{.body = body.body, .element = body.element, .tip = body.tip, .force = body.force});
+        observed.samplers = newSamplers();
         writer.head(session);
         thread = std::thread([this] { run(); });
     }
     ~Impl() { end(); }
+
+    /// One per body.
+    [[nodiscard]] std::vector<metric::StepSampler> newSamplers() const
+    {
+        std::vector<metric::StepSampler> made;
+        for (const TrackedBody& body : def.bodies)
+            made.emplace_back(
+                metric::Observed{.body = body.body, .element = body.element, .tip = body.tip, .force = body.force});
+        return made;
+    }
 
     // Stepping thread.
 
@@ -131,13 +161,14 @@ struct MetricTracker::Impl {
         const std::unique_lock lock(sampling, std::try_to_lock);
         if (!lock || closed) return;
         take();
-        stepEnd = time;
+        observed.stepEnd = time;
     }
 
     /// Samples the newest state if a sample is due. Called with the lock.
     void take()
     {
         const frame::FrameRef frame = simulation.physics().latest();
+        auto& [samplers, stepEnd, seen, lastPeriod] = observed;
         if (stepEnd && (!frame || frame->time < *stepEnd) && due(*stepEnd))
             lost.fetch_add(1, std::memory_order_relaxed);
         if (!frame || (seen && frame->time <= *seen)) return;
@@ -177,9 +208,48 @@ struct MetricTracker::Impl {
     bool due(double time)
     {
         const double period = std::floor(time * def.rate + 1e-6);
-        if (period <= lastPeriod) return false;
-        lastPeriod = period;
+        if (period <= observed.lastPeriod) return false;
+        observed.lastPeriod = period;
         return true;
+    }
+
+    // Stepping thread, between two steps: saved states.
+
+    std::any save()
+    {
+        const std::lock_guard lock(sampling);
+        if (closed) return {};
+        take(); // so the session has what leads to the state, and nothing of it waits
+        const frame::FrameRef frame = simulation.physics().latest();
+        return Past{observed, token, ++saved, frame ? frame->time : 0.0};
+    }
+    /// Error if the session cannot be taken back.
+    void checkBack() const
+    {
+        if (!writer.goesBack())
+            fail("restore: the session is written to '", shortened(def.file), "', where time only goes on");
+    }
+    /// The session goes on from the state. It begins there if it does not have what led to it: if the state is one of
+    /// another tracker, or one that was taken back.
+    void goBack(const Past* past)
+    {
+        const std::lock_guard lock(sampling);
+        if (closed) return;
+        const bool known = past && past->tracker == token && std::ranges::none_of(returns, [&](const Return& each) {
+                               return each.saved >= past->number && each.time < past->time;
+                           });
+        const double time = known ? past->time : kNothing;
+        observed = known ? past->observed : Observation{newSamplers(), {}, {}, kNothing};
+        begin.reset();
+        std::erase_if(returns, [time](const Return& each) { return each.time >= time; });
+        returns.push_back({saved, time});
+        const std::lock_guard writing(draining);
+        drainAll();
+        attempt([&] {
+            writer.back(time);
+            writer.flush();
+        });
+        if (def.keep) metric::takeBack(session, time);
     }
 
     // Any thread.
@@ -232,6 +302,11 @@ struct MetricTracker::Impl {
 
     /// Takes what has happened, ordered by time.
     void takeEvents()
+    {
+        const std::lock_guard lock(draining);
+        drainAll();
+    }
+    void drainAll()
     {
         while (std::optional<Event> event = events.pop()) {
             waiting.fetch_sub(1, std::memory_order_relaxed);
@@ -296,7 +371,6 @@ struct MetricTracker::Impl {
 
     runtime::Simulation& simulation;
     const MetricTrackerDef def;
-    std::vector<metric::StepSampler> samplers; ///< one per body
     metric::Session session;
     SpscRing<Row> rows;
     MpscQueue<Event> events;
@@ -309,9 +383,10 @@ struct MetricTracker::Impl {
 
     std::mutex sampling; ///< held while sampling: by the stepping thread, which never waits for it, or by end()
     bool closed = false;
-    std::optional<double> stepEnd; ///< [s], end of the last step that began
-    std::optional<double> seen;    ///< [s], time of the newest frame that was seen
-    double lastPeriod = -1.0;
+    Observation observed;
+    const std::shared_ptr<const Token> token = std::make_shared<const Token>();
+    std::vector<Return> returns;
+    std::uint64_t saved = 0; ///< [-], states
 
     struct Begin {
         Clock::time_point wall;
@@ -319,6 +394,7 @@ struct MetricTracker::Impl {
     };
     std::optional<Begin> begin; ///< time of the first sample
 
+    std::mutex draining; ///< held by who empties the queues and writes
     std::mutex resting;
     std::condition_variable wake;
     bool stopping = false;
@@ -334,6 +410,20 @@ MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef d
     simulation.everyStep([weak](double time) {
         if (const auto impl = weak.lock()) impl->observe(time);
     });
+    simulation.remember({.of = "metric tracker",
+                         .save =
+                             [weak] {
+                                 const auto impl = weak.lock();
+                                 return impl ? impl->save() : std::any();
+                             },
+                         .restore =
+                             [weak](const std::any& copy) {
+                                 if (const auto impl = weak.lock()) impl->goBack(std::any_cast<Impl::Past>(&copy));
+                             },
+                         .check =
+                             [weak](const std::any&) {
+                                 if (const auto impl = weak.lock()) impl->checkBack();
+                             }});
     const auto opened = [weak, &simulation](EventKind kind, const auto& event) {
         const auto impl = weak.lock();
         if (!impl) return;

@@ -3,12 +3,14 @@
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/prefab/plain_window.h"
+#include "filasofia/prefab/remember.h"
 #include "filasofia/prefab/smoothed.h"
 
 #include <imgui.h>
 
 #include <algorithm>
 #include <atomic>
+#include <tuple>
 
 namespace filasofia::prefab {
 namespace {
@@ -107,6 +109,9 @@ struct ForceBar::Impl {
         ImGui::End();
     }
 
+    using Kept = std::tuple<Smoothed, bool, double, double, int>;
+    auto kept() { return std::tie(smoothed, warned, mean, largest, warnings); }
+
     runtime::Simulation& simulation;
     const ForceBarDef def;
     Smoothed smoothed;   // stepping thread only
@@ -120,6 +125,7 @@ ForceBar::ForceBar(runtime::Simulation& simulation, const ForceBarDef& def)
     : impl_(std::make_shared<Impl>(simulation, def))
 {
     simulation.everyStep([impl = impl_](double) { impl->watch(); });
+    remember(simulation, text("force bar '", shown(def.name), "'"), impl_);
     simulation.show(visual::GuiDef{.name = "force", .renderCallback = [impl = impl_] { impl->draw(); }});
 }
 

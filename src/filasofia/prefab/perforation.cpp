@@ -5,6 +5,7 @@
 #include "filasofia/geometry/tet_mesh.h"
 #include "filasofia/physics/defs.h"
 #include "filasofia/prefab/plain_window.h"
+#include "filasofia/prefab/remember.h"
 #include "filasofia/prefab/smoothed.h"
 
 #include <imgui.h>
@@ -13,6 +14,7 @@
 #include <array>
 #include <atomic>
 #include <optional>
+#include <tuple>
 
 namespace filasofia::prefab {
 namespace {
@@ -125,6 +127,9 @@ struct PerforationWatch::Impl {
         ImGui::End();
     }
 
+    using Kept = std::tuple<Smoothed, double, double, double, int>;
+    auto kept() { return std::tie(force, nextLook, last, now, times); }
+
     runtime::Simulation& simulation;
     const PerforationDef def;
     Smoothed force;                                      ///< stepping thread only, as everything that is not atomic
@@ -139,6 +144,7 @@ PerforationWatch::PerforationWatch(runtime::Simulation& simulation, PerforationD
     : impl_(std::make_shared<Impl>(simulation, std::move(def)))
 {
     simulation.everyStep([impl = impl_](double) { impl->watch(); });
+    remember(simulation, "perforations", impl_);
     simulation.show(visual::GuiDef{.name = "perforation", .renderCallback = [impl = impl_] { impl->draw(); }});
 }
 

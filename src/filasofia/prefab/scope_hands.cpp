@@ -228,6 +228,10 @@ ScopeHands::ScopeHands(runtime::Simulation& simulation, Endoscope& scope, Articu
         };
     };
     simulation.everyStep(when([](Impl& impl, double time) { impl.step(time); }));
+    simulation.remember({.of = "hands",
+                         .save = [weak = std::weak_ptr(impl_)] { return weak.expired() ? std::any() : std::any(0); },
+                         .restore = [](const std::any&) {},
+                         .check = [](const std::any&) { fail("restore: hands hold the scope, and do not go back"); }});
     simulation.on<event::MouseMoveEvent>(when([](Impl& impl, const event::MouseMoveEvent& e) { impl.turn(e); }));
     simulation.on<event::MouseWheelEvent>(
         when([](Impl& impl, const event::MouseWheelEvent& e) { impl.shift(1.5_mm * e.dy, 0.0, 0.0); }));

@@ -40,6 +40,11 @@ void SessionWriter::event(const metric::Session& session, const metric::Event& e
     if (file_ && csv_) table_ += metric::csvLine(session, event);
 }
 
+void SessionWriter::back(double time)
+{
+    if (function_ || (file_ && !csv_)) lines_ += metric::backLine(time);
+}
+
 void SessionWriter::end(std::uint64_t lost)
 {
     if (function_ || (file_ && !csv_)) lines_ += metric::endLine(lost);

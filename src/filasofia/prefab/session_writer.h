@@ -20,7 +20,10 @@ public:
     void head(const metric::Session& session);
     void samples(const metric::Session& session, std::span<const metric::Sample> samples);
     void event(const metric::Session& session, const metric::Event& event);
+    /// What is later than `time` [s] is taken back; not in a .csv file.
+    void back(double time);
     void end(std::uint64_t lost);
+    [[nodiscard]] bool goesBack() const { return !csv_; }
     [[nodiscard]] std::size_t gathered() const { return lines_.size() + table_.size(); }
     void flush();
     void close();

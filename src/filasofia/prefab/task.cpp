@@ -3,7 +3,10 @@
 #include "filasofia/core/published.h"
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/prefab/remember.h"
 #include "filasofia/prefab/turns.h"
+
+#include <tuple>
 
 namespace filasofia::prefab {
 namespace {
@@ -38,9 +41,9 @@ struct Task::Impl {
             if (!began) began = stepBegan = frame->time;
             if (progress.state != TaskProgress::State::Running) return;
             progress.time = frame->time - *began;
-            newest.write(progress); // because the step may ask for it
+            publish(); // because the step may ask for it
             advance(*frame);
-            newest.write(progress);
+            publish();
         });
     }
 
@@ -68,9 +71,13 @@ struct Task::Impl {
     {
         progress.state = done ? TaskProgress::State::Done : TaskProgress::State::Failed;
         progress.target = {};
-        newest.write(progress);
+        publish();
         if (def.over) def.over(done);
     }
+
+    using Kept = std::tuple<TaskProgress, std::optional<double>, double, bool>;
+    auto kept() { return std::tie(progress, began, stepBegan, late); }
+    void publish() { newest.write(progress); }
 
     runtime::Simulation& simulation;
     const TaskDef def;
@@ -87,6 +94,7 @@ Task::Task(runtime::Simulation& simulation, TaskDef def) : impl_(std::make_share
     simulation.everyStep([weak = std::weak_ptr(impl_)](double) {
         if (const auto impl = weak.lock()) impl->watch();
     });
+    remember(simulation, text("task '", shown(impl_->def.name), "'"), impl_);
 }
 
 TaskProgress Task::progress() const { return impl_->newest.read(); }
@@ -105,7 +113,7 @@ void Task::restart()
         impl->progress = {};
         impl->began.reset();
         impl->late = false;
-        impl->newest.write(impl->progress);
+        impl->publish();
     });
 }
 

@@ -30,4 +30,11 @@ std::string RunControl::reason() const
     return given ? *given : std::string();
 }
 
+void RunControl::goBack(std::string reason)
+{
+    delete reason_.exchange(nullptr);
+    stop_.store(false);
+    if (!reason.empty()) finish(std::move(reason));
+}
+
 } // namespace filasofia::runtime

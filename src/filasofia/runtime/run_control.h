@@ -25,6 +25,8 @@ public:
     void stop() { stop_.store(true); }
     [[nodiscard]] const std::atomic<bool>& stopAsked() const { return stop_; }
     [[nodiscard]] std::string reason() const; ///< the thread of begin() and end()
+    /// Returns to a reason that was given before, or to none. The thread of begin() and end().
+    void goBack(std::string reason);
 
 private:
     std::atomic<bool> running_ = false;

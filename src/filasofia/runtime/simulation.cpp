@@ -146,6 +146,14 @@ void Simulation::everyStep(std::function<void(double)> callback)
     impl_->everyStep.add(std::move(callback));
 }
 
+void Simulation::remember(Memory memory)
+{
+    if (memory.of.empty() || !memory.save || !memory.restore)
+        fail("simulation: remember: of, save and restore must not be empty");
+    if (impl_->control.running()) fail("simulation: remember must be called before a run, but one is going on");
+    impl_->memories.add(std::move(memory));
+}
+
 void Simulation::post(std::unique_ptr<event::Event> event)
 {
     if (!event) fail("simulation: post: the event must not be null");

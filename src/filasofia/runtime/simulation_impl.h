@@ -7,6 +7,7 @@
 #include "filasofia/runtime/contact_watch.h"
 #include "filasofia/runtime/haptics.h"
 #include "filasofia/runtime/intersection_watch.h"
+#include "filasofia/runtime/memory_list.h"
 #include "filasofia/runtime/pause_control.h"
 #include "filasofia/runtime/run_control.h"
 #include "filasofia/runtime/run_counters.h"
@@ -37,6 +38,7 @@ struct Simulation::Impl {
     PictureSetup picture;
     CameraSteering steering;
     StepCallbacks everyStep;
+    MemoryList memories;
     ContactWatch contacts;
     IntersectionWatch intersections;
     BladeWatch blades{events, physics};

@@ -141,14 +141,16 @@ void SteppedRun::closeViewer()
 
 bool SteppedRun::viewing() const { return impl_->viewing.load(); }
 
-std::shared_ptr<const physics::SavedState> SteppedRun::save()
+std::shared_ptr<const RunState> SteppedRun::save()
 {
     impl_->requireRunning("save");
     const physics::PhysicsServer::Stepping stepping(impl_->simulation.physics);
-    return impl_->simulation.physics.save();
+    Simulation::Impl& simulation = impl_->simulation;
+    return std::make_shared<const RunState>(
+        RunState{simulation.physics.save(), simulation.memories.save(), simulation.control.reason()});
 }
 
-void SteppedRun::restore(const physics::SavedState& state)
+void SteppedRun::restore(const RunState& state)
 {
     impl_->requireRunning("restore");
     for (const std::string* file : {&impl_->def.log, &impl_->def.record})
@@ -157,9 +159,12 @@ void SteppedRun::restore(const physics::SavedState& state)
     if (!simulation.haptics.ids().empty())
         fail("restore: the simulation has a haptic interface, and a hand does not go back");
     const physics::PhysicsServer::Stepping stepping(simulation.physics);
-    simulation.physics.restore(state);
+    simulation.memories.check(state.memories);
+    simulation.physics.restore(*state.physics);
     const frame::FrameRef now = simulation.physics.latest();
     simulation.now.set(now->time, now->step);
+    simulation.memories.restore(state.memories);
+    simulation.control.goBack(state.reason);
 }
 
 RunReport SteppedRun::report() const { return impl_->report(); }

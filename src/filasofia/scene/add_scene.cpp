@@ -100,7 +100,6 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
             words.replace(0, kBodies.size(), "measured["); // as the file calls them
         failAtPlace(scene.places, words);
     }
-    added.remembers = std::ranges::any_of(instruments, [](const Instrument& each) { return !each.isScope(); });
     return added;
 }
 

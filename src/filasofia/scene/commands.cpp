@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/physics/give.h"
+#include "filasofia/scene/remember_past.h"
 #include "filasofia/scene/scene_numbers.h"
 
 #include <algorithm>
@@ -40,25 +41,27 @@ class CommandFollower {
 public:
     CommandFollower(runtime::Simulation& simulation, std::vector<TimedCommand> commands, std::vector<BodyId> ids,
                     std::map<AttachmentId, AttachmentId> attachments)
-        : simulation_(simulation), commands_(std::move(commands)), given_(commands_.size()), ids_(std::move(ids)),
-          attachments_(std::move(attachments))
+        : simulation_(simulation), commands_(std::move(commands)),
+          ids_(std::move(ids)), past_{.attachments = std::move(attachments)}
     {
     }
 
     void give(double time)
     {
-        if (time <= last_) // a saved state was restored: commands of later steps are yet to come
-            while (next_ > 0 && given_[next_ - 1] >= time) --next_;
-        last_ = time;
-        for (; next_ < commands_.size() && commands_[next_].time <= time; ++next_) {
-            given_[next_] = time;
-            try {
-                std::visit([this](const auto& each) { give(each); }, commands_[next_].command);
+        for (std::size_t& next = past_.next; next < commands_.size() && commands_[next].time <= time; ++next) try {
+                std::visit([this](const auto& each) { give(each); }, commands_[next].command);
             } catch (const Error& error) {
-                fail(commands_[next_].place, ": ", error.what());
+                fail(commands_[next].place, ": ", error.what());
             }
-        }
     }
+
+    /// What saved states have of it.
+    struct Past {
+        std::map<AttachmentId, AttachmentId> attachments; ///< by their numbers in the scene
+        std::size_t next = 0;                             ///< the command that comes next
+    };
+    [[nodiscard]] const Past& past() const { return past_; }
+    void goBack(const Past& past) { past_ = past; }
 
 private:
     template <class Command> void give(Command command)
@@ -66,22 +69,19 @@ private:
         physics::PhysicsServer& server = simulation_.physics();
         AttachmentId number;
         if constexpr (requires { command.def; }) number = command.id; // it makes an attachment
-        SceneNumbers(ids_, &attachments_).replaceIn(command);
+        SceneNumbers(ids_, &past_.attachments).replaceIn(command);
         if constexpr (std::is_same_v<Command, SetMaterial>)
             server.setMaterial(command.id, command.material);
         else if constexpr (std::is_same_v<Command, physics::Reset>)
             simulation_.reset(); // removes the paint, too
         else if (const AttachmentId made = physics::give(server, command))
-            attachments_[number] = made;
+            past_.attachments[number] = made;
     }
 
     runtime::Simulation& simulation_;
     std::vector<TimedCommand> commands_;
-    std::vector<double> given_; ///< [s] per command, the end of the step in which it was given
-    double last_ = -1.0;        ///< [s] end of the last step
     std::vector<BodyId> ids_;
-    std::map<AttachmentId, AttachmentId> attachments_; ///< by their numbers in the scene
-    std::size_t next_ = 0;
+    Past past_;
 };
 
 } // namespace
@@ -103,8 +103,10 @@ void followCommands(runtime::Simulation& simulation, std::vector<TimedCommand> c
         for (const AttachmentId each : server.attachments(id))
             attachments.emplace(AttachmentId{static_cast<std::uint32_t>(attachments.size()) + 1}, each);
     std::ranges::stable_sort(commands, {}, &TimedCommand::time);
-    simulation.everyStep([follower = CommandFollower(simulation, std::move(commands), ids, std::move(attachments))](
-                             double time) mutable { follower.give(time); });
+    const auto follower =
+        std::make_shared<CommandFollower>(simulation, std::move(commands), ids, std::move(attachments));
+    simulation.everyStep([follower](double time) { follower->give(time); });
+    rememberPast(simulation, "the commands", follower);
 }
 
 } // namespace filasofia::scene

@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/scene/motion.h"
 #include "filasofia/scene/places.h"
+#include "filasofia/scene/remember_past.h"
 
 #include <algorithm>
 
@@ -17,16 +18,18 @@ public:
     {
     }
 
-    void operator()(double time)
+    void follow(double time)
     {
         const auto later = std::ranges::upper_bound(keys_, time, {}, &KeyGrip::time);
         const auto reached = static_cast<std::size_t>(later - keys_.begin());
         if (reached == given_) return;
-        given_ = reached; // also backwards, if a saved state was restored
-        if (reached == 0) return;
+        given_ = reached;
         const KeyGrip& key = keys_[reached - 1];
         key.opening ? instrument_->open(*key.opening) : instrument_->close(key.torque);
     }
+
+    [[nodiscard]] std::size_t past() const { return given_; }
+    void goBack(std::size_t given) { given_ = given; }
 
 private:
     std::shared_ptr<prefab::ArticulatedInstrument> instrument_;
@@ -65,7 +68,10 @@ Instrument addInstrument(runtime::Simulation& simulation, const SceneInstrument&
         added.jaws = std::make_shared<prefab::ArticulatedInstrument>(simulation, jaws);
         added.body = added.jaws->body();
         if (added.keyed) followKeys(simulation, added.jaws, motionFrom(jaws.pose));
-        if (!def.grip.empty()) simulation.everyStep(GripFollower(added.jaws, def.grip));
+        if (def.grip.empty()) return added;
+        const auto grip = std::make_shared<GripFollower>(added.jaws, def.grip);
+        simulation.everyStep([grip](double time) { grip->follow(time); });
+        rememberPast(simulation, text("the grip of instrument '", jaws.name, "'"), grip);
         return added;
     }
     prefab::EndoscopeDef scope = std::get<prefab::EndoscopeDef>(def.def);

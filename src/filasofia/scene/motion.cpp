@@ -1,6 +1,7 @@
 #include "filasofia/scene/motion.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/scene/remember_past.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,41 +39,43 @@ void checkOnce(const std::vector<Motion>& motions, std::size_t i, int Motion::*i
             fail(name, " moves what motions[", before, "] moves: number ", motions[i].*index);
 }
 
-/// Gives a joint its next command as soon as its time has come.
+/// Gives each joint of a body its next command as soon as its time has come.
 class JointFollower {
 public:
-    JointFollower(BodyId id, JointMotion motion) : id_(id), motion_(std::move(motion)) {}
+    JointFollower(BodyId id, std::vector<JointMotion> motions)
+        : id_(id), motions_(std::move(motions)), given_(motions_.size(), kNone)
+    {
+    }
 
     void give(physics::PhysicsServer& server, double time)
     {
-        if (time <= last_)
-            given_ = keyAt(time - step_); // a saved state was restored
-        else
-            step_ = time - last_;
-        last_ = time;
-        const std::size_t key = keyAt(time);
-        if (key == kNone || key == given_) return;
-        server.setJoint(id_, motion_.joint, motion_.keys[key].command);
-        given_ = key;
+        for (std::size_t i = 0; i < motions_.size(); ++i) {
+            const std::size_t key = keyAt(motions_[i], time);
+            if (key == kNone || key == given_[i]) continue;
+            server.setJoint(id_, motions_[i].joint, motions_[i].keys[key].command);
+            given_[i] = key;
+        }
     }
+
+    [[nodiscard]] const std::vector<std::size_t>& past() const { return given_; }
+    void goBack(const std::vector<std::size_t>& given) { given_ = given; }
 
 private:
     static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
     /// The key whose command holds at this time.
-    [[nodiscard]] std::size_t keyAt(double time) const
+    [[nodiscard]] static std::size_t keyAt(const JointMotion& motion, double time)
     {
-        const auto later = laterKey(motion_.keys, within(motion_, time));
-        if (later != motion_.keys.begin()) return static_cast<std::size_t>(later - motion_.keys.begin()) - 1;
+        const auto later = laterKey(motion.keys, within(motion, time));
+        if (later != motion.keys.begin()) return static_cast<std::size_t>(later - motion.keys.begin()) - 1;
         // In a motion that repeats, the last command holds until the first key of the next round.
-        const bool again = motion_.repeat && time >= motion_.keys.back().time;
-        return again ? motion_.keys.size() - 1 : kNone;
+        const bool again = motion.repeat && time >= motion.keys.back().time;
+        return again ? motion.keys.size() - 1 : kNone;
     }
 
     BodyId id_;
-    JointMotion motion_;
-    std::size_t given_ = kNone;
-    double last_ = 0.0, step_ = 0.0; ///< [s] end and length of the last step
+    std::vector<JointMotion> motions_;
+    std::vector<std::size_t> given_; ///< the last key of each
 };
 
 } // namespace
@@ -140,12 +143,10 @@ void followMotions(runtime::Simulation& simulation, BodyId id, const SceneBody& 
                 simulation.physics().setPose(id, poseAt(each, time), each.element);
         });
     }
-    std::vector<JointFollower> joints;
-    for (const JointMotion& each : body.jointMotions) joints.emplace_back(id, each);
-    if (!joints.empty())
-        simulation.everyStep([&simulation, joints](double time) mutable {
-            for (JointFollower& each : joints) each.give(simulation.physics(), time);
-        });
+    if (body.jointMotions.empty()) return;
+    const auto joints = std::make_shared<JointFollower>(id, body.jointMotions);
+    simulation.everyStep([&simulation, joints](double time) { joints->give(simulation.physics(), time); });
+    rememberPast(simulation, text("the joint motions of ", physics::describeBody(body.def)), joints);
 }
 
 } // namespace filasofia::scene

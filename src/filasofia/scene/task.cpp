@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/word.h"
 #include "filasofia/prefab/overlays.h"
+#include "filasofia/scene/remember_past.h"
 #include "filasofia/scene/scene_numbers.h"
 
 #include <algorithm>
@@ -35,6 +36,21 @@ public:
         opened.area += rupture.area;
         opened.pieces += static_cast<int>(rupture.detached.size());
     }
+    struct Opened {
+        double area = 0.0; ///< [m^2]
+        int pieces = 0;
+    };
+    using Past = std::map<BodyId, Opened>;
+    [[nodiscard]] Past past() const
+    {
+        const std::scoped_lock lock(mutex_);
+        return bodies_;
+    }
+    void goBack(const Past& past)
+    {
+        const std::scoped_lock lock(mutex_);
+        bodies_ = past;
+    }
     [[nodiscard]] bool reached(const Parted& wanted) const
     {
         const std::scoped_lock lock(mutex_);
@@ -43,12 +59,8 @@ public:
     }
 
 private:
-    struct Opened {
-        double area = 0.0; ///< [m^2]
-        int pieces = 0;
-    };
     mutable std::mutex mutex_;
-    std::map<BodyId, Opened> bodies_;
+    Past bodies_;
 };
 
 /// A condition with the ids of the bodies.
@@ -72,6 +84,10 @@ public:
         if (const auto* parted = std::get_if<Parted>(&condition_)) return middleOf(frame, parted->body);
         return {};
     }
+
+    /// [s], the first state of its step of the task; none: it is yet to come, or nobody asked.
+    [[nodiscard]] std::optional<double> past() const { return since_; }
+    void goBack(std::optional<double> since) { since_ = since; }
 
 private:
     static std::optional<Vec3> pointOf(const Frame& frame, const Reached& of)
@@ -151,9 +167,8 @@ private:
     const std::string path_;
 };
 
-prefab::TaskStep stepOf(const SceneTaskStep& step, Condition condition, const std::shared_ptr<const Partings>& partings)
+prefab::TaskStep stepOf(const SceneTaskStep& step, const std::shared_ptr<Watch>& watch)
 {
-    const auto watch = std::make_shared<Watch>(std::move(condition), partings);
     return {.name = step.name,
             .instruction = step.instruction,
             .timeLimit = step.timeLimit,
@@ -190,12 +205,15 @@ std::shared_ptr<const prefab::Task> addTask(runtime::Simulation& simulation, con
     const auto partings = std::make_shared<Partings>();
     simulation.on<runtime::CutEvent>([partings](const runtime::CutEvent& cut) { partings->add(cut.rupture); });
     simulation.on<runtime::TearEvent>([partings](const runtime::TearEvent& tear) { partings->add(tear.rupture); });
+    rememberPast(simulation, "what a task saw cut and torn", partings);
     prefab::TaskDef def{.name = task.name, .timeLimit = task.timeLimit, .tracker = tracker};
     for (std::size_t i = 0; i < task.steps.size(); ++i) {
         Condition condition = task.steps[i].done;
         SceneNumbers(ids).replaceIn(condition);
         std::visit(ConditionCheck(simulation.physics(), text("task.steps[", i, "]")), condition);
-        def.steps.push_back(stepOf(task.steps[i], std::move(condition), partings));
+        const auto watch = std::make_shared<Watch>(std::move(condition), partings);
+        def.steps.push_back(stepOf(task.steps[i], watch));
+        rememberPast(simulation, text("step ", i + 1, " of a task"), watch);
     }
     def.over = [&simulation, name = task.name](bool done) {
         simulation.finish(text("task '", prefab::shown(name), done ? "' is done" : "' is out of time"));

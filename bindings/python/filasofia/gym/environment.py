@@ -79,7 +79,8 @@ class SurgicalEnv(gymnasium.Env):
         self._bound("difficulty", difficulty, 0, self.levels - 1)
         self._bound("max_steps", max_steps, 1, 10**9)
         self._bound("frame_skip", frame_skip, 1, 1000)
-        if len(tuple(image_size)) != 2 or not all(isinstance(each, int) and 1 <= each <= 8192 for each in image_size):
+        sized = isinstance(image_size, (tuple, list)) and len(image_size) == 2
+        if not sized or not all(isinstance(each, int) and 1 <= each <= 8192 for each in image_size):
             name = type(self).__name__
             raise fs.Error(f"{name}: image_size must be two whole numbers in [1, 8192], got {image_size!r}")
         self.observation, self.action, self.difficulty, self.render_mode = observation, action, difficulty, render_mode

@@ -45,6 +45,8 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         except ValueError:
             known = ", ".join(repr(each.value) for each in AutoresetMode)
             raise fs.Error(f"VectorEnv: autoreset_mode must be one of {known}, got {autoreset_mode!r}") from None
+        if not isinstance(task, str) and not callable(task):
+            raise fs.Error(f"VectorEnv: task must be a class or the name of an environment, got {task!r}")
         self.num_envs, self._copy = num_envs, copy
         self._threads = min(threads or os.cpu_count() or 1, num_envs)
         self._pool = concurrent.futures.ThreadPoolExecutor(max(self._threads - 1, 1))  # the caller works, too
@@ -62,13 +64,19 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         self, *, seed: int | list[int | None] | None = None, options: dict[str, typing.Any] | None = None
     ) -> tuple[Array, dict[str, typing.Any]]:
         """Resets all; with a number as seed, environment i gets seed + i. `options["reset_mask"]` chooses some."""
+        if not isinstance(seed, (int, np.integer, list, tuple, type(None))):
+            raise fs.Error(f"VectorEnv: seed must be a number or {self.num_envs} of them, got {seed!r}")
         if isinstance(seed, (list, tuple)):
             seeds = list(seed)
         else:
             seeds = [None if seed is None else seed + i for i in range(self.num_envs)]
         if len(seeds) != self.num_envs:
             raise fs.Error(f"VectorEnv: seed must be a number or {self.num_envs} of them, got {len(seeds)}")
-        mask = (options or {}).get("reset_mask", True)
+        if not isinstance(options, (dict, type(None))):
+            raise fs.Error(f"VectorEnv: options must be a dict, got {options!r}")
+        mask = np.asarray((options or {}).get("reset_mask", True))
+        if mask.shape not in ((), (self.num_envs,)):
+            raise fs.Error(f"VectorEnv: reset_mask must have {self.num_envs} members, got {mask.tolist()}")
         chosen = np.flatnonzero(np.broadcast_to(mask, self.num_envs))
         infos: dict[str, typing.Any] = {}
         for i, (seen, info) in zip(chosen, self._all(lambda i: self.envs[i].reset(seed=seeds[i]), chosen)):
@@ -78,8 +86,9 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         return self._observations(), infos
 
     def step(self, actions: typing.Any) -> tuple[Array, Array, Array, Array, dict[str, typing.Any]]:
-        if len(actions) != self.num_envs:
-            raise fs.Error(f"VectorEnv: actions must be {self.num_envs}, got {len(actions)}")
+        if not hasattr(actions, "__len__") or len(actions) != self.num_envs:
+            got = len(actions) if hasattr(actions, "__len__") else repr(actions)
+            raise fs.Error(f"VectorEnv: actions must be {self.num_envs}, got {got}")
         if self.autoreset_mode == AutoresetMode.DISABLED and self._ended.any():
             raise fs.Error(f"VectorEnv: environment {int(self._ended.argmax())} has ended: reset it first")
         rewards = np.zeros(self.num_envs)
@@ -111,6 +120,8 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         One job for each thread, which takes environments until none is left: a job for each environment would cost as
         much as its observation.
         """
+        if self.closed:
+            raise gymnasium.error.ClosedEnvironmentError("VectorEnv: it is closed; make another one")
         chosen = [int(i) for i in (range(self.num_envs) if which is None else which)]
         found: list[typing.Any] = [None] * len(chosen)
         problems: dict[int, BaseException] = {}
