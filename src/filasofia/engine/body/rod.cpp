@@ -83,7 +83,8 @@ std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard)
 {
     std::vector<RodJoint> joints = rod.joints;
     for (std::size_t j = 0; j < joints.size(); ++j) {
-        const bool first = clamped(hard, j), second = clamped(hard, j + 1), both = first == second;
+        const auto isStiff = [&](std::size_t e) { return clamped(hard, e) || (!rod.held.empty() && rod.held[e]); };
+        const bool first = isStiff(j), second = isStiff(j + 1), both = first == second;
         const double length = 0.5 * ((both || second ? rod.edges[j].restLength : 0.0) +
                                      (both || first ? rod.edges[j + 1].restLength : 0.0));
         joints[j].bend = rod.bend / length;
@@ -130,6 +131,7 @@ void check(const Rod& rod, const RodState& state, std::size_t nodes, const std::
     checkSize(object, "rod.edges", rod.edges.size(), nodes - 1);
     checkSize(object, "rod.inertias", rod.inertias.size(), nodes - 1);
     checkSize(object, "rod.joints", rod.joints.size(), nodes - 2);
+    if (!rod.held.empty()) checkSize(object, "rod.held", rod.held.size(), nodes - 1);
     checkSize(object, "rod.directors", state.directors.size(), nodes - 1);
     checkSize(object, "rod.spins", state.spins.size(), nodes - 1);
     checkSize(object, "rod.twists", state.twists.size(), nodes - 2);

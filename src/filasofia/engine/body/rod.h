@@ -20,6 +20,9 @@ struct Rod {
     std::vector<RodJoint> joints = {};    ///< their stiffness follows from the pins: stiffJoints()
     std::vector<Vec3> directors = {};     ///< per edge, at the start
     std::vector<double> startTwists = {}; ///< [rad] per joint
+    /// Per edge: a hard attachment holds both nodes and the angle on a rigid body (findHeldEdges() in
+    /// contact/attachments.h). Empty: none
+    std::vector<bool> held = {};
 };
 
 /// What a rod's state has beside its nodes.
@@ -38,8 +41,9 @@ Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes);
 /// The state at the start.
 RodState stateAtStart(const Rod& rod);
 
-/// The joints with their stiffness. An edge whose two nodes are pinned (`hard`, per node) does not deform, so a joint
-/// beside it has only the other half of its length: without that, a clamped rod would be half an edge too long.
+/// The joints with their stiffness. An edge whose two nodes are pinned (`hard`, per node), or that is held, does not
+/// deform, so a joint beside it has only the other half of its length: without that, a clamped rod would be half an
+/// edge too long.
 std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard);
 
 /// Whether the material of an edge cannot turn about it: both its nodes are pinned.
