@@ -72,6 +72,20 @@ def test_a_hand_that_turns_a_thread_feels_its_moment():
     assert sim.frame[rod].directors.shape == (50, 3)
 
 
+def test_a_ring_has_as_many_edges_as_nodes_and_keeps_its_twist():
+    sim = fs.Simulation()
+    angle = 2 * np.pi * np.arange(40) / 40
+    points = np.stack([0.02 * np.cos(angle), 0.02 * np.sin(angle), 0 * angle], axis=1)
+    ring = sim.add(
+        fs.RodBodyDef(name="ring", points=points, closed=True, straight=False, twist=1.0, radius=5e-4, gravity=False)
+    )
+    for _ in range(20):
+        sim.step()
+    body = sim.frame[ring]
+    assert body.positions.shape == body.directors.shape == (40, 3)
+    assert np.allclose(np.linalg.norm(body.positions - np.roll(body.positions, 1, axis=0), axis=1), 0.003138, atol=1e-5)
+
+
 def test_errors_name_the_rod():
     sim = fs.Simulation()
     with pytest.raises(fs.Error, match="rod 'silk': points must have at least 2 entries"):

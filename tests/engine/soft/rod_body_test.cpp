@@ -2,6 +2,8 @@
 
 #include "engine/stage.h"
 
+#include <numbers>
+
 namespace rod_body_test {
 
 using namespace filasofia;
@@ -141,6 +143,37 @@ TEST_CASE("a coil of thread falls on a table and on itself, rests there, and sta
     CHECK(unconverged <= 15); // a percent of the steps, while it settles
     CHECK(touching > 50);
     CHECK(fastest(stage.soft()) < 0.01);
+}
+
+TEST_CASE("a twisted ring is held by its seam, falls on a table, and rests there as a whole")
+{
+    Stage stage;
+    stage.world.scene().gravity = kGravity;
+    RodBodyDef ring{.name = "ring", .closed = true, .radius = 0.5e-3, .youngModulus = 1e7, .straight = false};
+    for (int i = 0; i < 61; ++i) {
+        const double turn = 2.0 * std::numbers::pi * i / 61;
+        ring.points.push_back({0.02 * std::cos(turn), 4e-3 + 1e-3 * std::sin(2.0 * turn), 0.02 * std::sin(turn)});
+    }
+    ring.rayleigh.mass = 5.0;
+    ring.twist = 1.0;
+    ring.collision = RodCollision{};
+    stage.add(table());
+    stage.add(ring);
+    int touching = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const StepReport report = stage.step(1e-3);
+        touching = std::max(touching, report.contacts.active);
+        for (Vec3 x : stage.soft().x) REQUIRE(x.y > 0.8 * 0.5e-3);
+    }
+    CHECK(touching > 20);
+    CHECK(fastest(stage.soft()) < 0.01);
+    const auto& x = stage.soft().x;
+    for (const Spring& edge : stage.model().rod.edges)
+        CHECK_THAT(distance(x[static_cast<std::size_t>(edge.nodes[0])], x[static_cast<std::size_t>(edge.nodes[1])]),
+                   Catch::WithinRel(edge.restLength, 1e-2));
+    double whole = 0.0;
+    for (double each : stage.soft().rod.twists) whole += each;
+    CHECK(std::abs(whole) > 0.5); // it cannot unwind
 }
 
 TEST_CASE("1, 2 and 8 threads make the same hash of rods and tissue that touch")

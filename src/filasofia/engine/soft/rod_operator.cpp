@@ -58,6 +58,16 @@ void RodOperator::addPlaces(std::vector<BlockPlace>& out) const
         for (int i = first; i <= last; ++i) out.push_back({count + m, i});
         if (m > 0) out.push_back({count + m, count + m - 1});
     }
+    if (!system_.matrix().cyclic()) return;
+    const int blocks = (count + 2) / 3, before = count + (count - 2) / 3; // the block of the last edge but one
+    out.push_back({count - 1, 0});
+    out.push_back({count - 1, 1});
+    out.push_back({count - 2, 0});
+    out.push_back({count, count - 1});
+    out.push_back({count + blocks - 1, 0});
+    out.push_back({count + blocks - 1, 1});
+    out.push_back({count + blocks - 1, count});
+    if (before != count + blocks - 1) out.push_back({before, 0});
 }
 
 Mat3 RodOperator::compliance(int point) const
