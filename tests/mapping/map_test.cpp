@@ -82,6 +82,23 @@ TEST_CASE("a rod is drawn as a closed tube that turns outwards and goes through 
     CHECK(vertices.back() == moved.positions.back());
 }
 
+TEST_CASE("a ring is drawn as a tube without ends that does not pinch, however its line winds")
+{
+    std::vector<Vec3> line;
+    for (int i = 0; i < 60; ++i) {
+        const double s = 2.0 * M_PI * i / 60;
+        line.push_back({0.02 * std::cos(s), 0.02 * std::sin(s), 0.01 * std::sin(2.0 * s) + 0.004 * std::cos(3.0 * s)});
+    }
+    constexpr double radius = 5e-4;
+    const MappedSurface mapped = mapTube(line, radius, true);
+    geometry::check(mapped.surface, "tube");
+    double length = 0.0;
+    for (std::size_t i = 0; i < 60; ++i) length += distance(line[i], line[(i + 1) % 60]);
+    const double polygon = 6.0 * std::sin(M_PI / 6.0) * radius * radius;
+    CHECK_THAT(geometry::enclosedVolume(mapped.surface), Catch::WithinRel(polygon * length, 0.01));
+    CHECK(mapped.surface.vertices.size() == 12 * 240);
+}
+
 TEST_CASE("a rigid map is the element's pose")
 {
     const Pose second{{1, 2, 3}, axisAngle({0, 1, 0}, 0.5)};

@@ -55,6 +55,37 @@ def test_a_thread_falls_on_a_table_and_is_the_same_again_after_a_restore():
     assert sim.frame[rod].positions[:, 1].min() > 0.045
 
 
+def test_a_hand_that_turns_a_thread_feels_its_moment():
+    sim = fs.Simulation()
+    hand = sim.add(fs.RigidBodyDef(name="hand", elements=[fs.Pose((0, 0.05, 0))]))
+    ends = [fs.AttachmentDef(nodes=[49, 50]), fs.AttachmentDef(nodes=[0, 1], to=hand)]
+    rod = sim.add(thread(gravity=False, attachments=ends))
+    for i in range(300):
+        half = 0.5 * min(2.0, 0.02 * i)
+        sim.set_pose(hand, fs.Pose((0, 0.05, 0), (np.cos(half), np.sin(half), 0, 0)))
+        sim.step()
+    held = sim.frame.attachments
+    held = held[held["to"] != 0][0]
+    radius, length = 0.3e-3, 0.1 - 2 * 2e-3  # what is clamped does not twist
+    torsion = 2e7 / (2 * 1.4) * np.pi * radius**4 / 2
+    assert held["torque"] == pytest.approx([torsion * 2.0 / length, 0, 0], rel=1e-2, abs=1e-9)
+    assert sim.frame[rod].directors.shape == (50, 3)
+
+
+def test_a_ring_has_as_many_edges_as_nodes_and_keeps_its_twist():
+    sim = fs.Simulation()
+    angle = 2 * np.pi * np.arange(40) / 40
+    points = np.stack([0.02 * np.cos(angle), 0.02 * np.sin(angle), 0 * angle], axis=1)
+    ring = sim.add(
+        fs.RodBodyDef(name="ring", points=points, closed=True, straight=False, twist=1.0, radius=5e-4, gravity=False)
+    )
+    for _ in range(20):
+        sim.step()
+    body = sim.frame[ring]
+    assert body.positions.shape == body.directors.shape == (40, 3)
+    assert np.allclose(np.linalg.norm(body.positions - np.roll(body.positions, 1, axis=0), axis=1), 0.003138, atol=1e-5)
+
+
 def test_errors_name_the_rod():
     sim = fs.Simulation()
     with pytest.raises(fs.Error, match="rod 'silk': points must have at least 2 entries"):

@@ -1,8 +1,7 @@
-#include "verification/verification.h"
+#include "verification/rods.h"
 
 #include "filasofia/geometry/shapes.h"
 
-#include <numbers>
 #include <optional>
 
 namespace rod_test {
@@ -12,29 +11,6 @@ using namespace filasofia::engine;
 using namespace filasofia::physics;
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-double areaOf(const RodBodyDef& def) { return kPi * def.radius * def.radius; }
-double bendOf(const RodBodyDef& def) { return def.youngModulus * areaOf(def) * def.radius * def.radius / 4.0; }
-double twistOf(const RodBodyDef& def) { return bendOf(def) / (1.0 + def.poissonRatio); }
-
-/// A rod of this length along x from the origin, with an edge before it that clamps it.
-RodBodyDef clampedRod(double length, int edges)
-{
-    const double l = length / edges;
-    return {.points = {{-l, 0, 0}, {length, 0, 0}},
-            .spacing = l,
-            .radius = 1e-3,
-            .youngModulus = 1e8,
-            .poissonRatio = 0.4,
-            .rayleigh = {0.0, 0.0},
-            .gravity = false,
-            .attachments = {{.nodes = {0, 1}}}};
-}
-
-/// Steps that are so long that nothing swings, until nothing moves.
-void settle(Stage& stage, double dt, int steps) { stage.run(steps, dt); }
 
 /// The shape of a heavy cantilever that is horizontal where it is clamped (the elastica): B theta'' = -w (L - s) cos
 /// theta, theta = 0 at s = 0, theta' = 0 at s = L, by shooting and Runge-Kutta's method. Returns the end of the rod.

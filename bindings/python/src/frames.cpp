@@ -53,9 +53,10 @@ nb::handle contactType()
 nb::handle attachmentType()
 {
     static constexpr Column columns[] = {
-        {"id", "u4", offsetof(Attachment, id)},         {"body", "u4", offsetof(Attachment, body)},
-        {"to", "u4", offsetof(Attachment, to)},         {"force", "3f8", offsetof(Attachment, force)},
-        {"points", "i4", offsetof(Attachment, points)}, {"broken", "?", offsetof(Attachment, broken)}};
+        {"id", "u4", offsetof(Attachment, id)},          {"body", "u4", offsetof(Attachment, body)},
+        {"to", "u4", offsetof(Attachment, to)},          {"force", "3f8", offsetof(Attachment, force)},
+        {"torque", "3f8", offsetof(Attachment, torque)}, {"points", "i4", offsetof(Attachment, points)},
+        {"broken", "?", offsetof(Attachment, broken)}};
     return typeOf<Attachment>(columns);
 }
 nb::handle jointType()

@@ -13,8 +13,10 @@ namespace filasofia::frame {
 struct Attachment {
     AttachmentId id = {};
     BodyId body = {};
-    BodyId to = {};      ///< the other body; no body means space
-    Vec3 force = {};     ///< [N] on `body`, summed over the attached points; `to` gets the opposite
+    BodyId to = {};  ///< the other body; no body means space
+    Vec3 force = {}; ///< [N] on `body`, summed over the attached points; `to` gets the opposite
+    /// [N m] on `body`, a rod that turns with `to`: the moment about its edges, without those of the forces
+    Vec3 torque = {};
     int points = 0;      ///< number of attached points
     bool broken = false; ///< the force exceeded the attachment's strength
 };

@@ -29,6 +29,7 @@ struct BarycentricMap {
 struct TubeMap {
     int nodes = 0;       ///< how many the rod has
     double radius = 0.0; ///< [m]
+    bool closed = false; ///< a ring
 };
 
 using SoftMap = std::variant<IdentityMap, BarycentricMap, TubeMap>;
@@ -57,8 +58,9 @@ MappedSurface mapSheet(geometry::TriangleMesh rest);
 /// position of a node.
 MappedSurface mapSheet(const geometry::TriangleMesh& rest, geometry::TriangleMesh surface, const std::string& object);
 
-/// The tube around a rod with these nodes, in world coordinates, closed at both ends.
-MappedSurface mapTube(std::span<const Vec3> nodes, double radius);
+/// The tube around a rod with these nodes, in world coordinates, closed at both ends; or, if the rod is `closed`,
+/// around a ring.
+MappedSurface mapTube(std::span<const Vec3> nodes, double radius, bool closed = false);
 
 /// The surface with its vertices duplicated along edges with a dihedral angle of more than `angle` [rad], so that
 /// shading shows them: one vertex for each side of such an edge. Triangles keep their indices; uv are copied with their

@@ -20,13 +20,15 @@ struct RodCollision {
 };
 
 /// A body that is long, thin and round, such as a thread, a catheter or a guide wire. It resists stretching, bending
-/// and twisting; its nodes lie along its centre line.
+/// and twisting; its nodes lie along its centre line, from end to end, or around a ring.
 struct RodBodyDef {
     std::string name = "rod";
     /// [m], at least two: the corners of the centre line at the start, from one end to the other
     std::vector<Vec3> points = {};
+    /// the last point is joined to the first: a ring, which is not given its first point again at the end
+    bool closed = false;
     /// [m], > 0: nodes are placed along that line, about this far apart. Not given: its corners are the nodes. A rod
-    /// has at least three nodes, and at most 100,000
+    /// has at least three nodes, a ring eight, and at most 100,000
     std::optional<double> spacing = {};
     Pose pose = {};            ///< from the points' coordinates to the world
     double radius = 0.15e-3;   ///< [m], > 0
@@ -34,9 +36,11 @@ struct RodBodyDef {
     double poissonRatio = 0.4; ///< [-], in [0, 0.5]; the shear modulus follows from it
     double density = 1000.0;   ///< [kg/m^3], > 0
     bool straight = true;      ///< at rest it is straight; otherwise, it is at rest as its points lie
-    double twist = 0.0;        ///< [rad] by how much it is twisted at the start, evenly from its first edge to its last
-    Rayleigh rayleigh = {};    ///< Rayleigh damping
-    bool gravity = true;       ///< whether gravity acts on it
+    /// [rad] by how much it is twisted at the start, evenly from its first edge to its last; a ring is twisted by this
+    /// before its ends are joined
+    double twist = 0.0;
+    Rayleigh rayleigh = {}; ///< Rayleigh damping
+    bool gravity = true;    ///< whether gravity acts on it
     /// attachments of its nodes. An edge whose two nodes are pinned, such as the first one, does not turn about itself
     /// either: that clamps a rod
     std::vector<AttachmentDef> attachments = {};
@@ -60,6 +64,7 @@ constexpr auto fields(const RodBodyDef*)
     return describe(
         "RodBodyDef", field("name", &T::name, "its name in errors and reports"),
         field("points", &T::points, "m", finite(), "corners of the centre line, from end to end"),
+        field("closed", &T::closed, "a ring: the last point is joined to the first"),
         field("spacing", &T::spacing, "m", positive(), "distance of nodes along the line; none: its corners are nodes"),
         field("pose", &T::pose, "from the points' coordinates to the world"),
         field("radius", &T::radius, "m", positive(), "radius of the cross-section"),
@@ -67,7 +72,8 @@ constexpr auto fields(const RodBodyDef*)
         field("poissonRatio", &T::poissonRatio, "-", closed(0.0, 0.5), "for the stiffness against twisting"),
         field("density", &T::density, "kg/m^3", positive(), "mass per volume"),
         field("straight", &T::straight, "straight at rest; otherwise at rest as its points lie"),
-        field("twist", &T::twist, "rad", finite(), "twist at the start, from the first edge to the last"),
+        field("twist", &T::twist, "rad", finite(),
+              "twist at the start, from the first edge to the last, or around a ring"),
         field("rayleigh", &T::rayleigh, "Rayleigh damping"),
         field("gravity", &T::gravity, "whether gravity acts on it"),
         field("attachments", &T::attachments, "attachments of its nodes"),

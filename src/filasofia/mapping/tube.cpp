@@ -17,11 +17,22 @@ struct OnCurve {
     Vec3 place, direction;
 };
 
+/// The centre line of a rod or, if it is `closed`, of a ring.
+struct Line {
+    std::span<const Vec3> x;
+    bool closed = false;
+
+    [[nodiscard]] std::size_t edges() const { return closed ? x.size() : x.size() - 1; }
+    [[nodiscard]] Vec3 at(std::size_t node) const { return x[node % x.size()]; }
+};
+
 /// The curve through the nodes (Catmull and Rom 1974), at a fraction t of an edge.
-OnCurve curveAt(std::span<const Vec3> x, std::size_t edge, double t)
+OnCurve curveAt(const Line& line, std::size_t edge, double t)
 {
-    const Vec3 b = x[edge], c = x[edge + 1];
-    const Vec3 a = edge > 0 ? x[edge - 1] : b - (c - b), d = edge + 2 < x.size() ? x[edge + 2] : c + (c - b);
+    const std::size_t count = line.x.size();
+    const Vec3 b = line.at(edge), c = line.at(edge + 1);
+    const Vec3 a = edge > 0 || line.closed ? line.at(edge + count - 1) : b - (c - b);
+    const Vec3 d = edge + 2 < count || line.closed ? line.at(edge + 2) : c + (c - b);
     const Vec3 first = 0.5 * (c - a), second = 0.5 * (d - b); // directions at the nodes
     const double t2 = t * t, t3 = t2 * t;
     return {(2 * t3 - 3 * t2 + 1) * b + (t3 - 2 * t2 + t) * first + (3 * t2 - 2 * t3) * c + (t3 - t2) * second,
@@ -36,44 +47,65 @@ Vec3 carried(Vec3 across, Vec3 direction)
     return normalized(across - dot(across, direction) * direction, normalized(cross(direction, other)));
 }
 
-/// The vertices of all rings, then the middles of both ends.
-void place(std::span<const Vec3> x, double radius, std::span<Vec3> out)
+OnCurve ringAt(const Line& line, std::size_t ring)
 {
-    const std::size_t rings = kRings * (x.size() - 1) + 1;
+    const std::size_t edge = std::min(ring / kRings, line.edges() - 1);
+    return curveAt(line, edge, static_cast<double>(ring - kRings * edge) / kRings);
+}
+
+/// [rad] by how much a vector that is carried around a ring has turned about it when it is back: the rings of vertices
+/// turn back evenly.
+double turnAround(const Line& line)
+{
+    if (!line.closed) return 0.0;
+    const std::size_t rings = kRings * line.edges();
+    const OnCurve first = ringAt(line, 0);
+    const Vec3 start = carried({}, first.direction);
+    Vec3 across = start;
+    for (std::size_t ring = 1; ring <= rings; ++ring) across = carried(across, ringAt(line, ring).direction);
+    return std::atan2(dot(cross(start, across), first.direction), dot(start, across));
+}
+
+/// The vertices of all rings, then the middles of both ends.
+void place(const Line& line, double radius, std::span<Vec3> out)
+{
+    const std::size_t rings = kRings * line.edges() + (line.closed ? 0 : 1);
+    const double back = turnAround(line) / static_cast<double>(rings);
     Vec3 across;
     std::size_t vertex = 0;
     for (std::size_t ring = 0; ring < rings; ++ring) {
-        const std::size_t edge = std::min(ring / kRings, x.size() - 2);
-        const OnCurve at = curveAt(x, edge, static_cast<double>(ring - kRings * edge) / kRings);
+        const OnCurve at = ringAt(line, ring);
         across = carried(across, at.direction);
         const Vec3 third = cross(at.direction, across);
         for (int side = 0; side < kSides; ++side) {
-            const double angle = 2.0 * std::numbers::pi * side / kSides;
+            const double angle = 2.0 * std::numbers::pi * side / kSides - back * static_cast<double>(ring);
             out[vertex++] = at.place + radius * std::cos(angle) * across + radius * std::sin(angle) * third;
         }
     }
-    out[vertex++] = x.front();
-    out[vertex] = x.back();
+    if (line.closed) return;
+    out[vertex++] = line.x.front();
+    out[vertex] = line.x.back();
 }
 
 } // namespace
 
-MappedSurface mapTube(std::span<const Vec3> nodes, double radius)
+MappedSurface mapTube(std::span<const Vec3> nodes, double radius, bool closed)
 {
     FILASOFIA_ASSERT(nodes.size() >= 2 && radius > 0.0);
-    const int rings = kRings * static_cast<int>(nodes.size() - 1) + 1;
+    const Line line{nodes, closed};
+    const int gaps = kRings * static_cast<int>(line.edges()), rings = closed ? gaps : gaps + 1;
     MappedSurface mapped;
-    mapped.map = TubeMap{static_cast<int>(nodes.size()), radius};
-    mapped.surface.vertices.resize(static_cast<std::size_t>(rings * kSides + 2));
-    place(nodes, radius, mapped.surface.vertices);
-    const auto at = [](int ring, int side) { return kSides * ring + side % kSides; };
-    for (int ring = 0; ring + 1 < rings; ++ring)
+    mapped.map = TubeMap{static_cast<int>(nodes.size()), radius, closed};
+    mapped.surface.vertices.resize(static_cast<std::size_t>(rings * kSides + (closed ? 0 : 2)));
+    place(line, radius, mapped.surface.vertices);
+    const auto at = [&](int ring, int side) { return kSides * (ring % rings) + side % kSides; };
+    for (int ring = 0; ring < gaps; ++ring)
         for (int side = 0; side < kSides; ++side) {
             const int a = at(ring, side), b = at(ring, side + 1), c = at(ring + 1, side), d = at(ring + 1, side + 1);
             mapped.surface.triangles.push_back({a, b, c});
             mapped.surface.triangles.push_back({b, d, c});
         }
-    for (int side = 0; side < kSides; ++side) {
+    for (int side = 0; side < kSides && !closed; ++side) {
         mapped.surface.triangles.push_back({at(0, side + 1), at(0, side), kSides * rings});
         mapped.surface.triangles.push_back({at(rings - 1, side), at(rings - 1, side + 1), kSides * rings + 1});
     }
@@ -82,7 +114,7 @@ MappedSurface mapTube(std::span<const Vec3> nodes, double radius)
 
 void apply(const TubeMap& map, const frame::SoftBodyFrame& body, std::span<Vec3> vertices)
 {
-    place(std::span(body.positions).first(static_cast<std::size_t>(map.nodes)), map.radius, vertices);
+    place({std::span(body.positions).first(static_cast<std::size_t>(map.nodes)), map.closed}, map.radius, vertices);
 }
 
 } // namespace filasofia::mapping

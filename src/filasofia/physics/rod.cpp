@@ -11,6 +11,7 @@ namespace filasofia::physics {
 namespace {
 
 constexpr std::size_t kMinNodes = 3, kMaxNodes = 100000;
+constexpr std::size_t kMinRing = 8; // with fewer, the ends of the band matrix would meet (linalg/band_matrix.h)
 constexpr double kSharpest = -0.98; // [-] cosine of 168 degrees: at 180 degrees a fold has no direction
 
 /// Points at equal distances along the line through these corners.
@@ -31,13 +32,14 @@ std::vector<Vec3> resampled(const std::vector<Vec3>& corners, std::size_t edges,
     return nodes;
 }
 
-void checkNodes(const std::vector<Vec3>& nodes, const std::string& object, const char* list)
+void checkNodes(const std::vector<Vec3>& nodes, bool closed, const std::string& object, const char* list)
 {
-    for (std::size_t i = 0; i + 1 < nodes.size(); ++i)
-        if (!(distance(nodes[i], nodes[i + 1]) > 0.0))
-            fail(object, ": ", list, "[", i, "] and ", list, "[", i + 1, "] must be apart, their distance is 0 m");
-    for (std::size_t i = 1; i + 1 < nodes.size(); ++i) {
-        const Vec3 e = nodes[i] - nodes[i - 1], f = nodes[i + 1] - nodes[i];
+    const std::size_t count = nodes.size(), edges = closed ? count : count - 1;
+    for (std::size_t i = 0; i < edges; ++i)
+        if (const std::size_t k = (i + 1) % count; !(distance(nodes[i], nodes[k]) > 0.0))
+            fail(object, ": ", list, "[", i, "] and ", list, "[", k, "] must be apart, their distance is 0 m");
+    for (std::size_t i = closed ? 0 : 1; i < edges; ++i) {
+        const Vec3 e = nodes[i] - nodes[(i + count - 1) % count], f = nodes[(i + 1) % count] - nodes[i];
         if (const double cosine = dot(e, f) / (length(e) * length(f)); !(cosine > kSharpest))
             fail(object, ": the line must turn by less than 168 degrees at ", list, "[", i, "], turns by ",
                  std::acos(std::max(-1.0, cosine)) * 57.29577951308232, " degrees");
@@ -61,17 +63,26 @@ std::vector<Vec3> centreLine(const RodBodyDef& def)
         if (!nodes.empty()) whole += distance(nodes.back(), p);
         nodes.push_back(p);
     }
-    checkNodes(nodes, object, "points");
+    if (def.closed && nodes.size() < kMinNodes)
+        fail(object, ": points must have at least ", kMinNodes, " entries for a ring, got ", nodes.size());
+    checkNodes(nodes, def.closed, object, "points");
+    const std::size_t fewest = def.closed ? kMinRing : kMinNodes;
     if (def.spacing) {
-        const double edges = std::max(static_cast<double>(kMinNodes - 1), std::round(whole / *def.spacing));
+        if (def.closed) {
+            whole += distance(nodes.back(), nodes.front());
+            nodes.push_back(nodes.front());
+        }
+        const double edges =
+            std::max(static_cast<double>(def.closed ? kMinRing : kMinNodes - 1), std::round(whole / *def.spacing));
         if (!(edges < static_cast<double>(kMaxNodes)))
             fail(object, ": spacing must leave at most ", kMaxNodes, " nodes, got ", *def.spacing, " m on ", whole,
                  " m");
         nodes = resampled(nodes, static_cast<std::size_t>(edges), whole);
-        checkNodes(nodes, object, "nodes");
+        if (def.closed) nodes.pop_back();
+        checkNodes(nodes, def.closed, object, "nodes");
     }
-    if (nodes.size() < kMinNodes || nodes.size() > kMaxNodes)
-        fail(object, ": points must be in [", kMinNodes, ", ", kMaxNodes, "] without a spacing, got ", nodes.size());
+    if (nodes.size() < fewest || nodes.size() > kMaxNodes)
+        fail(object, ": points must be in [", fewest, ", ", kMaxNodes, "] without a spacing, got ", nodes.size());
     return nodes;
 }
 

@@ -39,7 +39,7 @@ mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const TriangleM
 mapping::MappedSurface mapRod(const physics::RodBodyDef& body, const TriangleMesh* surface, const std::string& object)
 {
     if (surface) fail(object, ": surface must be empty for a rod, which is drawn as a tube");
-    return mapping::mapTube(physics::centreLine(body), body.radius);
+    return mapping::mapTube(physics::centreLine(body), body.radius, body.closed);
 }
 
 TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, const std::string& object)

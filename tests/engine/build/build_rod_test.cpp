@@ -51,6 +51,25 @@ TEST_CASE("a rod has the mass of its volume, and nodes at equal distances along 
     CHECK(buildBody(def, 1e-3)->nodeCount() == 3);
 }
 
+TEST_CASE("a ring has as many edges and joints as nodes, and the mass of its whole length")
+{
+    RodBodyDef def = thread();
+    def.closed = true;
+    def.twist = 3.0;
+    def.points = {{0, 0, 0}, {0.05, 0, 0}, {0.05, 0.05, 0}, {0, 0.05, 0}};
+    const auto built = buildBody(def, 1e-3);
+    const SoftBody& body = dynamic_cast<BuiltSoftBody&>(*built).body;
+    CHECK(built->nodeCount() == 20);
+    CHECK(body.model.rod.edges.size() == 20);
+    CHECK(body.model.rod.joints.size() == 20);
+    CHECK(body.model.rod.edges.back().nodes == std::array{19, 0});
+    double mass = 0.0, twist = 0.0;
+    for (double each : body.model.masses) mass += each;
+    for (double each : body.state.rod.twists) twist += each;
+    CHECK_THAT(mass, Catch::WithinRel(def.density * std::numbers::pi * def.radius * def.radius * 0.2, 1e-12));
+    CHECK_THAT(twist, Catch::WithinRel(3.0, 1e-12));
+}
+
 TEST_CASE("what cannot be a rod is refused with one Error that names the rod, the field and the value")
 {
     const auto with = [](const auto& change) {
@@ -65,6 +84,18 @@ TEST_CASE("what cannot be a rod is refused with one Error that names the rod, th
     checkError(with([](RodBodyDef& d) { d.points.push_back({2e4, 0, 0}); }), "points[2] must lie within 10000 m");
     checkError(with([](RodBodyDef& d) { d.points.push_back({0, std::nan(""), 0}); }), "points");
     checkError(with([](RodBodyDef& d) { d.spacing = 1e-9; }), "spacing must leave at most 100000 nodes");
+    checkError(with([](RodBodyDef& d) { d.closed = true; }), "points must have at least 3 entries for a ring, got 2");
+    const auto ring = with([](RodBodyDef& d) {
+        d.closed = true;
+        d.spacing = {};
+        d.points = {{0, 0, 0}, {0.1, 0, 0}, {0.05, 0.1, 0}};
+    });
+    checkError(ring, "points must be in [8, 100000] without a spacing, got 3");
+    const auto repeated = with([](RodBodyDef& d) {
+        d.closed = true;
+        d.points = {{0, 0, 0}, {0.1, 0, 0}, {0.05, 0.1, 0}, {0, 0, 0}};
+    });
+    checkError(repeated, "points[3] and points[0] must be apart");
     checkError(with([](RodBodyDef& d) { d.spacing = 0.0; }), "spacing must be > 0 m, got 0");
     checkError(with([](RodBodyDef& d) { d.radius = 0.0; }), "radius must be > 0 m, got 0");
     checkError(with([](RodBodyDef& d) { d.youngModulus = -1.0; }), "youngModulus must be > 0 Pa, got -1");

@@ -2,6 +2,8 @@
 
 #include "engine/stage.h"
 
+#include <numbers>
+
 namespace rod_body_test {
 
 using namespace filasofia;
@@ -143,6 +145,37 @@ TEST_CASE("a coil of thread falls on a table and on itself, rests there, and sta
     CHECK(fastest(stage.soft()) < 0.01);
 }
 
+TEST_CASE("a twisted ring is held by its seam, falls on a table, and rests there as a whole")
+{
+    Stage stage;
+    stage.world.scene().gravity = kGravity;
+    RodBodyDef ring{.name = "ring", .closed = true, .radius = 0.5e-3, .youngModulus = 1e7, .straight = false};
+    for (int i = 0; i < 61; ++i) {
+        const double turn = 2.0 * std::numbers::pi * i / 61;
+        ring.points.push_back({0.02 * std::cos(turn), 4e-3 + 1e-3 * std::sin(2.0 * turn), 0.02 * std::sin(turn)});
+    }
+    ring.rayleigh.mass = 5.0;
+    ring.twist = 1.0;
+    ring.collision = RodCollision{};
+    stage.add(table());
+    stage.add(ring);
+    int touching = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const StepReport report = stage.step(1e-3);
+        touching = std::max(touching, report.contacts.active);
+        for (Vec3 x : stage.soft().x) REQUIRE(x.y > 0.8 * 0.5e-3);
+    }
+    CHECK(touching > 20);
+    CHECK(fastest(stage.soft()) < 0.01);
+    const auto& x = stage.soft().x;
+    for (const Spring& edge : stage.model().rod.edges)
+        CHECK_THAT(distance(x[static_cast<std::size_t>(edge.nodes[0])], x[static_cast<std::size_t>(edge.nodes[1])]),
+                   Catch::WithinRel(edge.restLength, 1e-2));
+    double whole = 0.0;
+    for (double each : stage.soft().rod.twists) whole += each;
+    CHECK(std::abs(whole) > 0.5); // it cannot unwind
+}
+
 TEST_CASE("1, 2 and 8 threads make the same hash of rods and tissue that touch")
 {
     const auto hashWith = [](int threads) {
@@ -212,6 +245,65 @@ TEST_CASE("a rod is carried by what its nodes are attached to, and tissue hangs 
     CHECK(frame.attachments[1].points > 0);
     CHECK(frame.softBody(organ)->positions[0].y > -0.1);
     CHECK(distance(frame.softBody(organ)->positions[0], frame.softBody(rod)->positions.back()) < 0.02);
+}
+
+TEST_CASE("an edge that a body holds turns with it, in a restored state too, and unwinds when it is released")
+{
+    Stage stage;
+    const BodyId hand = stage.add(RigidBodyDef{.name = "hand", .elements = {Pose{{0, 0.05, 0}, {}}}});
+    RodBodyDef def = thread(false);
+    def.gravity = false;
+    def.attachments = {{.nodes = {49, 50}}, {.nodes = {0, 1}, .to = hand}};
+    stage.add(def);
+    const auto turn = [&](int from, int to) {
+        for (int i = from; i < to; ++i) {
+            stage.post(SetPose{hand, 0, Pose{{0, 0.05, 0}, axisAngle({1, 0, 0}, 0.05 * (i + 1))}});
+            stage.step(1e-3);
+        }
+    };
+    stage.step(0.0);
+    const Vec3 first = stage.soft().rod.directors.front();
+    turn(0, 60);
+    const auto saved = stage.world.save();
+    turn(60, 100);
+    const std::uint64_t hash = stage.world.hash();
+    CHECK(distance(stage.soft().rod.directors.front(), rotate(axisAngle({1, 0, 0}, 5.0), first)) < 1e-3);
+    double whole = 0.0;
+    for (double each : stage.soft().rod.twists) whole += each;
+    CHECK_THAT(whole, Catch::WithinAbs(-5.0, 1e-2)); // of the last edge against the first
+    stage.world.restore(*saved);
+    turn(60, 100);
+    CHECK(stage.world.hash() == hash);
+    stage.post(Release{AttachmentId{2}});
+    stage.run(1000, 1e-3);
+    whole = 0.0;
+    for (double each : stage.soft().rod.twists) whole += each;
+    CHECK(std::abs(whole) < 0.01);
+    CHECK(stage.model().rod.held.empty());
+}
+
+TEST_CASE("a joint that turns a rod bears its moment")
+{
+    Stage stage;
+    RigidBodyDef handle{.name = "handle", .elements = {Pose{{0, 0.05, 0}, {}}}};
+    handle.articulation.joints = {{.axis = {1, 0, 0}, .speed = 100.0}};
+    const BodyId turned = stage.add(handle);
+    RodBodyDef def = thread(false);
+    def.gravity = false;
+    def.attachments = {{.nodes = {49, 50}}, {.nodes = {0, 1}, .to = turned, .element = 1}};
+    stage.add(def);
+    for (int i = 0; i <= 100; ++i) {
+        stage.post(SetJoint{turned, 0, JointPosition{0.02 * i}});
+        stage.step(1e-3);
+    }
+    stage.run(500, 1e-3);
+    frame::Frame frame;
+    stage.world.capture(frame);
+    const Vec3 torque = frame.attachments.at(1).torque;
+    // T theta / L, without the halves of the edges that are clamped
+    const double exact = stage.model().rod.twist * 2.0 / (0.1 - 2 * 2e-3);
+    CHECK(distance(torque, {exact, 0, 0}) < 1e-3 * exact);
+    CHECK_THAT(frame.rigidBodies.at(0).joints.at(0).load, Catch::WithinRel(-exact, 1e-3));
 }
 
 TEST_CASE("a step that numbers beyond all bounds spoil is undone, and the rod stays finite")

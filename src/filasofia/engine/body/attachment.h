@@ -23,12 +23,20 @@ struct AttachedPoint {
     Vec3 place;      ///< [m] rigid body: in the element's coordinates; space: in world coordinates
 };
 
+/// An edge of a rod that turns about itself as a rigid body does to which both its nodes are attached.
+struct AttachedTurn {
+    int edge = 0;
+    int element = 0; ///< of the rigid body
+    Vec3 director;   ///< that of the edge, in the element's coordinates
+};
+
 /// Pairs of points that are to coincide. A topology edit updates the points: their nodes are stored nowhere else.
 struct Attachment {
     AttachmentId id;
     BodyId body;                                     ///< the attached body
     BodyId to;                                       ///< the body that it is attached to; none: space
     std::vector<std::array<AttachedPoint, 2>> pairs; ///< a point of `body` and a point of `to`
+    std::vector<AttachedTurn> turns;                 ///< `body` is a rod and `to` is rigid
     double stiffness = 0.0;                          ///< [N/m] stiffness of each pair's spring; infinite: hard
     /// [N] the attachment breaks if the sum of its pairs' forces exceeds this; may be infinite.
     double breakForce = 0.0;

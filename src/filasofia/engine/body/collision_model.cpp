@@ -163,6 +163,7 @@ std::vector<CollisionModel> buildCollision(const physics::RodBodyDef& def, const
                              .group = def.collision->group,
                              .self = def.collision->self};
     for (int i = 0; i + 1 < static_cast<int>(nodes.size()); ++i) options.segments.push_back({i, i + 1});
+    if (def.closed) options.segments.push_back({0, static_cast<int>(nodes.size()) - 1});
     CollisionShape shape = makeCollisionShape({.vertices = nodes, .triangles = {}, .uv = {}}, options);
     CollisionModel model;
     model.proximity = proximity;

@@ -13,7 +13,7 @@ constexpr double kPi = 3.14159265358979323846;
 
 Vec3 directionOf(std::span<const Vec3> x, std::size_t edge)
 {
-    return normalized(x[edge + 1] - x[edge], {1.0, 0.0, 0.0});
+    return normalized(x[(edge + 1) % x.size()] - x[edge], {1.0, 0.0, 0.0});
 }
 
 /// A unit vector across another one.
@@ -32,12 +32,19 @@ Vec3 turnedAbout(Vec3 direction, Vec3 director, double angle)
 }
 
 /// Frames that do not turn about the line, from end to end: it is not twisted.
-std::vector<Vec3> parallelDirectors(std::span<const Vec3> x)
+std::vector<Vec3> parallelDirectors(std::span<const Vec3> x, std::size_t edges)
 {
     std::vector<Vec3> directors{anyAcross(directionOf(x, 0))};
-    for (std::size_t e = 1; e + 1 < x.size(); ++e)
+    for (std::size_t e = 1; e < edges; ++e)
         directors.push_back(transported(directors.back(), directionOf(x, e - 1), directionOf(x, e)));
     return directors;
+}
+
+/// [rad] in [-pi, pi]: the twist of a joint, as the directors show it.
+double twistAt(std::span<const Vec3> x, const std::vector<Vec3>& directors, std::size_t joint)
+{
+    const std::size_t next = (joint + 1) % directors.size();
+    return rodTwist({directors[joint], directors[next]}, {directionOf(x, joint), directionOf(x, next)});
 }
 
 } // namespace
@@ -48,28 +55,34 @@ Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes)
     const double shear = def.youngModulus / (2.0 * (1.0 + def.poissonRatio));
     Rod rod{.radius = r, .bend = def.youngModulus * second, .twist = shear * 2.0 * second};
     double whole = 0.0;
-    for (std::size_t e = 0; e + 1 < nodes.size(); ++e) {
-        const double l = distance(nodes[e], nodes[e + 1]);
-        rod.edges.push_back({.nodes = {static_cast<int>(e), static_cast<int>(e) + 1},
+    const std::size_t edges = def.closed ? nodes.size() : nodes.size() - 1, joints = def.closed ? edges : edges - 1;
+    for (std::size_t e = 0; e < edges; ++e) {
+        const std::size_t next = (e + 1) % nodes.size();
+        const double l = distance(nodes[e], nodes[next]);
+        rod.edges.push_back({.nodes = {static_cast<int>(e), static_cast<int>(next)},
                              .restLength = l,
                              .stiffness = def.youngModulus * area / l});
         rod.inertias.push_back(def.density * 2.0 * second * l);
         whole += l;
     }
     // The twist is even between the middles of the first edge and the last.
-    const double between = whole - 0.5 * (rod.edges.front().restLength + rod.edges.back().restLength);
-    rod.directors = parallelDirectors(nodes);
-    rod.joints.resize(nodes.size() - 2);
-    for (std::size_t j = 0; !def.straight && j < rod.joints.size(); ++j)
-        rod.joints[j].rest = curvatureInMaterial(
-            {.x = {nodes[j], nodes[j + 1], nodes[j + 2]}, .directors = {rod.directors[j], rod.directors[j + 1]}});
+    const double between =
+        whole - (def.closed ? 0.0 : 0.5 * (rod.edges.front().restLength + rod.edges.back().restLength));
+    rod.directors = parallelDirectors(nodes, edges);
+    rod.joints.resize(joints);
+    rod.startTwists.resize(joints);
+    const RodState untwisted{.directors = rod.directors, .spins = {}, .twists = rod.startTwists, .tensions = {}};
+    for (std::size_t j = 0; !def.straight && j < joints; ++j)
+        rod.joints[j].rest = curvatureInMaterial(placeAt(untwisted, nodes, j));
     double turned = 0.0;
-    for (std::size_t j = 0; j < rod.joints.size(); ++j) {
-        const double share = 0.5 * (rod.edges[j].restLength + rod.edges[j + 1].restLength) / between;
-        rod.startTwists.push_back(share * def.twist);
-        turned += share * def.twist;
-        rod.directors[j + 1] = turnedAbout(directionOf(nodes, j + 1), rod.directors[j + 1], turned);
+    for (std::size_t j = 0; j < joints; ++j) {
+        const std::size_t next = (j + 1) % edges;
+        const double share = 0.5 * (rod.edges[j].restLength + rod.edges[next].restLength) / between;
+        rod.startTwists[j] = share * def.twist;
+        turned += rod.startTwists[j];
+        if (next > 0) rod.directors[next] = turnedAbout(directionOf(nodes, next), rod.directors[next], turned);
     }
+    if (def.closed) rod.seam = rod.startTwists.back() - twistAt(nodes, rod.directors, joints - 1);
     return rod;
 }
 
@@ -83,9 +96,11 @@ std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard)
 {
     std::vector<RodJoint> joints = rod.joints;
     for (std::size_t j = 0; j < joints.size(); ++j) {
-        const bool first = clamped(hard, j), second = clamped(hard, j + 1), both = first == second;
+        const auto isStiff = [&](std::size_t e) { return clamped(hard, e) || (!rod.held.empty() && rod.held[e]); };
+        const std::size_t next = (j + 1) % rod.edges.size();
+        const bool first = isStiff(j), second = isStiff(next), both = first == second;
         const double length = 0.5 * ((both || second ? rod.edges[j].restLength : 0.0) +
-                                     (both || first ? rod.edges[j + 1].restLength : 0.0));
+                                     (both || first ? rod.edges[next].restLength : 0.0));
         joints[j].bend = rod.bend / length;
         joints[j].twist = rod.twist / length;
     }
@@ -94,12 +109,14 @@ std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard)
 
 RodPlace placeAt(const RodState& state, std::span<const Vec3> x, std::size_t joint)
 {
-    return {.x = {x[joint], x[joint + 1], x[joint + 2]},
-            .directors = {state.directors[joint], state.directors[joint + 1]},
+    const std::size_t nodes = x.size(), edges = state.directors.size();
+    return {.x = {x[joint], x[(joint + 1) % nodes], x[(joint + 2) % nodes]},
+            .directors = {state.directors[joint], state.directors[(joint + 1) % edges]},
             .twist = state.twists[joint]};
 }
 
-void moveRod(double dt, std::span<const Vec3> from, std::span<const Vec3> to, const RodState& state, RodState& out)
+void moveRod(double dt, std::span<const Vec3> from, std::span<const Vec3> to, double seam, const RodState& state,
+             RodState& out)
 {
     const std::size_t edges = state.directors.size();
     out.directors.resize(edges);
@@ -109,10 +126,8 @@ void moveRod(double dt, std::span<const Vec3> from, std::span<const Vec3> to, co
         const Vec3 carried = transported(state.directors[e], directionOf(from, e), now);
         out.directors[e] = turnedAbout(now, carried, dt * out.spins[e]);
     }
-    for (std::size_t j = 0; j + 1 < edges; ++j)
-        out.twists[j] =
-            unwound(rodTwist({out.directors[j], out.directors[j + 1]}, {directionOf(to, j), directionOf(to, j + 1)}),
-                    state.twists[j]);
+    for (std::size_t j = 0; j < out.twists.size(); ++j)
+        out.twists[j] = unwound(twistAt(to, out.directors, j) + (j + 1 == edges ? seam : 0.0), state.twists[j]);
 }
 
 void straighten(std::span<const Vec3> x, std::vector<Vec3>& directors)
@@ -127,13 +142,16 @@ void straighten(std::span<const Vec3> x, std::vector<Vec3>& directors)
 void check(const Rod& rod, const RodState& state, std::size_t nodes, const std::string& object)
 {
     if (rod.edges.empty()) return;
-    checkSize(object, "rod.edges", rod.edges.size(), nodes - 1);
-    checkSize(object, "rod.inertias", rod.inertias.size(), nodes - 1);
-    checkSize(object, "rod.joints", rod.joints.size(), nodes - 2);
-    checkSize(object, "rod.directors", state.directors.size(), nodes - 1);
-    checkSize(object, "rod.spins", state.spins.size(), nodes - 1);
-    checkSize(object, "rod.twists", state.twists.size(), nodes - 2);
-    checkSize(object, "rod.tensions", state.tensions.size(), nodes - 1);
+    const std::size_t edges = isRing(rod) ? nodes : nodes - 1, joints = isRing(rod) ? edges : edges - 1;
+    checkSize(object, "rod.edges", rod.edges.size(), edges);
+    checkSize(object, "rod.inertias", rod.inertias.size(), edges);
+    checkSize(object, "rod.joints", rod.joints.size(), joints);
+    if (!rod.held.empty()) checkSize(object, "rod.held", rod.held.size(), edges);
+    checkSize(object, "rod.directors", state.directors.size(), edges);
+    checkSize(object, "rod.spins", state.spins.size(), edges);
+    checkSize(object, "rod.twists", state.twists.size(), joints);
+    checkSize(object, "rod.tensions", state.tensions.size(), edges);
+    if (!std::isfinite(rod.seam)) fail(object, ": rod.seam must be finite");
     const auto positive = [&](const char* field, double value) {
         if (!(value > 0.0) || !std::isfinite(value)) fail(object, ": ", field, " must be > 0, got ", value);
     };

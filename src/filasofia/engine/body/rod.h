@@ -11,7 +11,7 @@
 namespace filasofia::engine {
 
 /// What a rod consists of; empty for all other bodies. Edge i lies between the nodes i and i + 1, joint i between the
-/// edges i and i + 1.
+/// edges i and i + 1. A ring has as many edges and joints as nodes: after the last one comes the first.
 struct Rod {
     double radius = 0.0;                  ///< [m]
     double bend = 0.0, twist = 0.0;       ///< [N m^2] B and T
@@ -20,6 +20,12 @@ struct Rod {
     std::vector<RodJoint> joints = {};    ///< their stiffness follows from the pins: stiffJoints()
     std::vector<Vec3> directors = {};     ///< per edge, at the start
     std::vector<double> startTwists = {}; ///< [rad] per joint
+    /// [rad] A ring is twisted by any angle before its ends are joined: by so much the material of its first edge is
+    /// ahead of that of its last edge at the last joint
+    double seam = 0.0;
+    /// Per edge: a hard attachment holds both nodes and the angle on a rigid body (findHeldEdges() in
+    /// contact/attachments.h). Empty: none
+    std::vector<bool> held = {};
 };
 
 /// What a rod's state has beside its nodes.
@@ -32,25 +38,32 @@ struct RodState {
     std::vector<double> tensions;
 };
 
+inline bool isRing(const Rod& rod) { return rod.edges.size() == rod.joints.size(); }
+
 /// A rod with these nodes at the start.
 Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes);
 
 /// The state at the start.
 RodState stateAtStart(const Rod& rod);
 
-/// The joints with their stiffness. An edge whose two nodes are pinned (`hard`, per node) does not deform, so a joint
-/// beside it has only the other half of its length: without that, a clamped rod would be half an edge too long.
+/// The joints with their stiffness. An edge whose two nodes are pinned (`hard`, per node), or that is held, does not
+/// deform, so a joint beside it has only the other half of its length: without that, a clamped rod would be half an
+/// edge too long.
 std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard);
 
 /// Whether the material of an edge cannot turn about it: both its nodes are pinned.
-inline bool clamped(const std::vector<bool>& hard, std::size_t edge) { return hard[edge] && hard[edge + 1]; }
+inline bool clamped(const std::vector<bool>& hard, std::size_t edge)
+{
+    return hard[edge] && hard[(edge + 1) % hard.size()];
+}
 
 /// The place of joint j.
 RodPlace placeAt(const RodState& state, std::span<const Vec3> x, std::size_t joint);
 
 /// Carries directors and twists along as the nodes move from one place to another and the material turns by
-/// dt * spins. `out` may be the state.
-void moveRod(double dt, std::span<const Vec3> from, std::span<const Vec3> to, const RodState& state, RodState& out);
+/// dt * spins. `seam` [rad]: Rod::seam. `out` may be the state.
+void moveRod(double dt, std::span<const Vec3> from, std::span<const Vec3> to, double seam, const RodState& state,
+             RodState& out);
 
 /// Makes every director a unit vector across its edge, where someone moved the nodes without it.
 void straighten(std::span<const Vec3> x, std::vector<Vec3>& directors);

@@ -24,6 +24,7 @@ Mat3 BlockOperator::compliance(int point) const
     const ContactPoint& at = points_[static_cast<std::size_t>(point)];
     const std::size_t i = unknownOf(at);
     if (!in_.turning) return inverse_[i];
+    if (at.axis) return {{{filasofia::dot(*at.axis, inverse_[i + 1] * *at.axis), 0.0, 0.0}, {}, {}}};
     const Mat3 arm = crossMatrix(at.arm); // v + omega x r, and the torque r x F
     return inverse_[i] + arm * inverse_[i + 1] * transpose(arm);
 }
@@ -32,6 +33,7 @@ void BlockOperator::addColumns(int point, std::vector<BlockColumns>& out) const
 {
     const ContactPoint& at = points_[static_cast<std::size_t>(point)];
     const int i = static_cast<int>(unknownOf(at));
+    if (at.axis) return out.push_back({i + 1, {{*at.axis, {}, {}}}});
     out.push_back({i, Mat3::identity()});
     if (in_.turning) out.push_back({i + 1, transpose(crossMatrix(at.arm))}); // omega x arm
 }
@@ -71,7 +73,10 @@ void BlockOperator::read(SolveVector from, std::span<Vec3> out) const
     const Vector& vector = vectorOf(from);
     for (std::size_t k = 0; k < points_.size(); ++k) {
         const std::size_t i = unknownOf(points_[k]);
-        out[k] = in_.turning ? vector[i] + cross(vector[i + 1], points_[k].arm) : vector[i];
+        if (points_[k].axis)
+            out[k] = {filasofia::dot(vector[i + 1], *points_[k].axis), 0.0, 0.0};
+        else
+            out[k] = in_.turning ? vector[i] + cross(vector[i + 1], points_[k].arm) : vector[i];
     }
 }
 
@@ -84,6 +89,10 @@ void BlockOperator::addTo(Vector& to, std::span<const Vec3> impulses) const
 {
     for (std::size_t k = 0; k < points_.size(); ++k) {
         const std::size_t i = unknownOf(points_[k]);
+        if (points_[k].axis) {
+            to[i + 1] += impulses[k].x * *points_[k].axis;
+            continue;
+        }
         to[i] += impulses[k];
         if (in_.turning) to[i + 1] += cross(points_[k].arm, impulses[k]);
     }

@@ -9,13 +9,16 @@
 namespace filasofia::engine {
 
 /// Where a constraint acts on a body: a node of a soft body; an element of a rigid body, with the lever arm from its
-/// centre of mass [m, world axes]; a link of an articulation, with the arm from the link's origin; or a joint of an
-/// articulation.
+/// centre of mass [m, world axes]; a link of an articulation, with the arm from the link's origin; a joint of an
+/// articulation; or, about an axis, an edge of a rod, an element or a link.
 struct ContactPoint {
     int node = 0; ///< soft bodies; 0 for all others, whose unknowns are all moved by one point
     Vec3 arm = {};
     int link = 0;
     std::optional<int> joint = {}; ///< if set, the constraint acts on this joint; `link` and `arm` are unused then
+    /// [m] if set, the constraint acts about this axis, a unit vector times a length: on the angular velocity of a
+    /// rigid body or a link, or on the spin of the rod's edge `node`. The velocity is along x, times the length
+    std::optional<Vec3> axis = {};
 };
 
 /// The vectors of conjugate gradients over one body: p the direction, r the residual, q = A p, w = D^-1 r, z the

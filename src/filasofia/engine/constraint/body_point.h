@@ -7,13 +7,18 @@
 
 namespace filasofia::engine {
 
-/// A point of a body, or of space, where a constraint acts.
+/// A point of a body, or of space, where a constraint acts; or what turns about an axis: an edge of a rod about itself,
+/// or an element of a rigid body.
 struct BodyPoint {
-    enum class Of { Space, Soft, Rigid, Joint };
+    enum class Of { Space, Soft, Rigid, Joint, RodEdge, Turning };
     Of of = Of::Space;
     /// Index among the soft bodies, or in the rigid plan; for a joint, the index there of its articulation's base.
     std::size_t body = 0;
     int joint = 0; ///< Joint: the joint's velocity is stored along x, times a length (JointInfo::arm)
+    int edge = 0;  ///< RodEdge
+    /// [m] RodEdge, Turning: a unit vector times a length. The velocity about it is stored along x, times that length,
+    /// and so is the angle in `position`
+    Vec3 axis = {};
     int count = 0; ///< Soft: number of nodes that the point is a weighted mean of, at most 12
     std::array<int, 12> nodes{};
     std::array<double, 12> weights{};

@@ -110,24 +110,25 @@ double nearestOn(Vec3 a, Vec3 b, Vec3 p)
 }
 
 /// Each point as a weighted mean of the ends of the nearest edge of a rod.
-std::vector<AttachedPoint> onRod(std::span<const Vec3> x, std::span<const Vec3> points)
+std::vector<AttachedPoint> onRod(const Rod& rod, std::span<const Vec3> x, std::span<const Vec3> points)
 {
     std::vector<AttachedPoint> found;
     for (Vec3 p : points) {
         std::size_t best = 0;
         double weight = 0.0, nearest = std::numeric_limits<double>::infinity();
-        for (std::size_t e = 0; e + 1 < x.size(); ++e) {
-            const double t = nearestOn(x[e], x[e + 1], p);
-            const double far = lengthSquared(p - x[e] - t * (x[e + 1] - x[e]));
+        for (std::size_t e = 0; e < rod.edges.size(); ++e) {
+            const Vec3 a = x[e], b = x[static_cast<std::size_t>(rod.edges[e].nodes[1])];
+            const double t = nearestOn(a, b, p);
+            const double far = lengthSquared(p - a - t * (b - a));
             if (!(far < nearest)) continue;
             nearest = far;
             best = e;
             weight = t;
         }
         AttachedPoint& point = found.emplace_back();
-        const int node = static_cast<int>(best);
-        if (weight < 1.0) point.nodes.push_back({node, 1.0 - weight});
-        if (weight > 0.0) point.nodes.push_back({node + 1, weight});
+        const auto [first, second] = rod.edges[best].nodes;
+        if (weight < 1.0) point.nodes.push_back({first, 1.0 - weight});
+        if (weight > 0.0) point.nodes.push_back({second, weight});
     }
     return found;
 }
@@ -168,7 +169,7 @@ std::vector<AttachedPoint> nearestNodes(const SoftModel& model, const SoftState&
 std::vector<AttachedPoint> embedded(const SoftModel& model, const SoftState& state, std::span<const Vec3> points)
 {
     if (!model.shell.membranes.empty()) return onShell(model, state, points);
-    if (isRod(model)) return onRod(state.x, points);
+    if (isRod(model)) return onRod(model.rod, state.x, points);
     const geometry::Embedding embedding = geometry::embed(meshNow(model, state), points);
     std::vector<AttachedPoint> found(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -221,9 +222,10 @@ void addNodesNear(const physics::AttachmentDef& def, std::span<const Vec3> x, co
     const bool soft = holder->soft;
     if (soft && isRod(scene.soft[holder->index].model)) { // near its surface, a tube
         const std::vector<Vec3>& line = scene.soft[holder->index].state.x;
-        const double radius = scene.soft[holder->index].model.rod.radius, within = def.within.value_or(radius);
+        const Rod& rod = scene.soft[holder->index].model.rod;
+        const double radius = rod.radius, within = def.within.value_or(radius);
         for (std::size_t i = 0; i < x.size(); ++i) {
-            const std::vector<AttachedPoint> nearest = onRod(line, x.subspan(i, 1));
+            const std::vector<AttachedPoint> nearest = onRod(rod, line, x.subspan(i, 1));
             Vec3 place;
             for (const NodeWeight& each : nearest.front().nodes)
                 place += each.weight * line[static_cast<std::size_t>(each.node)];

@@ -20,6 +20,8 @@ constexpr double kAttachmentRecovery = 0.1;
 constexpr double kAttachmentSpeed = 1.0; ///< [m/s]
 /// [m] how far a hard pair may move apart in a step before its multiplier is updated
 constexpr double kAttachmentTolerance = 1e-5;
+/// [rad] how far a rod may turn against its holder in a step before the multiplier is updated
+constexpr double kTurnTolerance = 1e-4;
 constexpr double kFailedRecovery = 0.05; ///< a recovery below this fraction of the requested one counts as failed
 
 constexpr std::array<Vec3, 3> kWorldAxes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
@@ -77,6 +79,39 @@ public:
         return out;
     }
 
+    /// An edge of a rod and the rigid body that it turns with. The angle is by how much the edge is ahead.
+    [[nodiscard]] std::array<BodyPoint, 2> of(const AttachedTurn& turn, std::size_t rod, std::size_t rigid) const
+    {
+        const SoftState& state = scene_.soft[rod].state;
+        const auto edge = static_cast<std::size_t>(turn.edge), element = static_cast<std::size_t>(turn.element);
+        const double radius = scene_.soft[rod].model.rod.radius;
+        const Vec3 along = normalized(state.x[(edge + 1) % state.x.size()] - state.x[edge], {1.0, 0.0, 0.0});
+        const Vec3 carried = rotate(scene_.rigid[rigid].state.poses[element].orientation, turn.director);
+        const Vec3 director = state.rod.directors[edge];
+        BodyPoint one, two;
+        one.of = BodyPoint::Of::RodEdge;
+        one.body = rod;
+        one.edge = turn.edge;
+        one.position.x = radius * std::atan2(dot(cross(carried, director), along),
+                                             dot(carried, director) - dot(carried, along) * dot(director, along));
+        one.velocity.x = radius * state.rod.spins[edge];
+        two.of = BodyPoint::Of::Turning;
+        two.body = firstElement_[rigid] + element;
+        two.velocity.x = radius * dot(plan_[two.body].angularVelocity, along);
+        one.axis = two.axis = radius * along;
+        return {one, two};
+    }
+
+    /// All that an attachment holds: its pairs, then its turns.
+    [[nodiscard]] std::vector<std::array<BodyPoint, 2>> of(const Attachment& attachment) const
+    {
+        std::vector<std::array<BodyPoint, 2>> out;
+        const auto body = findBody(scene_, attachment.body), to = findBody(scene_, attachment.to);
+        for (const auto& pair : attachment.pairs) out.push_back({of(pair[0], body), of(pair[1], to)});
+        for (const AttachedTurn& turn : attachment.turns) out.push_back(of(turn, body->index, to->index));
+        return out;
+    }
+
 private:
     const Scene& scene_;
     const RigidPlan& plan_;
@@ -98,7 +133,8 @@ Constraint weldOf(const Attachment& attachment, double dt, Vec3 carried, const s
     if (isHard(attachment)) {
         weld.bias = recovery(gap, dt);
         weld.impulse = dt * carried;
-        weld.tolerance = kAttachmentTolerance / dt;
+        const bool turning = sides[0].of == BodyPoint::Of::RodEdge;
+        weld.tolerance = (turning ? kTurnTolerance * length(sides[0].axis) : kAttachmentTolerance) / dt;
     } else {
         weld.softness = dt * dt * attachment.stiffness;
         weld.bias = 1.0 / dt * gap;
@@ -123,14 +159,19 @@ Vec3 nextStart(const Constraint& weld, double dt, Vec3 carried, Vec3 gapAfter)
 void keep(std::size_t attachment, double dt, std::span<const Constraint> welds, const Places& places, Scene& scene)
 {
     const Attachment& made = scene.attachments[attachment];
-    const auto body = findBody(scene, made.body), to = findBody(scene, made.to);
+    const std::vector<std::array<BodyPoint, 2>> after = places.of(made);
     frame::Attachment report{.id = made.id, .body = made.body, .to = made.to};
     report.points = static_cast<int>(made.pairs.size());
     for (std::size_t p = 0; p < welds.size(); ++p) {
         const Vec3 force = 1.0 / dt * welds[p].impulse;
-        if (isFinite(force)) report.force += force;
+        if (!isFinite(force))
+            ;
+        else if (p < made.pairs.size())
+            report.force += force;
+        else
+            report.torque += force.x * welds[p].sides[0].axis;
         Vec3& carried = scene.attachmentForces[attachment][p];
-        const Vec3 gap = places.of(made.pairs[p][0], body).position - places.of(made.pairs[p][1], to).position;
+        const Vec3 gap = after[p][0].position - after[p][1].position;
         const Vec3 next = isHard(made) ? 1.0 / dt * nextStart(welds[p], dt, carried, gap) : Vec3{};
         carried = isFinite(next) ? next : Vec3{};
     }
@@ -147,6 +188,25 @@ template <class Gone> void eraseAttachments(Scene& scene, const Gone& gone)
     }
 }
 
+/// The edges of a rod whose two nodes are attached to a rigid body.
+std::vector<AttachedTurn> turnsOf(const Attachment& attachment, const Scene& scene)
+{
+    const auto body = findBody(scene, attachment.body), to = findBody(scene, attachment.to);
+    if (!body->soft || !to || to->soft || !isRod(scene.soft[body->index].model)) return {};
+    const RodState& rod = scene.soft[body->index].state.rod;
+    std::vector<int> elements(scene.soft[body->index].model.rest.size(), -1); // per node: the element that holds it
+    for (const auto& pair : attachment.pairs)
+        for (const NodeWeight& each : pair[0].nodes) elements[static_cast<std::size_t>(each.node)] = pair[1].element;
+    std::vector<AttachedTurn> turns;
+    for (std::size_t e = 0; e < rod.directors.size(); ++e) {
+        if (elements[e] < 0 || elements[e] != elements[(e + 1) % elements.size()]) continue;
+        const auto element = static_cast<std::size_t>(elements[e]);
+        const Quat orientation = scene.rigid[to->index].state.poses[element].orientation;
+        turns.push_back({static_cast<int>(e), elements[e], rotate(conjugate(orientation), rod.directors[e])});
+    }
+    return turns;
+}
+
 /// `nothing`: the names of the fields whose regions hold no node.
 template <class Def> void attachAny(const AttachmentName& name, const Def& def, const std::string& nothing,
                                     Scene& scene, physics::StepReport& report)
@@ -157,9 +217,7 @@ template <class Def> void attachAny(const AttachmentName& name, const Def& def, 
         logWarning(nameOf(scene, name.body), ": attachment.", nothing, ": no node is there; nothing is attached");
         return;
     }
-    std::vector<Vec3> forces(pairs.size());
-    addAttachment({name.id, name.body, def.to, std::move(pairs), def.stiffness, def.breakForce}, std::move(forces),
-                  scene);
+    addAttachment({name.id, name.body, def.to, std::move(pairs), {}, def.stiffness, def.breakForce}, {}, scene);
 }
 
 } // namespace
@@ -177,11 +235,29 @@ void attach(const AttachmentName& name, const physics::RigidAttachmentDef& def, 
 
 void addAttachment(Attachment attachment, std::vector<Vec3> forces, Scene& scene)
 {
+    attachment.turns = turnsOf(attachment, scene);
+    forces.resize(attachment.pairs.size() + attachment.turns.size());
     const auto place = std::upper_bound(scene.attachments.begin(), scene.attachments.end(), attachment.id,
                                         [](AttachmentId id, const Attachment& other) { return id < other.id; });
     scene.attachmentForces.insert(scene.attachmentForces.begin() + (place - scene.attachments.begin()),
                                   std::move(forces));
     scene.attachments.insert(place, std::move(attachment));
+}
+
+void findHeldEdges(Scene& scene)
+{
+    for (SoftBody& body : scene.soft) {
+        if (!isRod(body.model)) continue;
+        std::vector<bool> held;
+        for (const Attachment& each : scene.attachments) {
+            if (each.body != body.model.id || !isHard(each)) continue;
+            held.resize(body.model.rod.edges.size());
+            for (const AttachedTurn& turn : each.turns) held[static_cast<std::size_t>(turn.edge)] = true;
+        }
+        if (held == body.model.rod.held) continue;
+        body.model.rod.held = std::move(held);
+        outdate(body.system.tuned, body.system);
+    }
 }
 
 void release(AttachmentId id, Scene& scene)
@@ -209,12 +285,8 @@ void addWelds(const StepContext& context, Scene& scene, Coupling& coupling)
     const Places places(scene, coupling.rigid);
     for (std::size_t a = 0; a < scene.attachments.size(); ++a) {
         const Attachment& attachment = scene.attachments[a];
-        const auto body = findBody(scene, attachment.body), to = findBody(scene, attachment.to);
-        for (std::size_t p = 0; p < attachment.pairs.size(); ++p) {
-            const auto& pair = attachment.pairs[p];
-            coupling.constraints.push_back(weldOf(attachment, dt, scene.attachmentForces[a][p],
-                                                  {places.of(pair[0], body), places.of(pair[1], to)}));
-        }
+        for (std::size_t p = 0; const auto& sides : places.of(attachment))
+            coupling.constraints.push_back(weldOf(attachment, dt, scene.attachmentForces[a][p++], sides));
     }
     coupling.weldCount = coupling.constraints.size() - coupling.contactCount;
 }
@@ -230,7 +302,7 @@ void keepWelds(double dt, const Coupling& coupling, Scene& scene)
     std::vector<AttachmentId> broken;
     const Places places(scene, coupling.rigid);
     for (std::size_t a = 0; a < scene.attachments.size(); ++a) {
-        const std::size_t count = scene.attachments[a].pairs.size();
+        const std::size_t count = scene.attachmentForces[a].size();
         keep(a, dt, welds.first(count), places, scene);
         welds = welds.subspan(count);
         if (scene.attachmentReports.back().broken) broken.push_back(scene.attachmentReports.back().id);

@@ -17,8 +17,12 @@ void attach(const AttachmentName& name, const physics::AttachmentDef& def, Scene
 void attach(const AttachmentName& name, const physics::RigidAttachmentDef& def, Scene& scene,
             physics::StepReport& report);
 
-/// Adds an attachment. `forces` [N] per pair, on its body, start the next solve.
+/// Adds an attachment. `forces` [N] per pair, on its body, start the next solve. The edges of a rod whose two nodes it
+/// holds on a rigid body turn with that body.
 void addAttachment(Attachment attachment, std::vector<Vec3> forces, Scene& scene);
+
+/// Finds the edges of rods that are clamped by attachments. The system of a rod where that has changed is outdated.
+void findHeldEdges(Scene& scene);
 
 /// Removes an attachment or a pending grasp. Does nothing if there is none with this id.
 void release(AttachmentId id, Scene& scene);

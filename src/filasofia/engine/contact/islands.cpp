@@ -33,7 +33,8 @@ private:
 std::optional<std::size_t> planPlace(const RigidPlan& plan, const BodyPoint& point)
 {
     if (point.of == BodyPoint::Of::Joint) return point.body;
-    if (point.of != BodyPoint::Of::Rigid || !plan[point.body].dynamic) return std::nullopt;
+    if (point.of != BodyPoint::Of::Rigid && point.of != BodyPoint::Of::Turning) return std::nullopt;
+    if (!plan[point.body].dynamic) return std::nullopt;
     return plan[point.body].articulation < 0 ? point.body : plan[point.body].base;
 }
 
@@ -41,7 +42,8 @@ std::vector<Island> findIslands(std::size_t softBodies, const RigidPlan& plan, s
 {
     const std::size_t soft = softBodies;
     const auto unitOf = [&](const BodyPoint& point) { // soft bodies, then the plan's elements
-        if (point.of == BodyPoint::Of::Soft && point.count > 0) return point.body;
+        if ((point.of == BodyPoint::Of::Soft && point.count > 0) || point.of == BodyPoint::Of::RodEdge)
+            return point.body;
         const auto place = planPlace(plan, point);
         return place ? soft + *place : kNoIsland;
     };

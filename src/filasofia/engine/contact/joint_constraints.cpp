@@ -56,17 +56,20 @@ Constraint frictionOf(const JointInfo& info, const ArticulationPlan& plan, doubl
     return friction;
 }
 
-/// Adds the load of a force at a point of a link to the joints that move the link.
+/// Adds the load of a force at a point of a link, or of a moment about it, to the joints that move the link.
 void addLoad(const Coupling& coupling, const BodyPoint& point, Vec3 force, Scene& scene)
 {
-    if (point.of != BodyPoint::Of::Rigid || coupling.rigid[point.body].articulation < 0) return;
+    const bool turning = point.of == BodyPoint::Of::Turning;
+    if ((point.of != BodyPoint::Of::Rigid && !turning) || coupling.rigid[point.body].articulation < 0) return;
     const RigidPlanElement& link = coupling.rigid[point.body];
     const ArticulationPlan& plan = coupling.articulations[static_cast<std::size_t>(link.articulation)];
     const LinkTree& tree = scene.rigid[plan.body].model.articulation.tree;
     for (int j = tree.jointOf[link.element]; j >= 0;
-         j = tree.jointOf[static_cast<std::size_t>(tree.joints[static_cast<std::size_t>(j)].parent)])
+         j = tree.jointOf[static_cast<std::size_t>(tree.joints[static_cast<std::size_t>(j)].parent)]) {
+        const LinkMotion column = columnAt(tree, plan.axes, j, point.position);
         scene.rigid[plan.body].state.joints[static_cast<std::size_t>(j)].now.load +=
-            dot(columnAt(tree, plan.axes, j, point.position).linear, force);
+            turning ? dot(column.angular, force.x * point.axis) : dot(column.linear, force);
+    }
 }
 
 } // namespace

@@ -171,13 +171,19 @@ private:
                 }
                 entries_.push_back({row, unit, point, sign * at.weights[k]});
             }
+        } else if (unit < softCount && at.of == BodyPoint::Of::RodEdge && at.body == island_.soft[unit]) {
+            if (clamped(scene_.soft[at.body].model.pins.hard, static_cast<std::size_t>(at.edge))) return;
+            entries_.push_back({row, unit, static_cast<int>(points[unit].size()), sign});
+            points[unit].push_back({.node = at.edge, .axis = at.axis});
         } else if (unit >= softCount && planPlace(coupling_.rigid, at) == island_.rigid[unit - softCount]) {
             entries_.push_back({row, unit, static_cast<int>(points[unit].size()), sign});
+            const int link = static_cast<int>(coupling_.rigid[at.body].element);
             if (at.of == BodyPoint::Of::Joint)
                 points[unit].push_back({.joint = at.joint});
+            else if (at.of == BodyPoint::Of::Turning)
+                points[unit].push_back({.link = link, .axis = at.axis});
             else
-                points[unit].push_back({.arm = at.position - coupling_.rigid[at.body].centre,
-                                        .link = static_cast<int>(coupling_.rigid[at.body].element)});
+                points[unit].push_back({.arm = at.position - coupling_.rigid[at.body].centre, .link = link});
         }
     }
 

@@ -22,11 +22,12 @@ double ArticulationOperator::begin(std::span<const ContactPoint> points)
             const int joint = plan_.free[f];
             if (point.joint)
                 columns_.push_back(joint == *point.joint ? Vec3{plan_.arms[f], 0.0, 0.0} : Vec3{});
-            else if (moves(tree_, joint, point.link))
-                columns_.push_back(
-                    columnAt(tree_, plan_.axes, joint, origins_[static_cast<std::size_t>(point.link)] + point.arm)
-                        .linear);
-            else
+            else if (moves(tree_, joint, point.link)) {
+                const LinkMotion column =
+                    columnAt(tree_, plan_.axes, joint, origins_[static_cast<std::size_t>(point.link)] + point.arm);
+                columns_.push_back(point.axis ? Vec3{filasofia::dot(column.angular, *point.axis), 0.0, 0.0}
+                                              : column.linear);
+            } else
                 columns_.push_back({});
         }
     std::ranges::fill(x_, 0.0);

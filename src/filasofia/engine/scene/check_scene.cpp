@@ -40,6 +40,17 @@ void checkAttachments(const Scene& scene)
         if (isKinematic(held) && isKinematic(holder))
             fail(object, ": two kinematic bodies cannot be attached: one of the two must be dynamic or soft");
     };
+    const auto checkTurn = [&](const AttachedTurn& turn, const Attachment& of, const std::string& object) {
+        const auto rod = findBody(scene, of.body), holder = findBody(scene, of.to);
+        if (!rod->soft || !holder || holder->soft) fail(object, ": only a rod turns, with a rigid body");
+        const std::size_t edges = scene.soft[rod->index].model.rod.edges.size();
+        const std::size_t elements = scene.rigid[holder->index].model.rest.size();
+        if (turn.edge < 0 || static_cast<std::size_t>(turn.edge) >= edges)
+            fail(object, ": edge must be in [0, ", edges, "), got ", turn.edge);
+        if (turn.element < 0 || static_cast<std::size_t>(turn.element) >= elements)
+            fail(object, ": element must be in [0, ", elements, "), got ", turn.element);
+        if (!isFinite(turn.director)) fail(object, ": director must be finite");
+    };
     for (std::size_t a = 0; a < scene.attachments.size(); ++a) {
         const Attachment& each = scene.attachments[a];
         const std::string object = text("attachment ", each.id.value);
@@ -48,14 +59,15 @@ void checkAttachments(const Scene& scene)
         checkPair(each.body, each.to, object);
         if (!positiveOrInfinite().contains(each.stiffness)) fail(object, ": stiffness must be > 0 N/m");
         if (!positiveOrInfinite().contains(each.breakForce)) fail(object, ": breakForce must be > 0 N");
-        if (scene.attachmentForces[a].size() != each.pairs.size())
-            fail(object, ": holding must have one entry per pair");
+        if (scene.attachmentForces[a].size() != each.pairs.size() + each.turns.size())
+            fail(object, ": holding must have one entry per pair and turn");
         for (const Vec3& force : scene.attachmentForces[a])
             if (!isFinite(force)) fail(object, ": holding must be finite");
         for (const auto& pair : each.pairs) {
             checkPoint(pair[0], each.body, object);
             checkPoint(pair[1], each.to, object);
         }
+        for (const AttachedTurn& turn : each.turns) checkTurn(turn, each, object);
     }
     for (std::size_t g = 0; g < scene.grasps.size(); ++g) {
         const PendingGrasp& each = scene.grasps[g];

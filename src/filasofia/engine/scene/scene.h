@@ -40,9 +40,11 @@ struct SceneState {
     std::vector<SheetSide> sides;               ///< the side of a sheet that points are on, ascending
     std::vector<frame::Contact> contactReports; ///< the last step's contacts, as frames carry them
 
-    std::vector<Attachment> attachments;             ///< ascending by id, without pins
-    std::vector<std::vector<Vec3>> attachmentForces; ///< [N] warm start per attachment and pair: the force on its body
-    std::vector<PendingGrasp> grasps;                ///< ascending by id
+    std::vector<Attachment> attachments; ///< ascending by id, without pins
+    /// [N] warm start per attachment: for each pair the force on its body, then for each turn the moment along x, over
+    /// the rod's radius
+    std::vector<std::vector<Vec3>> attachmentForces;
+    std::vector<PendingGrasp> grasps; ///< ascending by id
     std::vector<frame::Attachment>
         attachmentReports; ///< forces of the attachments in the last step, as frames carry them
 };

@@ -87,6 +87,11 @@ void addAttachments(Hasher& hash, const Scene& scene)
         hash.add(each.breakForce);
         for (const auto& pair : each.pairs)
             for (const AttachedPoint& point : pair) add(hash, point);
+        for (const AttachedTurn& turn : each.turns) {
+            hash.add(static_cast<std::uint64_t>(turn.edge));
+            hash.add(static_cast<std::uint64_t>(turn.element));
+            add(hash, turn.director);
+        }
     }
     for (const std::vector<Vec3>& attachment : scene.attachmentForces)
         for (const Vec3& force : attachment) add(hash, force);

@@ -12,8 +12,11 @@ RodOperator::RodOperator(const RodSystem& system, std::span<const Vec3> guess, d
 
 double RodOperator::begin(std::span<const ContactPoint> points)
 {
-    first_.clear();
-    for (const ContactPoint& each : points) first_.push_back(4 * static_cast<std::size_t>(each.node));
+    places_.clear();
+    for (const ContactPoint& each : points) {
+        const std::size_t first = 4 * static_cast<std::size_t>(each.node);
+        places_.push_back(each.axis ? Place{first + 3, length(*each.axis)} : Place{first, 0.0});
+    }
     std::ranges::fill(x_, 0.0);
     std::ranges::copy(system_.rightHandSide(), r_.begin());
     std::ranges::fill(p_, 0.0);
@@ -55,12 +58,26 @@ void RodOperator::addPlaces(std::vector<BlockPlace>& out) const
         for (int i = first; i <= last; ++i) out.push_back({count + m, i});
         if (m > 0) out.push_back({count + m, count + m - 1});
     }
+    if (!system_.matrix().cyclic()) return;
+    const int blocks = (count + 2) / 3, before = count + (count - 2) / 3; // the block of the last edge but one
+    out.push_back({count - 1, 0});
+    out.push_back({count - 1, 1});
+    out.push_back({count - 2, 0});
+    out.push_back({count, count - 1});
+    out.push_back({count + blocks - 1, 0});
+    out.push_back({count + blocks - 1, 1});
+    out.push_back({count + blocks - 1, count});
+    if (before != count + blocks - 1) out.push_back({before, 0});
 }
 
 Mat3 RodOperator::compliance(int point) const
 {
-    const std::size_t first = first_[static_cast<std::size_t>(point)];
+    const auto [first, arm] = places_[static_cast<std::size_t>(point)];
     Mat3 out;
+    if (arm > 0.0) {
+        out[0].x = arm * arm * inverse_.entry(first, first);
+        return out;
+    }
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t k = 0; k < 3; ++k)
             out[static_cast<int>(i)][static_cast<int>(k)] = inverse_.entry(first + i, first + k);
@@ -69,7 +86,12 @@ Mat3 RodOperator::compliance(int point) const
 
 void RodOperator::addColumns(int point, std::vector<BlockColumns>& out) const
 {
-    out.push_back({static_cast<int>(first_[static_cast<std::size_t>(point)] / 4), Mat3::identity()});
+    const auto [first, arm] = places_[static_cast<std::size_t>(point)];
+    const std::size_t i = first / 4;
+    if (arm == 0.0) return out.push_back({static_cast<int>(i), Mat3::identity()});
+    Mat3 turning;
+    turning[0][static_cast<int>(i % 3)] = arm;
+    out.push_back({static_cast<int>(nodes() + i / 3), turning});
 }
 
 double RodOperator::multiply()
@@ -101,8 +123,11 @@ void RodOperator::subtractSmoothed(std::span<const Vec3> impulses)
 void RodOperator::read(SolveVector from, std::span<Vec3> out) const
 {
     const Vector& vector = vectorOf(from);
-    for (std::size_t k = 0; k < first_.size(); ++k)
-        out[k] = {vector[first_[k]], vector[first_[k] + 1], vector[first_[k] + 2]};
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+        const auto [first, arm] = places_[k];
+        out[k] =
+            arm > 0.0 ? Vec3{arm * vector[first], 0.0, 0.0} : Vec3{vector[first], vector[first + 1], vector[first + 2]};
+    }
 }
 
 void RodOperator::add(std::span<const Vec3> impulses, SolveVector to)
@@ -112,8 +137,13 @@ void RodOperator::add(std::span<const Vec3> impulses, SolveVector to)
 
 void RodOperator::addTo(Vector& to, std::span<const Vec3> impulses) const
 {
-    for (std::size_t k = 0; k < first_.size(); ++k)
-        for (int i = 0; i < 3; ++i) to[first_[k] + static_cast<std::size_t>(i)] += impulses[k][i];
+    for (std::size_t k = 0; k < places_.size(); ++k) {
+        const auto [first, arm] = places_[k];
+        if (arm > 0.0)
+            to[first] += arm * impulses[k].x;
+        else
+            for (int i = 0; i < 3; ++i) to[first + static_cast<std::size_t>(i)] += impulses[k][i];
+    }
 }
 
 } // namespace filasofia::engine

@@ -37,8 +37,13 @@ private:
     const RodSystem& system_;
     std::span<const Vec3> guess_;
     double mass_;
-    linalg::BandMatrix inverse_;     ///< A^-1, within the band
-    std::vector<std::size_t> first_; ///< per contact point: the first unknown of its node
+    linalg::BandMatrix inverse_; ///< A^-1, within the band
+    /// Per contact point: the first unknown of its node; or that of an edge's spin, and a length [m], else 0.
+    struct Place {
+        std::size_t first = 0;
+        double arm = 0.0;
+    };
+    std::vector<Place> places_;
 };
 
 } // namespace filasofia::engine

@@ -20,8 +20,8 @@ RodVector velocitiesAt(const SoftState& state, std::size_t joint)
 {
     RodVector out{};
     for (std::size_t k = 0; k < 3; ++k)
-        for (int i = 0; i < 3; ++i) out[4 * k + static_cast<std::size_t>(i)] = state.v[joint + k][i];
-    for (std::size_t k = 0; k < 2; ++k) out[4 * k + 3] = state.rod.spins[joint + k];
+        for (int i = 0; i < 3; ++i) out[4 * k + static_cast<std::size_t>(i)] = state.v[(joint + k) % state.v.size()][i];
+    for (std::size_t k = 0; k < 2; ++k) out[4 * k + 3] = state.rod.spins[(joint + k) % state.rod.spins.size()];
     return out;
 }
 
@@ -32,17 +32,17 @@ double times(const RodVector& a, const RodVector& b)
     return sum;
 }
 
-Vec3 directionOf(std::span<const Vec3> x, std::size_t edge) { return normalized(x[edge + 1] - x[edge]); }
+Vec3 directionOf(std::span<const Vec3> x, std::size_t edge) { return normalized(x[(edge + 1) % x.size()] - x[edge]); }
 
 } // namespace
 
 RodSystem::RodSystem(const SoftModel& model)
-    : joints_(stiffJoints(model.rod, model.pins.hard)), fixed_(4 * model.rest.size()), matrix_(fixed_.size()),
-      forces_(fixed_.size()), stiffnessTimesVelocity_(fixed_.size()), rightHandSide_(fixed_.size()),
-      spinChanges_(model.rod.edges.size()), moved_(stateAtStart(model.rod))
+    : joints_(stiffJoints(model.rod, model.pins.hard)), fixed_(4 * model.rest.size()),
+      matrix_(fixed_.size(), isRing(model.rod)), forces_(fixed_.size()), stiffnessTimesVelocity_(fixed_.size()),
+      rightHandSide_(fixed_.size()), spinChanges_(model.rod.edges.size()), moved_(stateAtStart(model.rod))
 {
     for (std::size_t i = 0; i < model.rest.size(); ++i) {
-        const bool last = i + 1 == model.rest.size();
+        const bool last = i == model.rod.edges.size();
         for (std::size_t k = 0; k < 3; ++k) fixed_[unknownOf(i) + k] = model.pins.hard[i];
         fixed_[unknownOf(i) + 3] = last || clamped(model.pins.hard, i);
     }
@@ -83,6 +83,10 @@ void RodSystem::assemble(const SoftModel& model, std::span<const Vec3> given, do
     for (std::size_t u = 0; u < fixed_.size(); ++u)
         for (std::size_t k = 1; k <= linalg::BandMatrix::kWidth && u + k < fixed_.size(); ++k)
             if (fixed_[u] || fixed_[u + k]) matrix_.column(u)[k] = 0.0;
+    constexpr std::size_t corner = linalg::BandMatrix::kCorner;
+    for (std::size_t r = 0; matrix_.cyclic() && r < corner; ++r)
+        for (std::size_t c = 0; c < corner; ++c)
+            if (fixed_[fixed_.size() - corner + r] || fixed_[c]) matrix_.corner(r, c) = 0.0;
     if (factor_.factorise(matrix_)) return;
     // Numbers beyond all bounds: the masses alone do, and the step is undone if its solution is not usable.
     matrix_.setZero();
@@ -94,25 +98,26 @@ void RodSystem::addEdges(const SoftModel& model, double stiffness, double turnin
 {
     for (std::size_t e = 0; e < model.rod.edges.size(); ++e) {
         const Spring& edge = model.rod.edges[e];
-        const Vec3 force = springForce(edge, state.x[e], state.x[e + 1]);
+        const auto next = static_cast<std::size_t>(edge.nodes[1]);
+        const Vec3 force = springForce(edge, state.x[e], state.x[next]);
         const Vec3 direction = directionOf(state.x, e);
         const Mat3 along = outer(direction, direction);
         // Tension resists turning without damping it: a taut thread swings freely. Compression is left out, so that the
         // tangent is positive semi-definite.
         const double across =
-            std::max(0.0, state.rod.tensions[e]) / std::max(distance(state.x[e], state.x[e + 1]), 1e-12);
+            std::max(0.0, state.rod.tensions[e]) / std::max(distance(state.x[e], state.x[next]), 1e-12);
         const Mat3 k = edge.stiffness * along + turning * across * (Mat3::identity() - along);
-        const Vec3 kv = k * (state.v[e] - state.v[e + 1]);
+        const Vec3 kv = k * (state.v[e] - state.v[next]);
         add(force, e, forces_);
-        add(-force, e + 1, forces_);
+        add(-force, next, forces_);
         add(kv, e, stiffnessTimesVelocity_);
-        add(-kv, e + 1, stiffnessTimesVelocity_);
-        const std::size_t first = unknownOf(e), second = unknownOf(e + 1);
+        add(-kv, next, stiffnessTimesVelocity_);
+        const std::size_t first = unknownOf(e), second = unknownOf(next);
         for (int c = 0; c < 3; ++c)
             for (int r = 0; r < 3; ++r) {
                 const double value = stiffness * k[r][c];
                 const auto row = static_cast<std::size_t>(r), column = static_cast<std::size_t>(c);
-                matrix_.at(second + row, first + column) -= value;
+                matrix_.add(second + row, first + column, -value);
                 if (r < c) continue;
                 matrix_.at(first + row, first + column) += value;
                 matrix_.at(second + row, second + column) += value;
@@ -122,6 +127,13 @@ void RodSystem::addEdges(const SoftModel& model, double stiffness, double turnin
 
 void RodSystem::addToMatrix(std::size_t node, double factor, const RodVector& gradient)
 {
+    if (const std::size_t rows = fixed_.size(); unknownOf(node) + 11 > rows) { // around the seam of a ring
+        for (std::size_t c = 0; c < 11; ++c)
+            for (std::size_t r = c; r < 11; ++r)
+                matrix_.add((unknownOf(node) + r) % rows, (unknownOf(node) + c) % rows,
+                            factor * gradient[c] * gradient[r]);
+        return;
+    }
     // Twelve rows are within the band except for the last one against the first, which is unused.
     for (std::size_t c = 0; c < 11; ++c) {
         const double scaled = factor * gradient[c];
@@ -134,13 +146,14 @@ void RodSystem::addJoints(double stiffness, const SoftState& state)
 {
     for (std::size_t j = 0; j < joints_.size(); ++j) {
         RodPlace at = placeAt(state.rod, state.x, j);
-        at.directors = {directors_[j], directors_[j + 1]};
+        at.directors = {directors_[j], directors_[(j + 1) % directors_.size()]};
+        const auto unknown = [&](std::size_t i) { return (unknownOf(j) + i) % fixed_.size(); };
         const RodVector forces = rodForces(joints_[j], at), v = velocitiesAt(state, j);
-        for (std::size_t i = 0; i < 11; ++i) forces_[unknownOf(j) + i] += forces[i];
+        for (std::size_t i = 0; i < 11; ++i) forces_[unknown(i)] += forces[i];
         for (const RodTerm& term : rodTangent(joints_[j], at)) {
             if (term.stiffness == 0.0) continue;
             const double rate = term.stiffness * times(term.gradient, v);
-            for (std::size_t i = 0; i < 11; ++i) stiffnessTimesVelocity_[unknownOf(j) + i] += rate * term.gradient[i];
+            for (std::size_t i = 0; i < 11; ++i) stiffnessTimesVelocity_[unknown(i)] += rate * term.gradient[i];
             addToMatrix(j, stiffness * term.stiffness, term.gradient);
         }
     }
@@ -152,6 +165,7 @@ void RodSystem::addMasses(const SoftModel& model, double weight, const SoftState
         for (std::size_t k = 0; k < 3; ++k) matrix_.column(unknownOf(i) + k)[0] += weight * model.masses[i];
     for (std::size_t e = 0; e < model.rod.edges.size(); ++e)
         matrix_.column(unknownOf(e) + 3)[0] += weight * model.rod.inertias[e];
+    if (isRing(model.rod)) return;
     const std::size_t last = fixed_.size() - 1; // the unknown without an edge is as large as that before it
     matrix_.column(last)[0] = matrix_.column(last - 4)[0];
 }
@@ -178,11 +192,12 @@ bool RodSystem::move(double dt, const SoftModel& model, const SoftState& state, 
     for (std::size_t e = 0; e < spinChanges_.size(); ++e) {
         moved_.spins[e] += spinChanges_[e];
         const Spring& edge = model.rod.edges[e];
-        const double longer = distance(state.x[e], state.x[e + 1]) - edge.restLength;
-        const double rate = dot(directionOf(state.x, e), v[e + 1] - v[e]);
+        const auto next = static_cast<std::size_t>(edge.nodes[1]);
+        const double longer = distance(state.x[e], state.x[next]) - edge.restLength;
+        const double rate = dot(directionOf(state.x, e), v[next] - v[e]);
         moved_.tensions[e] = edge.stiffness * (longer + (dt + model.rayleigh.stiffness) * rate);
     }
-    moveRod(dt, state.x, x, moved_, moved_);
+    moveRod(dt, state.x, x, model.rod.seam, moved_, moved_);
     const auto finite = [](double each) { return std::isfinite(each); };
     return std::ranges::all_of(moved_.spins, finite) && std::ranges::all_of(moved_.tensions, finite) &&
            std::ranges::all_of(moved_.directors, [](Vec3 each) { return isFinite(each); });
@@ -193,11 +208,12 @@ void addRodForces(const SoftModel& model, const SoftState& state, std::vector<Ve
     const double beta = model.rayleigh.stiffness;
     for (std::size_t e = 0; e < model.rod.edges.size(); ++e) {
         const Spring& edge = model.rod.edges[e];
+        const auto next = static_cast<std::size_t>(edge.nodes[1]);
         const Vec3 direction = directionOf(state.x, e);
-        const Vec3 force = springForce(edge, state.x[e], state.x[e + 1]) +
-                           beta * edge.stiffness * dot(direction, state.v[e + 1] - state.v[e]) * direction;
+        const Vec3 force = springForce(edge, state.x[e], state.x[next]) +
+                           beta * edge.stiffness * dot(direction, state.v[next] - state.v[e]) * direction;
         forces[e] += force;
-        forces[e + 1] -= force;
+        forces[next] -= force;
     }
     const std::vector<RodJoint> joints = stiffJoints(model.rod, model.pins.hard);
     for (std::size_t j = 0; j < joints.size(); ++j) {
@@ -208,7 +224,8 @@ void addRodForces(const SoftModel& model, const SoftState& state, std::vector<Ve
             const double rate = beta * term.stiffness * times(term.gradient, v);
             for (std::size_t i = 0; i < sum.size(); ++i) sum[i] -= rate * term.gradient[i];
         }
-        for (std::size_t k = 0; k < 3; ++k) forces[j + k] += Vec3{sum[4 * k], sum[4 * k + 1], sum[4 * k + 2]};
+        for (std::size_t k = 0; k < 3; ++k)
+            forces[(j + k) % forces.size()] += Vec3{sum[4 * k], sum[4 * k + 1], sum[4 * k + 2]};
     }
 }
 

@@ -10,8 +10,8 @@ namespace filasofia::engine {
 
 /// The equations of one step of a rod, in double. Its unknowns are the changes of the velocities of its nodes and of
 /// the spins of its edges, a node and the edge behind it side by side: 4 i to 4 i + 2 belong to node i, 4 i + 3 to edge
-/// i. So the matrix is a band, and one factorisation solves the step, however stiff the rod is. The last number belongs
-/// to no edge and stays zero.
+/// i. So the matrix is a band, that of a ring a cyclic one, and one factorisation solves the step, however stiff the
+/// rod is. The last number belongs to no edge and stays zero, unless the rod is a ring.
 class RodSystem {
 public:
     /// Depends on what the model says of the rod and its pins.

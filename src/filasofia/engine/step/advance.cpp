@@ -98,7 +98,8 @@ void clearWarmStart(std::size_t body, std::vector<Constraint>& constraints)
 {
     for (Constraint& each : constraints)
         for (const BodyPoint& point : each.sides)
-            if (point.of == BodyPoint::Of::Soft && point.body == body) each.multiplier = {};
+            if ((point.of == BodyPoint::Of::Soft || point.of == BodyPoint::Of::RodEdge) && point.body == body)
+                each.multiplier = {};
 }
 
 /// How the solve of a body ended.

@@ -168,6 +168,7 @@ void applyCommands(const StepContext& context, std::span<physics::Command> comma
 
 void rebuildSystems(double period, Scene& scene)
 {
+    findHeldEdges(scene);
     for (SoftBody& body : scene.soft) {
         if (!body.system.outdated) continue;
         const bool tuned = body.system.tuned;
