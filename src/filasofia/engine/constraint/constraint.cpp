@@ -1,5 +1,6 @@
 #include "filasofia/engine/constraint/constraint.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace filasofia::engine {
@@ -19,10 +20,21 @@ void addImpulse(const ConstraintRows& rows, std::size_t c, Vec3 impulse, std::sp
         atPoints[static_cast<std::size_t>(each.point)] += each.weight * world;
 }
 
-Projected project(const Constraint& constraint, Vec3 y) { return project(constraint, y, constraint.friction * y.x); }
+double coneOf(const Constraint& constraint, Vec3 impulse)
+{
+    if (constraint.kind == ConstraintKind::Shaft)
+        return constraint.maxImpulse + constraint.friction * std::sqrt(impulse.y * impulse.y + impulse.z * impulse.z);
+    return constraint.bilateral() ? 0.0 : std::max(0.0, constraint.friction * impulse.x);
+}
+
+Projected project(const Constraint& constraint, Vec3 y) { return project(constraint, y, coneOf(constraint, y)); }
 
 Projected project(const Constraint& constraint, Vec3 y, double cone)
 {
+    if (constraint.kind == ConstraintKind::Shaft) {
+        const double slip = std::abs(y.x) > cone ? cone / std::abs(y.x) : 1.0;
+        return {{slip * y.x, y.y, y.z}, slip, true};
+    }
     if (!constraint.bilateral() && !(y.x > 0.0)) return {};
     if (std::abs(y.x) > constraint.maxImpulse)
         return {{std::copysign(constraint.maxImpulse, y.x), 0.0, 0.0}, 0.0, false};
