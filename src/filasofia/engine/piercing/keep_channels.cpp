@@ -57,8 +57,11 @@ void advanceTip(const Scene& scene, const LineShape& needle, Channel& channel)
     const Vec3 from = meanOf(channel.end, x), forward = needle.forward(0.0);
     const Vec3 to = needle.position(0.0) - giveOf(*tissue.model.puncture, needle) * forward;
     if (!(dot(to - from, forward) > 0.0)) return;
+    // A new point takes over what its neighbour's spring has taken up, or friction would dip each time.
     const auto addPoint = [&] {
-        channel.points.push_back({channel.end, needle.nearest(meanOf(channel.end, x), 0.0)});
+        const ChannelPoint& last = channel.points.back();
+        const double strained = last.held - needle.nearest(meanOf(last.nodes, x), last.held);
+        channel.points.push_back({channel.end, needle.nearest(meanOf(channel.end, x), 0.0) + strained, last.slides});
         channel.travelled = 0.0;
     };
     if (const auto reached = embed(to, channel.end, tissue.model, x)) {

@@ -13,9 +13,9 @@ namespace {
 /// A tip that pushes at the surface of tissue.
 struct Push {
     BodyId needle, tissue;
-    Vec3 force;             ///< [N] on the tissue, in this step
+    Vec3 force = {};        ///< [N] on the tissue, in this step
     double strongest = 0.0; ///< [N] of its contacts
-    BodyPoint place;        ///< in the tissue, where that one is
+    BodyPoint place = {};   ///< in the tissue, where that one is
 };
 
 bool hasNeedle(const Scene& scene, BodyId id, const BodyPoint& point, const RigidPlan& plan)
@@ -83,7 +83,7 @@ void puncture(double dt, const Coupling& coupling, Scene& scene)
         const std::vector<Vec3>& x = tissue.state.x;
         const auto entry = embedNearest(meanOf(touched, x), touched, tissue.model, x);
         if (!entry) continue;
-        Channel channel{.tissue = push.tissue, .lines = {{push.needle}}, .end = *entry};
+        Channel channel{.tissue = push.tissue, .lines = {{push.needle}}, .points = {}, .end = *entry};
         channel.points.push_back({*entry, needle.nearest(meanOf(*entry, x), 0.0)});
         scene.channels.push_back(std::move(channel));
     }
