@@ -35,6 +35,7 @@ struct ChannelPoint {
     std::vector<NodeWeight> nodes; ///< of one tetrahedron
     double held = 0.0;             ///< [m] the place on the lines that sticks to it, behind the needle's tip
     bool slides = false;           ///< the lines slid through it in the last step
+    double pressed = 0.0;          ///< [N] the force across the line in the last step
 };
 
 /// The channel of a needle in a tissue. A topology edit updates the points: their nodes are stored nowhere else.

@@ -61,7 +61,7 @@ struct ChannelInfo {
 /// A unilateral constraint requires C >= 0 along the normal: its normal impulse n only pushes, and its tangential
 /// impulse t is within Coulomb's cone |t| <= friction * n. A bilateral constraint requires C = 0 in all three rows, but
 /// applies at most maxImpulse along the first. A shaft requires C = 0 across its first axis, the line; along it, its
-/// impulse is bounded by maxImpulse + friction * |impulse across|.
+/// impulse is bounded by maxImpulse, dry friction.
 struct Constraint {
     ConstraintKind kind = ConstraintKind::Contact;
     std::array<BodyPoint, 2> sides = {};
@@ -132,16 +132,17 @@ inline Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 /// part scaled back to the friction cone. Bilateral: y itself. Both are bounded by maxImpulse.
 struct Projected {
     Vec3 impulse;
-    double slip = 0.0; ///< [-] in [0, 1]: the fraction of the part that friction bounds which is left
+    /// [-] in [0, 1]: the fraction of the stiffness that is left where friction bounds the impulse. For a contact, the
+    /// fraction of the tangential part; along a shaft, which has but one direction, 0 if it slides
+    double slip = 0.0;
     bool active = false;
 };
 /// [N s] What friction bounds: the tangential impulse of a contact, the impulse along a shaft.
 double coneOf(const Constraint& constraint, Vec3 impulse);
-/// The fractions of an impulse that are left, per axis of the frame.
-inline Vec3 sharesOf(const Constraint& constraint, double slip)
-{
-    return constraint.kind == ConstraintKind::Shaft ? Vec3{slip, 1.0, 1.0} : Vec3{1.0, slip, slip};
-}
+/// The fractions of the stiffness that are left, per axis of the frame; zeros unless the constraint is active.
+Vec3 sharesOf(const Constraint& constraint, const Projected& state);
+/// The impulse of the law that is linearised in a state: what touches stays, and so does what slides.
+Vec3 linearised(const Constraint& constraint, const Projected& state, Vec3 y);
 /// Projects onto Coulomb's cone, whose radius follows from the impulse.
 Projected project(const Constraint& constraint, Vec3 y);
 /// Projects onto a cone of fixed radius `cone` [N s] (Tresca's law), whatever the impulse is.

@@ -63,7 +63,7 @@ void CoupledSolve::makeFilter()
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
         row.state = row.now;
-        row.sigma = row.state.active ? times(row.stiffness, sharesOf(constraint(c), row.state.slip)) : Vec3{};
+        row.sigma = times(row.stiffness, sharesOf(constraint(c), row.state));
         filters_[c] = {};
         for (std::size_t k = firstOf(c); row.state.active && k < endOf(c); ++k)
             shareOf(k) += std::abs(constraints_->points[k].weight);

@@ -122,7 +122,7 @@ Vec3 CoupledSolve::lawAlong(std::size_t c, Vec3 u) const
 {
     const Row& row = rows_[c];
     if (!activeSetFrozen_) return project(constraint(c), reaction(c, u), row.cone).impulse;
-    return row.state.active ? times(sharesOf(constraint(c), row.state.slip), reaction(c, u)) : row.state.impulse;
+    return linearised(constraint(c), row.state, reaction(c, u));
 }
 
 void CoupledSolve::gather(SolveVector from)

@@ -61,7 +61,8 @@ void advanceTip(const Scene& scene, const LineShape& needle, Channel& channel)
     const auto addPoint = [&] {
         const ChannelPoint& last = channel.points.back();
         const double strained = last.held - needle.nearest(meanOf(last.nodes, x), last.held);
-        channel.points.push_back({channel.end, needle.nearest(meanOf(channel.end, x), 0.0) + strained, last.slides});
+        channel.points.push_back(
+            {channel.end, needle.nearest(meanOf(channel.end, x), 0.0) + strained, last.slides, last.pressed});
         channel.travelled = 0.0;
     };
     if (const auto reached = embed(to, channel.end, tissue.model, x)) {
@@ -88,7 +89,8 @@ void take(double dt, const Constraint& constraint, const Threading& now, Channel
     const auto k = static_cast<std::size_t>(constraint.channel.point);
     // The force says what the spring has taken up; the rest has slid.
     channel.points[k].held = now.places[k] - dt * impulse.x / constraint.softness;
-    channel.points[k].slides = std::abs(impulse.x) >= kSliding * coneOf(constraint, impulse);
+    channel.points[k].slides = std::abs(impulse.x) >= kSliding * constraint.maxImpulse;
+    channel.points[k].pressed = std::sqrt(impulse.y * impulse.y + impulse.z * impulse.z) / dt;
 }
 
 void reportPlaces(const Scene& scene, const Channel& channel, frame::Channel& report)
@@ -129,7 +131,7 @@ void keepChannels(double dt, const Coupling& coupling, Scene& scene)
     for (std::size_t c = 0; c < scene.channels.size(); ++c) {
         Channel& channel = scene.channels[c];
         for (std::size_t k = 0; k < now[c].places.size(); ++k)
-            if (!now[c].occupied(k)) channel.points[k].held = now[c].places[k];
+            if (!now[c].occupied(k)) channel.points[k] = {channel.points[k].nodes, now[c].places[k]};
         if (const auto needle = cuttingNeedle(scene, channel)) advanceTip(scene, *needle, channel);
         follow(scene, channel);
         reportPlaces(scene, channel, scene.channelReports[c]);

@@ -118,6 +118,7 @@ void addChannels(Hasher& hash, const Scene& scene)
             addPoint(point.nodes);
             hash.add(point.held);
             hash.add(static_cast<std::uint64_t>(point.slides));
+            hash.add(point.pressed);
         }
         addPoint(each.end);
         hash.add(each.travelled);
