@@ -45,6 +45,29 @@ TEST_CASE("a box has the volume of its edges, whatever its cells")
     }
 }
 
+TEST_CASE("a tube is closed, faces outwards, has the volume of its line times its section, and may be sharp")
+{
+    std::vector<Vec3> arc;
+    for (int i = 0; i <= 60; ++i) arc.push_back({0.02 * std::cos(kPi * i / 60), 0.02 * std::sin(kPi * i / 60), 0.0});
+    const double section = kPi * 1e-6, whole = kPi * 0.02;
+    for (const bool sharp : {false, true}) {
+        const auto tube = shapes::tube(arc, 1e-3, 48, sharp);
+        CHECK(facesOutwards(*tube));
+        const double lost = sharp ? 2.0 / 3.0 * whole / 60 : 0.0; // a cone in place of the first edge
+        CHECK(volumeOf(tube) == Approx(section * (whole - lost)).epsilon(4e-3));
+        CHECK(static_cast<int>(tube->vertices.size()) == (sharp ? 60 : 61) * 48 + 2);
+        for (const Vec3& v : tube->vertices) CHECK(std::abs(v.z) <= 1e-3 + 1e-15);
+    }
+    CHECK(shapes::tube(arc, 1e-3, 3, true)->vertices.size() == 60u * 3 + 2);
+    CHECK_THROWS_WITH(shapes::tube({{}}, 1e-3), "tube: points must have at least 2 entries, got 1");
+    CHECK_THROWS_WITH(shapes::tube({{}, {}}, 1e-3),
+                      "tube: points[0] and points[1] must be apart, their distance is 0 m");
+    CHECK_THROWS_WITH(shapes::tube({{}, {1, 0, 0}}, 0), "tube: radius must be > 0 m, got 0");
+    CHECK_THROWS_WITH(shapes::tube({{}, {1, 0, 0}}, 1, 2), "tube: sides must be in [3, 500], got 2");
+    CHECK_THROWS_WITH(shapes::tube({{}, {1, 0, 0}, {0, 0, 0}}, 0.1),
+                      "tube: the line must turn by less than 174 degrees at points[1]");
+}
+
 TEST_CASE("round shapes are closed, face outwards, and come as near to their volume as they are fine")
 {
     const double r = 0.01, l = 0.04;

@@ -225,6 +225,16 @@ void bindClosedShapes(nb::module_& module)
             return Triangles{geometry::shapes::cylinder(radius, length, quarter)};
         },
         nb::arg("radius"), nb::arg("length"), nb::arg("quarter") = 8, "A cylinder along y.");
+    module.def(
+        "tube",
+        [](nb::handle points, double radius, int sides, bool sharp) {
+            return Triangles{geometry::shapes::tube(readArgument<std::vector<Vec3>>(points, "tube", "points"), radius,
+                                                    sides, sharp)};
+        },
+        nb::arg("points").none(), nb::arg("radius"), nb::arg("sides") = 8, nb::arg("sharp") = false,
+        nb::sig("def tube(points: collections.abc.Sequence[collections.abc.Sequence[float]], radius: float, "
+                "sides: int = 8, sharp: bool = False) -> TriangleMesh"),
+        "A round tube of `radius` [m] along a line through `points` [m]; with `sharp`, its first end is a point.");
 }
 
 void bindFlatAndSolidShapes(nb::module_& module)

@@ -28,6 +28,11 @@ std::shared_ptr<const TriangleMesh> capsule(double radius, double length, int qu
 /// A cylinder of `radius` [m], > 0, and `length` [m], > 0, along y; `quarter` as for the sphere.
 std::shared_ptr<const TriangleMesh> cylinder(double radius, double length, int quarter = 8);
 
+/// A round tube of `radius` [m], > 0, along the line through `points` [m], at least two, with `sides` in [3, 500]
+/// around it. Its ends are flat; with `sharp`, the first one is a point.
+std::shared_ptr<const TriangleMesh> tube(const std::vector<Vec3>& points, double radius, int sides = 8,
+                                         bool sharp = false);
+
 /// A flat sheet of edges `width` along x and `depth` along z [m], each > 0, that faces up, with the given number of
 /// cells, in [1, 500], along each, two triangles per cell. All diagonals are parallel: a shell of it bends most
 /// exactly.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/physics/fem_material.h"
+#include "filasofia/physics/needle_def.h"
 #include "filasofia/physics/node_def.h"
 #include "filasofia/physics/rigid_body_def.h"
 #include "filasofia/physics/rod_body_def.h"
@@ -73,6 +74,7 @@ struct SoftBodyDef {
     /// Whether it may be cut and may tear, so that its elements change during the run. Blades are rigid bodies with a
     /// collision model that has `cutting` set.
     bool dynamicTopology = false;
+    std::optional<PunctureDef> puncture = {}; ///< how it resists needles; none: they cannot pierce it
 };
 
 using BodyDef = std::variant<SoftBodyDef, RigidBodyDef, RodBodyDef>;
@@ -123,7 +125,8 @@ constexpr auto fields(const SoftBodyDef*)
                     field("pressure", &T::pressure, "Pa", finite(), "pressure on the whole surface, positive inwards"),
                     field("collision", &T::collision, "its collision models"),
                     field("friction", &T::friction, "-", nonNegative(), "friction coefficient mu of Coulomb's law"),
-                    field("dynamicTopology", &T::dynamicTopology, "whether it may be cut and may tear"));
+                    field("dynamicTopology", &T::dynamicTopology, "whether it may be cut and may tear"),
+                    field("puncture", &T::puncture, "how it resists needles; none: they cannot pierce it"));
 }
 /// The body's kind and name as errors begin: "soft body 'uterus'".
 std::string describeBody(const BodyDef& def);

@@ -5,6 +5,7 @@
 #include "filasofia/physics/attachment_def.h"
 #include "filasofia/physics/collision_def.h"
 #include "filasofia/physics/mass_def.h"
+#include "filasofia/physics/needle_def.h"
 
 namespace filasofia::physics {
 
@@ -31,6 +32,7 @@ struct RigidBodyDef {
     double friction = 0.3; ///< [-], >= 0, Coulomb's mu; a pair of bodies uses the square root of the product of both
     std::vector<RigidAttachmentDef> attachments = {}; ///< attachments of its elements
     ArticulationDef articulation = {};                ///< joints between its elements
+    std::optional<NeedleDef> needle = {};             ///< none: it pierces nothing
 };
 
 constexpr auto fields(const RigidBodyDef*)
@@ -50,7 +52,8 @@ constexpr auto fields(const RigidBodyDef*)
         field("collision", &T::collision, "its collision models"),
         field("friction", &T::friction, "-", nonNegative(), "friction coefficient mu of Coulomb's law"),
         field("attachments", &T::attachments, "attachments of its elements"),
-        field("articulation", &T::articulation, "joints between its elements"));
+        field("articulation", &T::articulation, "joints between its elements"),
+        field("needle", &T::needle, "its needle; none: it pierces nothing"));
 }
 
 } // namespace filasofia::physics

@@ -46,6 +46,7 @@ struct RodBodyDef {
     std::vector<AttachmentDef> attachments = {};
     std::vector<NodalForce> forces = {};        ///< until changed by a command
     std::optional<RodCollision> collision = {}; ///< none: it collides with nothing
+    bool needle = false;   ///< its first node is a sharp tip, which pierces tissue that has a PunctureDef
     double friction = 0.3; ///< [-], >= 0, Coulomb's mu; a pair of bodies uses the square root of the product of both
 };
 
@@ -79,6 +80,7 @@ constexpr auto fields(const RodBodyDef*)
         field("attachments", &T::attachments, "attachments of its nodes"),
         field("forces", &T::forces, "prescribed nodal forces"),
         field("collision", &T::collision, "how it collides; none: with nothing"),
+        field("needle", &T::needle, "its first node is a sharp tip"),
         field("friction", &T::friction, "-", nonNegative(), "friction coefficient mu of Coulomb's law"));
 }
 

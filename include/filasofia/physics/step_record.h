@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/frame/attachment.h"
+#include "filasofia/frame/channel.h"
 #include "filasofia/frame/contact.h"
 #include "filasofia/physics/commands.h"
 #include "filasofia/physics/step.h"
@@ -15,6 +16,7 @@ struct StepRecord {
     std::vector<Pose> rigidPoses = {};         ///< poses of all rigid elements, in the order of bodies and elements
     std::vector<frame::Contact> contacts = {}; ///< contacts with their forces
     std::vector<frame::Attachment> attachments = {}; ///< attachments with their forces, in the order of ids
+    std::vector<frame::Channel> channels = {};       ///< channels of needles, in the order in which they began
 };
 
 } // namespace filasofia::physics

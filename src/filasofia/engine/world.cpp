@@ -5,6 +5,7 @@
 #include "filasofia/engine/contact/attachments.h"
 #include "filasofia/engine/contact/find_contacts.h"
 #include "filasofia/engine/contact/joint_constraints.h"
+#include "filasofia/engine/piercing/channels.h"
 #include "filasofia/engine/scene/state_hash.h"
 #include "filasofia/engine/step/advance.h"
 #include "filasofia/engine/step/apply_commands.h"
@@ -71,7 +72,9 @@ physics::StepReport World::step(const physics::StepInput& in)
     planRigid(scene_, in.dt, coupling_.rigid); // 2 how rigid bodies would move without constraints
     planArticulations(scene_, in.dt, coupling_.rigid, coupling_.articulations);
     findContacts(context, scene_, coupling_);      //   constraints: contacts
+    leaveToChannels(scene_, coupling_);            //   but not of needles with the tissue that they are in
     addWelds(context, scene_, coupling_);          //   attachments
+    addChannels(context, scene_, coupling_);       //   needles and threads in tissue
     addJointConstraints(in.dt, scene_, coupling_); //   limits and dry friction of joints
     report.times.contacts = watch.lap();
 
@@ -81,6 +84,8 @@ physics::StepReport World::step(const physics::StepInput& in)
     advance(context, scene_, coupling_);      // 4 solve; new velocities and positions
     keepContacts(context, coupling_, scene_); //   forces and warm starts of the constraints
     keepWelds(in.dt, coupling_, scene_);
+    keepChannels(in.dt, coupling_, scene_); //   needles slide and cut on
+    puncture(in.dt, coupling_, scene_);     //   and pierce new surfaces
     keepJoints(in.dt, coupling_, scene_);
     report.times.advance = watch.lap();
 
@@ -112,6 +117,7 @@ void World::capture(frame::Frame& out) const
     }
     out.contacts = scene_.contactReports;
     out.attachments = scene_.attachmentReports;
+    out.channels = scene_.channelReports;
     out.rigidBodies.resize(scene_.rigid.size());
     for (std::size_t b = 0; b < scene_.rigid.size(); ++b) {
         const RigidState& state = scene_.rigid[b].state;
@@ -131,6 +137,7 @@ void World::record(physics::StepRecord& out) const
         out.rigidPoses.insert(out.rigidPoses.end(), body.state.poses.begin(), body.state.poses.end());
     out.contacts = scene_.contactReports;
     out.attachments = scene_.attachmentReports;
+    out.channels = scene_.channelReports;
 }
 
 std::uint64_t World::hash() const { return hashOf(scene_); }

@@ -65,10 +65,37 @@ void checkKind(const SoftBodyDef& def, const std::string& object)
         fail(object, ": dynamicTopology must be false with a ShellMaterial: shells can be neither cut nor torn yet");
 }
 
+void check(const PunctureDef& def, const SoftBodyDef& body, const std::string& object)
+{
+    if (isShell(body)) fail(object, ": puncture must be none with a ShellMaterial: needles pierce tetrahedra only");
+    if (!def.stiffness && !std::holds_alternative<FemMaterial>(body.material))
+        fail(object, ": puncture.stiffness must be given with a MassSpringMaterial, which has no Young's modulus");
+    if (def.staticFriction && *def.staticFriction < def.friction)
+        fail(object, ": puncture.staticFriction must be >= friction, ", def.friction, " N/m, got ",
+             *def.staticFriction);
+}
+
+void check(const NeedleDef& def, std::size_t elements, const std::string& object)
+{
+    constexpr double kMostPoints = 500;
+    checkElement(def.element, elements, object + ".element");
+    if (def.line.size() < 2) fail(object, ".line must have at least 2 points, got ", def.line.size());
+    double whole = 0.0;
+    for (std::size_t i = 0; i + 1 < def.line.size(); ++i) {
+        const double edge = length(def.line[i + 1] - def.line[i]);
+        if (!(edge > 0.0)) fail(object, ".line[", i, "] and .line[", i + 1, "] must be apart, their distance is 0 m");
+        whole += edge;
+    }
+    if (!(whole < kFarthest)) fail(object, ".line must be shorter than ", kFarthest, " m, got ", whole);
+    if (!(whole <= kMostPoints * def.spacing))
+        fail(object, ".spacing must leave at most ", kMostPoints, " points, got ", def.spacing, " m on ", whole, " m");
+}
+
 void check(const SoftBodyDef& def)
 {
     const std::string object = text("soft body '", def.name, "'");
     checkKind(def, object);
+    if (def.puncture) check(*def.puncture, def, object);
     for (std::size_t i = 0; i < def.collision.size(); ++i)
         if (def.collision[i].element != 0)
             fail(object, ": collision[", i, "].element must be 0 for a soft body, got ", def.collision[i].element);
@@ -114,11 +141,14 @@ void check(const RigidBodyDef& def)
     }
     for (std::size_t i = 0; i < def.attachments.size(); ++i)
         checkElement(def.attachments[i].element, elementCount(def), text(object, ": attachments[", i, "].element"));
+    if (def.needle) check(*def.needle, elementCount(def), object + ": needle");
 }
 
 void check(const RodBodyDef& def)
 {
-    validate(def, text("rod '", def.name, "'"));
+    const std::string object = text("rod '", def.name, "'");
+    validate(def, object);
+    if (def.needle && def.closed) fail(object, ": needle must be false if closed: a ring has no tip");
     static_cast<void>(centreLine(def));
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 #include <variant>
+#include <vector>
 
 /// The functions that make meshes (geometry/shapes.h, geometry/mesh_file.h) as objects of a scene file, each named
 /// after its function.
@@ -43,6 +44,13 @@ struct CylinderShape {
     int quarter = 8;
     [[nodiscard]] TrianglePtr make() const { return geometry::shapes::cylinder(radius, length, quarter); }
 };
+struct TubeShape {
+    std::vector<Vec3> points = {};
+    double radius = 0.0;
+    int sides = 8;
+    bool sharp = false;
+    [[nodiscard]] TrianglePtr make() const { return geometry::shapes::tube(points, radius, sides, sharp); }
+};
 struct SheetShape {
     double width = 0.0;
     double depth = 0.0;
@@ -74,10 +82,10 @@ struct ScaledTetrahedra {
 };
 
 /// What a surface may be made of, and what a soft body may.
-using SurfaceShape =
-    std::variant<BoxShape, SphereShape, EllipsoidShape, CapsuleShape, CylinderShape, SheetShape, ScaledSurface>;
+using SurfaceShape = std::variant<BoxShape, SphereShape, EllipsoidShape, CapsuleShape, CylinderShape, TubeShape,
+                                  SheetShape, ScaledSurface>;
 using SoftShape = std::variant<BlockShape, ScaledTetrahedra, SheetShape, BoxShape, SphereShape, EllipsoidShape,
-                               CapsuleShape, CylinderShape, ScaledSurface>;
+                               CapsuleShape, CylinderShape, TubeShape, ScaledSurface>;
 
 constexpr auto fields(const BoxShape*)
 {
@@ -109,6 +117,14 @@ constexpr auto fields(const CylinderShape*)
     return describe("cylinder", field("radius", &T::radius, "m", positive(), "radius"),
                     field("length", &T::length, "m", positive(), "length, along y"),
                     field("quarter", &T::quarter, "-", closed(1, 500), "edges along a quarter of a circle"));
+}
+constexpr auto fields(const TubeShape*)
+{
+    using T = TubeShape;
+    return describe("tube", field("points", &T::points, "m", finite(), "the line along its middle"),
+                    field("radius", &T::radius, "m", positive(), "radius"),
+                    field("sides", &T::sides, "-", closed(3, 500), "edges around it"),
+                    field("sharp", &T::sharp, "the first end is a point"));
 }
 constexpr auto fields(const SheetShape*)
 {

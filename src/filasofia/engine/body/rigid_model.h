@@ -2,6 +2,7 @@
 
 #include "filasofia/core/body_id.h"
 #include "filasofia/engine/articulation/link_tree.h"
+#include "filasofia/engine/body/channel.h"
 #include "filasofia/engine/body/collision_model.h"
 #include "filasofia/frame/joint.h"
 #include "filasofia/geometry/triangle_mesh.h"
@@ -40,6 +41,7 @@ struct RigidModel {
     std::vector<CollisionModel> collision;
     std::shared_ptr<const geometry::TriangleMesh> surface; ///< in the element's coordinates; may be null
     ArticulationModel articulation;                        ///< joints between its elements
+    std::optional<Needle> needle;                          ///< none: it pierces nothing
 };
 
 /// Force and torque on a rigid element at its centre of mass, in world axes.

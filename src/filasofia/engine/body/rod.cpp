@@ -53,7 +53,7 @@ Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes)
 {
     const double r = def.radius, area = kPi * r * r, second = 0.25 * area * r * r; // second moment of area
     const double shear = def.youngModulus / (2.0 * (1.0 + def.poissonRatio));
-    Rod rod{.radius = r, .bend = def.youngModulus * second, .twist = shear * 2.0 * second};
+    Rod rod{.radius = r, .needle = def.needle, .bend = def.youngModulus * second, .twist = shear * 2.0 * second};
     double whole = 0.0;
     const std::size_t edges = def.closed ? nodes.size() : nodes.size() - 1, joints = def.closed ? edges : edges - 1;
     for (std::size_t e = 0; e < edges; ++e) {

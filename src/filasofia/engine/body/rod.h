@@ -14,6 +14,7 @@ namespace filasofia::engine {
 /// edges i and i + 1. A ring has as many edges and joints as nodes: after the last one comes the first.
 struct Rod {
     double radius = 0.0;                  ///< [m]
+    bool needle = false;                  ///< its first node is a sharp tip
     double bend = 0.0, twist = 0.0;       ///< [N m^2] B and T
     std::vector<Spring> edges = {};       ///< what it resists stretching with
     std::vector<double> inertias = {};    ///< [kg m^2] per edge, about itself

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/core/body_id.h"
+#include "filasofia/engine/body/channel.h"
 #include "filasofia/engine/body/collision_model.h"
 #include "filasofia/engine/body/pins.h"
 #include "filasofia/engine/body/rod.h"
@@ -14,6 +15,7 @@
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -51,10 +53,11 @@ struct SoftModel {
     bool gravity = true;
     double friction = 0.0; ///< [-] mu
     std::vector<CollisionModel> collision;
-    bool dynamicTopology = false;  ///< the body may be cut or torn
-    std::vector<BodyPiece> pieces; ///< ascending by number; empty while the body is whole
-    std::set<int> removed;         ///< removed pieces: their nodes are pinned and have no surface
-    double density = 0.0;          ///< [kg/m^3] of elements for which no region says another
+    std::optional<PunctureModel> puncture; ///< none: needles cannot pierce it
+    bool dynamicTopology = false;          ///< the body may be cut or torn
+    std::vector<BodyPiece> pieces;         ///< ascending by number; empty while the body is whole
+    std::set<int> removed;                 ///< removed pieces: their nodes are pinned and have no surface
+    double density = 0.0;                  ///< [kg/m^3] of elements for which no region says another
     /// [Pa] the smallest of all elements; infinite: never tears
     double tearingThreshold = std::numeric_limits<double>::infinity();
     /// [Pa] the smallest of all elements; infinite: none ever flows

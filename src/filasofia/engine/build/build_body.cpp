@@ -116,6 +116,18 @@ void warnOfSize(const std::string& object, const char* remedy, const std::vector
         logWarning(object, ": is ", size, " m large; if its coordinates are millimetres, use ", remedy);
 }
 
+PunctureModel punctureOf(const physics::SoftBodyDef& def)
+{
+    const physics::PunctureDef& from = *def.puncture;
+    constexpr double kStiffer = 10.0; // than the tissue
+    const auto* fem = std::get_if<physics::FemMaterial>(&def.material);
+    return {.force = from.force,
+            .cutting = from.cutting,
+            .friction = from.friction,
+            .staticFriction = from.staticFriction.value_or(from.friction),
+            .stiffness = from.stiffness ? *from.stiffness : kStiffer * fem->youngModulus};
+}
+
 /// Everything of a body of tetrahedra that depends on its mesh and material.
 void makeSolid(const physics::SoftBodyDef& def, const std::string& object, SoftModel& model)
 {
@@ -215,6 +227,7 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     model.gravity = def.gravity;
     model.friction = def.friction;
     model.dynamicTopology = def.dynamicTopology;
+    if (def.puncture) model.puncture = punctureOf(def);
     physics::isShell(def) ? makeSheet(def, object, model) : makeSolid(def, object, model);
     finish(def, object, built->body);
     built->body.state.pressure = def.pressure;

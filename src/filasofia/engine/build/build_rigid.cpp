@@ -64,6 +64,9 @@ std::unique_ptr<physics::BuiltBody> buildRigid(const physics::RigidBodyDef& def)
     model.friction = def.friction;
     model.collision = buildCollision(def);
     model.surface = physics::loadMesh(def.mesh, text("rigid body '", def.name, "': mesh"));
+    if (def.needle)
+        model.needle = Needle{static_cast<std::size_t>(def.needle->element), def.needle->radius, def.needle->spacing,
+                              def.needle->line};
     model.startVelocity = def.velocity;
     model.startAngularVelocity = def.angularVelocity;
     built->body.state = stateAtStart(model);

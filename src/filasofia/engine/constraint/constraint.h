@@ -15,7 +15,8 @@ namespace filasofia::engine {
 
 /// Contacts and joint limits are unilateral: they only push. Welds (attachments, grasps) and the dry friction of joints
 /// are bilateral.
-enum class ConstraintKind { Contact, Weld, JointLimit, JointFriction };
+/// A shaft in a channel is bilateral, with friction along its first axis; a tip only pushes.
+enum class ConstraintKind { Contact, Weld, JointLimit, JointFriction, Shaft, Tip };
 
 /// Identifies a contact from step to step, and holds the force that its next solve starts from.
 struct CachedContact {
@@ -41,6 +42,13 @@ struct JointInfo {
     bool upper = false; ///< JointLimit: true for the upper limit
 };
 
+/// The data of a constraint of kind Shaft or Tip beyond its law.
+struct ChannelInfo {
+    static constexpr int kTip = -1;
+    std::size_t channel = 0; ///< index in SceneState::channels
+    int point = kTip;        ///< index of its point
+};
+
 /// Two points and the law between them: a contact, a pair of points of an attachment, a joint limit or a joint's
 /// friction.
 ///
@@ -52,7 +60,8 @@ struct JointInfo {
 ///
 /// A unilateral constraint requires C >= 0 along the normal: its normal impulse n only pushes, and its tangential
 /// impulse t is within Coulomb's cone |t| <= friction * n. A bilateral constraint requires C = 0 in all three rows, but
-/// applies at most maxImpulse along the first.
+/// applies at most maxImpulse along the first. A shaft requires C = 0 across its first axis, the line; along it, its
+/// impulse is bounded by maxImpulse, dry friction.
 struct Constraint {
     ConstraintKind kind = ConstraintKind::Contact;
     std::array<BodyPoint, 2> sides = {};
@@ -70,10 +79,11 @@ struct Constraint {
 
     ContactInfo contact = {}; ///< kind Contact only
     JointInfo joint = {};     ///< kinds JointLimit and JointFriction only
+    ChannelInfo channel = {}; ///< kinds Shaft and Tip only
 
     [[nodiscard]] bool bilateral() const
     {
-        return kind == ConstraintKind::Weld || kind == ConstraintKind::JointFriction;
+        return kind == ConstraintKind::Weld || kind == ConstraintKind::JointFriction || kind == ConstraintKind::Shaft;
     }
 };
 
@@ -122,12 +132,20 @@ inline Vec3 times(Vec3 a, Vec3 b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
 /// part scaled back to the friction cone. Bilateral: y itself. Both are bounded by maxImpulse.
 struct Projected {
     Vec3 impulse;
-    double slip = 0.0; ///< [-] in [0, 1]: the fraction of the tangential part that is left
+    /// [-] in [0, 1]: the fraction of the stiffness that is left where friction bounds the impulse. For a contact, the
+    /// fraction of the tangential part; along a shaft, which has but one direction, 0 if it slides
+    double slip = 0.0;
     bool active = false;
 };
-/// Projects onto Coulomb's cone, whose radius follows from the normal impulse.
+/// [N s] What friction bounds: the tangential impulse of a contact, the impulse along a shaft.
+double coneOf(const Constraint& constraint, Vec3 impulse);
+/// The fractions of the stiffness that are left, per axis of the frame; zeros unless the constraint is active.
+Vec3 sharesOf(const Constraint& constraint, const Projected& state);
+/// The impulse of the law that is linearised in a state: what touches stays, and so does what slides.
+Vec3 linearised(const Constraint& constraint, const Projected& state, Vec3 y);
+/// Projects onto Coulomb's cone, whose radius follows from the impulse.
 Projected project(const Constraint& constraint, Vec3 y);
-/// Projects onto a cone of fixed radius `cone` [N s] (Tresca's law), whatever the normal impulse is.
+/// Projects onto a cone of fixed radius `cone` [N s] (Tresca's law), whatever the impulse is.
 Projected project(const Constraint& constraint, Vec3 y, double cone);
 
 } // namespace filasofia::engine

@@ -63,7 +63,7 @@ void CoupledSolve::makeFilter()
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
         row.state = row.now;
-        row.sigma = row.state.active ? times(row.stiffness, {1.0, row.state.slip, row.state.slip}) : Vec3{};
+        row.sigma = times(row.stiffness, sharesOf(constraint(c), row.state));
         filters_[c] = {};
         for (std::size_t k = firstOf(c); row.state.active && k < endOf(c); ++k)
             shareOf(k) += std::abs(constraints_->points[k].weight);
@@ -73,7 +73,7 @@ void CoupledSolve::makeFilter()
     if (together_ && joined_) return; // else the coarse levels need the filters of single constraints
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
-        if (row.sigma.x == 0.0) continue;
+        if (row.sigma == Vec3{}) continue;
         Mat3 compliance;
         for (std::size_t k = firstOf(c); k < endOf(c); ++k) compliance += shareOf(k) * ownCompliance_[k];
         const Mat3 sigma{{{row.sigma.x, 0.0, 0.0}, {0.0, row.sigma.y, 0.0}, {0.0, 0.0, row.sigma.z}}};

@@ -122,7 +122,7 @@ Vec3 CoupledSolve::lawAlong(std::size_t c, Vec3 u) const
 {
     const Row& row = rows_[c];
     if (!activeSetFrozen_) return project(constraint(c), reaction(c, u), row.cone).impulse;
-    return row.state.active ? times({1.0, row.state.slip, row.state.slip}, reaction(c, u)) : row.state.impulse;
+    return linearised(constraint(c), row.state, reaction(c, u));
 }
 
 void CoupledSolve::gather(SolveVector from)
@@ -213,7 +213,7 @@ bool CoupledSolve::updateDirection(double rz)
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
         row.along = row.step + beta * row.along;
-        row.cone = constraint(c).bilateral() ? 0.0 : std::max(0.0, constraint(c).friction * row.impulse.x);
+        row.cone = coneOf(constraint(c), row.impulse);
         curvature_ += dot(row.along, times(row.sigma, row.along));
     }
     return curvature_ > 0.0;

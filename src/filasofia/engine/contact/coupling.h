@@ -32,9 +32,10 @@ struct Coupling {
     ArticulationPlans articulations;
     ContactDetection detection;
 
-    std::vector<Constraint> constraints; ///< contacts, then welds, then joint limits and joint friction
+    std::vector<Constraint> constraints; ///< contacts, welds, channels, then joint limits and joint friction
     std::size_t contactCount = 0;
     std::size_t weldCount = 0;
+    std::size_t channelCount = 0;
 
     [[nodiscard]] std::span<Constraint> contacts() { return std::span(constraints).first(contactCount); }
     [[nodiscard]] std::span<const Constraint> contacts() const { return std::span(constraints).first(contactCount); }
@@ -42,9 +43,13 @@ struct Coupling {
     {
         return std::span(constraints).subspan(contactCount, weldCount);
     }
+    [[nodiscard]] std::span<const Constraint> channels() const
+    {
+        return std::span(constraints).subspan(contactCount + weldCount, channelCount);
+    }
     [[nodiscard]] std::span<const Constraint> joints() const
     {
-        return std::span(constraints).subspan(contactCount + weldCount);
+        return std::span(constraints).subspan(contactCount + weldCount + channelCount);
     }
 
     IslandScratch scratch;

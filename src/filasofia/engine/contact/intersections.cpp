@@ -59,6 +59,17 @@ std::vector<const Attachment*> attachmentsBetween(const Scene& scene, BodyId a, 
     return between;
 }
 
+/// Whether one body runs through a channel in the other.
+bool isPierced(const Scene& scene, BodyId a, BodyId b)
+{
+    return std::ranges::any_of(scene.channels, [&](const Channel& each) {
+        const auto runs = [&](BodyId id) {
+            return std::ranges::find(each.lines, id, &ThreadedLine::body) != each.lines.end();
+        };
+        return (each.tissue == a && runs(b)) || (each.tissue == b && runs(a));
+    });
+}
+
 /// A vertex of a surface that lies in another, closed one, if their surfaces do not cross.
 std::optional<physics::Intersection> insideOf(const CollisionSurface& inner, const CollisionSurface& outer)
 {
@@ -90,6 +101,7 @@ private:
     {
         const SurfaceOwner &one = ownerOf(pair[0]), &two = ownerOf(pair[1]);
         if (!movable(one, plan_) && !movable(two, plan_)) return; // scenery
+        if (isPierced(scene_, one.name.body, two.name.body)) return;
         const CollisionSurface &a = surfaceOf(pair[0]), &b = surfaceOf(pair[1]);
         const SurfacePair meeting{{&a, &b}, pair, 0.0};
         const auto between = attachmentsBetween(scene_, one.name.body, two.name.body);

@@ -109,7 +109,7 @@ void keepJoints(double dt, const Coupling& coupling, Scene& scene)
             joint.now.load = joint.now.stop = 0.0;
             joint.lowerLimitForce = joint.upperLimitForce = joint.frictionForce = 0.0;
         }
-    for (const std::span<const Constraint> kind : {coupling.contacts(), coupling.welds()})
+    for (const std::span<const Constraint> kind : {coupling.contacts(), coupling.welds(), coupling.channels()})
         for (const Constraint& each : kind) {
             const Vec3 force = 1.0 / dt * inWorld(each.frame, each.impulse);
             addLoad(coupling, each.sides[0], force, scene);

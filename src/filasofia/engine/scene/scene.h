@@ -2,12 +2,14 @@
 
 #include "filasofia/engine/body/attachment.h"
 #include "filasofia/engine/body/body_topology.h"
+#include "filasofia/engine/body/channel.h"
 #include "filasofia/engine/body/rigid_model.h"
 #include "filasofia/engine/body/soft_model.h"
 #include "filasofia/engine/collision/sheet_side.h"
 #include "filasofia/engine/constraint/constraint.h"
 #include "filasofia/engine/soft/soft_system.h"
 #include "filasofia/frame/attachment.h"
+#include "filasofia/frame/channel.h"
 #include "filasofia/frame/contact.h"
 
 #include <cstdint>
@@ -47,6 +49,9 @@ struct SceneState {
     std::vector<PendingGrasp> grasps; ///< ascending by id
     std::vector<frame::Attachment>
         attachmentReports; ///< forces of the attachments in the last step, as frames carry them
+
+    std::vector<Channel> channels;              ///< of needles in tissue, in the order in which they began
+    std::vector<frame::Channel> channelReports; ///< the channels of the last step, as frames carry them
 };
 
 /// The whole state of the engine.

@@ -103,6 +103,34 @@ void addAttachments(Hasher& hash, const Scene& scene)
     }
 }
 
+// A scene without channels does not change the hash.
+void addChannels(Hasher& hash, const Scene& scene)
+{
+    const auto addPoint = [&](const std::vector<NodeWeight>& nodes) {
+        for (const NodeWeight& each : nodes) {
+            hash.add(static_cast<std::uint64_t>(each.node));
+            hash.add(each.weight);
+        }
+    };
+    for (const Channel& each : scene.channels) {
+        hash.add(std::uint64_t{each.tissue.value});
+        for (const ThreadedLine& line : each.lines) {
+            hash.add(std::uint64_t{line.body.value});
+            hash.add(static_cast<std::uint64_t>(line.reversed));
+            hash.add(line.start);
+        }
+        for (const ChannelPoint& point : each.points) {
+            addPoint(point.nodes);
+            hash.add(point.held);
+            hash.add(static_cast<std::uint64_t>(point.slides));
+            hash.add(point.pressed);
+        }
+        addPoint(each.end);
+        hash.add(each.travelled);
+        hash.add(static_cast<std::uint64_t>(each.through));
+    }
+}
+
 void add(Hasher& hash, const physics::JointCommand& command)
 {
     hash.add(static_cast<std::uint64_t>(command.index()));
@@ -174,6 +202,7 @@ std::uint64_t hashOf(const Scene& scene)
     }
     addContacts(hash, scene);
     addAttachments(hash, scene);
+    addChannels(hash, scene);
     return hash.value();
 }
 

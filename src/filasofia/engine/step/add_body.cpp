@@ -4,6 +4,7 @@
 #include "filasofia/engine/build/build_body.h"
 #include "filasofia/engine/contact/attachment_points.h"
 #include "filasofia/engine/contact/attachments.h"
+#include "filasofia/engine/piercing/channels.h"
 #include "filasofia/engine/rigid/articulation_step.h"
 #include "filasofia/engine/scene/find_body.h"
 
@@ -53,6 +54,7 @@ void addBody(physics::AddBody& add, Scene& scene, physics::StepReport& report)
 void removeBody(BodyId id, Scene& scene)
 {
     removeAttachmentsOf(id, scene);
+    removeChannelsOf(id, scene);
     const auto touches = [&](const auto& contact) { return contact.first == id || contact.second == id; };
     std::erase_if(scene.contactReports, touches);
     std::erase_if(scene.contacts, touches);

@@ -79,6 +79,8 @@ void resetScene(Scene& scene)
     scene.sides.clear(); // bodies have moved: the sides of sheets are unknown again
     for (std::vector<Vec3>& forces : scene.attachmentForces) std::ranges::fill(forces, Vec3{});
     scene.attachmentReports.clear();
+    scene.channels.clear();
+    scene.channelReports.clear();
 }
 
 } // namespace filasofia::engine

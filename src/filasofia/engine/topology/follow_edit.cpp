@@ -119,18 +119,23 @@ void addEmbedding(geometry::Embedding& embedding, Riders& riders)
 } // namespace
 
 void followRiders(const TopologyEdit& edit, const EditableMesh& mesh, SoftModel& soft,
-                  std::vector<Attachment>& attachments)
+                  std::vector<Attachment>& attachments, std::vector<Channel>& channels)
 {
     const OldElements before(edit, mesh, soft);
     Riders riders(before);
-    const auto addPoint = [&](AttachedPoint& point) {
-        riders.add(point.nodes, [&point](const std::vector<NodeWeight>& now) { point.nodes = now; });
+    const auto addPoint = [&](std::vector<NodeWeight>& point) {
+        riders.add(point, [&point](const std::vector<NodeWeight>& now) { point = now; });
     };
     for (Attachment& attachment : attachments)
         for (auto& pair : attachment.pairs) {
-            if (attachment.body == soft.id) addPoint(pair[0]);
-            if (attachment.to == soft.id) addPoint(pair[1]);
+            if (attachment.body == soft.id) addPoint(pair[0].nodes);
+            if (attachment.to == soft.id) addPoint(pair[1].nodes);
         }
+    for (Channel& channel : channels) {
+        if (channel.tissue != soft.id) continue;
+        for (ChannelPoint& point : channel.points) addPoint(point.nodes);
+        addPoint(channel.end);
+    }
     for (CollisionModel& collision : soft.collision)
         if (collision.behind.empty()) addEmbedding(collision.embedding, riders);
     riders.follow(edit, mesh, soft);

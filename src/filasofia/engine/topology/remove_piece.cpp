@@ -49,6 +49,14 @@ bool removePiece(int piece, SoftBody& body, Scene& scene)
         });
         if (held) release(each.id, scene);
     }
+    for (Channel& each : scene.channels) {
+        if (each.tissue != model.id) continue;
+        std::erase_if(each.points, [&](const ChannelPoint& point) { return std::ranges::any_of(point.nodes, lost); });
+        if (each.points.empty() || !std::ranges::any_of(each.end, lost)) continue;
+        each.end = each.points.back().nodes;
+        each.through = true; // the tip has nothing to cut any more
+    }
+    std::erase_if(scene.channels, [](const Channel& each) { return each.points.empty(); });
     return true;
 }
 

@@ -264,7 +264,7 @@ void applyEditsOf(SoftBody& body, double period, Scene& scene, physics::Topology
     const auto elements = static_cast<int>(elementCount(model));
     if (!std::exchange(topology.edited, true)) topology.startAttachments = scene.attachments;
     topology.history = historyWith(edit, topology.history);
-    followRiders(edit, *topology.mesh, model, scene.attachments);
+    followRiders(edit, *topology.mesh, model, scene.attachments, scene.channels);
     const OwnSurfaceEdit surface = applyEdit(edit, period, body);
     std::vector<physics::LoosePiece> loose = loosePieces(edit, topology);
     model.pieces = findPieces(model, *topology.pieces);

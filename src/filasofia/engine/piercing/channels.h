@@ -1,0 +1,28 @@
+#pragma once
+
+#include "filasofia/engine/contact/coupling.h"
+
+/// Needles in tissue (Duriez, Guebert, Marchal, Cotin and Grisoni 2009: constraints between a needle and points of the
+/// tissue, without remeshing). A channel is the path that a tip has cut: points fixed in the tissue. In a step each is
+/// a spring between the tissue and the place of the needle, or of the thread behind it, that is nearest. Across the
+/// line the spring is linear, along it the force is bounded by friction, so the line slides. The tip is pushed back by
+/// at most the force that cuts.
+namespace filasofia::engine {
+
+/// Removes contacts between tissue and the lines that run through it, where they do.
+void leaveToChannels(const Scene& scene, Coupling& coupling);
+
+/// Adds the constraints of all channels after the welds.
+void addChannels(const StepContext& context, const Scene& scene, Coupling& coupling);
+
+/// After the solve: what slid, how far the tips have cut, and the channels' forces. A channel that nothing runs through
+/// any more is removed.
+void keepChannels(double dt, const Coupling& coupling, Scene& scene);
+
+/// Begins a channel where a needle's tip pushed harder in this step than the tissue's surface bears.
+void puncture(double dt, const Coupling& coupling, Scene& scene);
+
+/// Removes the channels in a body, and those that it pierced and nothing else runs through.
+void removeChannelsOf(BodyId id, Scene& scene);
+
+} // namespace filasofia::engine

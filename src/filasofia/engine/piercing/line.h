@@ -1,0 +1,66 @@
+#pragma once
+
+#include "filasofia/engine/rigid/rigid_step.h"
+
+/// The lines that run through channels. A place on them is a distance behind the needle's tip, along all lines of a
+/// channel; ahead of the tip it is negative.
+namespace filasofia::engine {
+
+/// A line as it lies now: corners and, at each, the place on the line. Needles do not stretch; places on rods are those
+/// of the rod at rest, so they name material.
+class LineShape {
+public:
+    /// `line.body` must exist, and be a rod or have a needle.
+    LineShape(const Scene& scene, const ThreadedLine& line);
+
+    [[nodiscard]] double begin() const { return places_.front(); } ///< [m]
+    [[nodiscard]] double end() const { return places_.back(); }    ///< [m]
+    [[nodiscard]] double radius() const { return radius_; }        ///< [m]
+
+    /// The place [m] of the corner, or of the point between two corners, that is nearest to x, searched downhill from
+    /// `guess`. Beyond the ends the first and the last segment are continued.
+    [[nodiscard]] double nearest(Vec3 x, double guess) const;
+    /// The same, without a guess.
+    [[nodiscard]] double nearest(Vec3 x) const;
+    [[nodiscard]] Vec3 position(double place) const; ///< [m] in the world
+    [[nodiscard]] Vec3 forward(double place) const;  ///< unit: along the line, towards the front
+    /// The body's point there.
+    [[nodiscard]] BodyPoint pointAt(double place, const Scene& scene, const RigidPlan& plan) const;
+
+private:
+    [[nodiscard]] std::size_t segmentAt(double place) const;
+    /// The parameter of the point nearest to x on the line through a segment; 0 and 1 are its ends.
+    [[nodiscard]] double along(std::size_t segment, Vec3 x) const;
+    [[nodiscard]] double distanceSquared(std::size_t segment, Vec3 x) const;
+    [[nodiscard]] double placeOn(std::size_t segment, Vec3 x) const;
+
+    bool soft_ = false, reversed_ = false;
+    std::size_t body_ = 0, element_ = 0;
+    double radius_ = 0.0;
+    std::vector<Vec3> corners_;  ///< [m] in the world
+    std::vector<double> places_; ///< [m] ascending
+};
+
+/// All lines of a channel as they lie now.
+class LineShapes {
+public:
+    /// Lines of bodies that do not exist any more are left out.
+    LineShapes(const Scene& scene, const Channel& channel);
+
+    [[nodiscard]] bool empty() const { return lines_.empty(); }
+    [[nodiscard]] double begin() const { return lines_.front().begin(); } ///< [m] of the first line that exists
+    [[nodiscard]] double end() const { return lines_.back().end(); }      ///< [m]
+    [[nodiscard]] double nearest(Vec3 x, double guess) const;             ///< [m]
+    /// Whether one of the lines is at this place.
+    [[nodiscard]] bool occupied(double place) const { return place > begin() && place < end(); }
+    [[nodiscard]] const LineShape& at(double place) const;
+
+private:
+    [[nodiscard]] std::size_t indexAt(double place) const;
+    std::vector<LineShape> lines_;
+};
+
+/// [m] The length of a line.
+double lengthOf(const Scene& scene, const ThreadedLine& line);
+
+} // namespace filasofia::engine

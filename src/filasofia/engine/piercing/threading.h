@@ -1,0 +1,47 @@
+#pragma once
+
+#include "filasofia/engine/piercing/line.h"
+
+#include <optional>
+#include <vector>
+
+namespace filasofia::engine {
+
+/// [m] Where a point of tissue is, or [m/s] how it moves, given the nodes' places or velocities.
+Vec3 meanOf(const std::vector<NodeWeight>& point, const std::vector<Vec3>& ofNodes);
+
+/// A channel as it lies now: its lines, and where on them its points are.
+struct Threading {
+    Threading(const Scene& scene, const Channel& of);
+
+    const Channel& channel;
+    std::size_t body; ///< index of the tissue among the soft bodies
+    const SoftBody& tissue;
+    LineShapes lines;
+    std::vector<double> places; ///< [m] per point, on the lines; empty if no line exists any more
+
+    [[nodiscard]] const PunctureModel& law() const { return *tissue.model.puncture; }
+    /// Whether a line runs through a point.
+    [[nodiscard]] bool occupied(std::size_t k) const { return k < places.size() && lines.occupied(places[k]); }
+    /// [m] The length of line that an occupied point stands for: up to the middle between it and its neighbours, and up
+    /// to the tip or the tail if the line ends there. All together are what is in the tissue.
+    [[nodiscard]] double lengthAt(std::size_t k) const;
+    [[nodiscard]] double length() const; ///< [m] what is in the tissue
+};
+
+/// The needle that cuts a channel; none if its body is gone, or it came out.
+std::optional<LineShape> cuttingNeedle(const Scene& scene, const Channel& channel);
+
+/// [m] The distance of points at which tissue holds a needle: that of its Def; for rods the length of an edge.
+double spacingOf(const Scene& scene, const Channel& channel);
+
+/// The body whose line is at a place of a channel; none if none is left.
+BodyId bodyAt(const Scene& scene, const Channel& channel, double place);
+
+/// [m] The tip's spring takes up so much before it cuts: a radius.
+inline double giveOf(const PunctureModel& law, const LineShape& needle)
+{
+    return law.cutting > 0.0 ? needle.radius() : 0.0;
+}
+
+} // namespace filasofia::engine
