@@ -119,7 +119,7 @@ TEST_CASE("every step of a run is sampled, the last one too, where and when it w
     }
 }
 
-TEST_CASE("a restored state takes back what was measured after it; a table for spreadsheets goes only on")
+TEST_CASE("a restored state takes back what was measured after it, and a table for spreadsheets goes only on")
 {
     const std::string file = temporary("_back.jsonl"), table = temporary("_back.csv");
     const auto timesOf = [](const metric::Session& session) {

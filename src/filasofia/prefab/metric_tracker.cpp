@@ -244,7 +244,7 @@ struct MetricTracker::Impl {
         std::erase_if(returns, [time](const Return& each) { return each.time >= time; });
         returns.push_back({saved, time});
         const std::lock_guard writing(draining);
-        drainAll();
+        drain(true);
         attempt([&] {
             writer.back(time);
             writer.flush();
@@ -280,7 +280,8 @@ struct MetricTracker::Impl {
         if (thread.joinable()) thread.join();
     }
 
-    // Writing thread. It is not woken for each sample, because that would be a system call on the stepping thread.
+    // Writing thread, or the stepping one if it goes back. The writing thread is not woken for each sample, because
+    // that would be a system call on the stepping thread.
 
     void run()
     {
@@ -291,6 +292,7 @@ struct MetricTracker::Impl {
                 last = stopping;
                 hurry.store(false, std::memory_order_relaxed);
             }
+            const std::lock_guard writing(draining);
             drain(last);
         }
         session.lost = lost.load();
@@ -302,11 +304,6 @@ struct MetricTracker::Impl {
 
     /// Takes what has happened, ordered by time.
     void takeEvents()
-    {
-        const std::lock_guard lock(draining);
-        drainAll();
-    }
-    void drainAll()
     {
         while (std::optional<Event> event = events.pop()) {
             waiting.fetch_sub(1, std::memory_order_relaxed);
@@ -325,6 +322,7 @@ struct MetricTracker::Impl {
         happened.erase(happened.begin(), end);
     }
 
+    /// Writes samples and events, by time. With `last` nothing waits any more. Called with the lock `draining`.
     void drain(bool last)
     {
         takeEvents();
@@ -374,7 +372,7 @@ struct MetricTracker::Impl {
     metric::Session session;
     SpscRing<Row> rows;
     MpscQueue<Event> events;
-    std::vector<Event> happened;  ///< taken and not written, by time; the writing thread's
+    std::vector<Event> happened;  ///< taken and not written, by time; with the lock `draining`
     std::atomic<int> waiting = 0; ///< [-], events
     std::atomic<std::uint64_t> taken = 0, lost = 0;
     std::atomic<bool> failed = false;

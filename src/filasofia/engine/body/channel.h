@@ -32,7 +32,7 @@ struct ThreadedLine {
 
 /// A point of a channel: it is fixed in the tissue.
 struct ChannelPoint {
-    std::vector<NodeWeight> nodes; ///< of one tetrahedron
+    std::vector<NodeWeight> nodes; ///< the corners of one tetrahedron
     double held = 0.0;             ///< [m] the place on the lines that sticks to it, behind the needle's tip
     bool slides = false;           ///< the lines slid through it in the last step
     double pressed = 0.0;          ///< [N] the force across the line in the last step

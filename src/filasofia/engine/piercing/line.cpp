@@ -103,7 +103,18 @@ Vec3 LineShape::position(double place) const
 Vec3 LineShape::forward(double place) const
 {
     const std::size_t s = segmentAt(place);
-    return normalized(corners_[s] - corners_[s + 1]);
+    const double t = std::clamp((place - places_[s]) / (places_[s + 1] - places_[s]), 0.0, 1.0);
+    const Vec3 mean = (1.0 - t) * forwardAtCorner(s) + t * forwardAtCorner(s + 1);
+    return length(mean) > 0.1 ? normalized(mean) : normalized(corners_[s] - corners_[s + 1]);
+}
+
+Vec3 LineShape::forwardAtCorner(std::size_t corner) const
+{
+    const auto along = [&](std::size_t s) { return normalized(corners_[s] - corners_[s + 1]); };
+    if (corner == 0) return along(0);
+    if (corner + 1 == corners_.size()) return along(corner - 1);
+    const Vec3 sum = along(corner - 1) + along(corner);
+    return length(sum) > 0.1 ? normalized(sum) : along(corner); // folded: it has no mean
 }
 
 BodyPoint LineShape::pointAt(double place, const Scene& scene, const RigidPlan& plan) const

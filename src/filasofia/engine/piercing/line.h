@@ -23,12 +23,15 @@ public:
     /// The same, without a guess.
     [[nodiscard]] double nearest(Vec3 x) const;
     [[nodiscard]] Vec3 position(double place) const; ///< [m] in the world
-    [[nodiscard]] Vec3 forward(double place) const;  ///< unit: along the line, towards the front
+    /// A unit vector along the line, towards the front. It turns continuously: at a corner it is the mean of both
+    /// sides.
+    [[nodiscard]] Vec3 forward(double place) const;
     /// The body's point there.
     [[nodiscard]] BodyPoint pointAt(double place, const Scene& scene, const RigidPlan& plan) const;
 
 private:
     [[nodiscard]] std::size_t segmentAt(double place) const;
+    [[nodiscard]] Vec3 forwardAtCorner(std::size_t corner) const;
     /// The parameter of the point nearest to x on the line through a segment; 0 and 1 are its ends.
     [[nodiscard]] double along(std::size_t segment, Vec3 x) const;
     [[nodiscard]] double distanceSquared(std::size_t segment, Vec3 x) const;

@@ -17,8 +17,15 @@ Threading::Threading(const Scene& scene, const Channel& of)
     : channel(of), body(findBody(scene, of.tissue)->index), tissue(scene.soft[body]), lines(scene, of)
 {
     if (lines.empty()) return;
-    for (const ChannelPoint& point : channel.points)
-        places.push_back(lines.nearest(meanOf(point.nodes, tissue.state.x), point.held));
+    for (const ChannelPoint& point : channel.points) {
+        // Beside a corner the nearest place is the corner, however a point moves there. What it is ahead of it, in the
+        // mean direction of both sides, counts as way along the line: a taut thread would else leave its channel at a
+        // sharp bend.
+        const Vec3 x = meanOf(point.nodes, tissue.state.x);
+        const double nearest = lines.nearest(x, point.held);
+        const LineShape& line = lines.at(nearest);
+        places.push_back(nearest - dot(x - line.position(nearest), line.forward(nearest)));
+    }
 }
 
 double Threading::lengthAt(std::size_t k) const

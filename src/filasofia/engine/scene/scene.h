@@ -50,7 +50,7 @@ struct SceneState {
     std::vector<frame::Attachment>
         attachmentReports; ///< forces of the attachments in the last step, as frames carry them
 
-    std::vector<Channel> channels;              ///< of needles in tissue, in the order in which they began
+    std::vector<Channel> channels;              ///< needles in tissue, in the order in which they began
     std::vector<frame::Channel> channelReports; ///< the channels of the last step, as frames carry them
 };
 

@@ -4,8 +4,9 @@
 
 namespace filasofia::engine {
 
-/// Keeps points that ride on the body's nodes (attachments, channels of needles, collision meshes other than its surface) at their places in
-/// the tissue, on the correct side of a cut. Call it before applyEdit(): the points are located in the old model.
+/// Keeps points that ride on the body's nodes (attachments, channels of needles, collision meshes other than its
+/// surface) at their places in the tissue, on the correct side of a cut. Call it before applyEdit(): the points are
+/// located in the old model.
 void followRiders(const frame::TopologyEdit& edit, const EditableMesh& mesh, SoftModel& soft,
                   std::vector<Attachment>& attachments, std::vector<Channel>& channels);
 

@@ -1,0 +1,55 @@
+#include "physics/fake_engine.h"
+
+#include "filasofia/geometry/shapes.h"
+
+namespace needle_def_test {
+
+using namespace filasofia;
+using namespace filasofia::physics;
+
+namespace {
+
+RigidBodyDef needle(const NeedleDef& def) { return {.name = "needle", .needle = def}; }
+
+SoftBodyDef tissue(const PunctureDef& def)
+{
+    return {.name = "skin", .mesh = geometry::shapes::block({1, 1, 1}), .puncture = def};
+}
+
+} // namespace
+
+TEST_CASE("a needle is a line of points that are apart, on an element that exists, held at not too many points")
+{
+    check(needle({.line = {{0, 0, 0}, {0, 0.03, 0}}}));
+    CHECK_THROWS_WITH(check(needle({})), "rigid body 'needle': needle.line must have at least 2 points, got 0");
+    CHECK_THROWS_WITH(check(needle({.line = {{0, 0, 0}, {0, 0, 0}}})),
+                      "rigid body 'needle': needle.line[0] and .line[1] must be apart, their distance is 0 m");
+    CHECK_THROWS_WITH(check(needle({.line = {{0, 0, 0}, {0, 1, 0}}})),
+                      "rigid body 'needle': needle.spacing must leave at most 500 points, got 0.001 m on 1 m");
+    CHECK_THROWS_WITH(check(needle({.line = {{0, 0, 0}, {0, 0.1, 0}}, .radius = 0.0})),
+                      "rigid body 'needle': needle.radius must be > 0 m, got 0");
+    CHECK_THROWS_WITH(check(needle({.line = {{0, 0, 0}, {0, 0.1, 0}}, .element = 1})),
+                      Catch::StartsWith("rigid body 'needle': needle.element must be"));
+    RodBodyDef ring{.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}};
+    ring.closed = ring.needle = true;
+    CHECK_THROWS_WITH(check(ring), "rod 'rod': needle must be false if closed: a ring has no tip");
+}
+
+TEST_CASE("tissue resists needles if it has tetrahedra and a stiffness, and sticks at least as much as it slides")
+{
+    check(tissue({}));
+    CHECK_THROWS_WITH(check(tissue({.friction = 5.0, .staticFriction = 4.0})),
+                      "soft body 'skin': puncture.staticFriction must be >= friction, 5 N/m, got 4");
+    SoftBodyDef springs = tissue({});
+    springs.material = MassSpringMaterial{};
+    CHECK_THROWS_WITH(check(springs), "soft body 'skin': puncture.stiffness must be given with a MassSpringMaterial, "
+                                      "which has no Young's modulus");
+    springs.puncture->stiffness = 1e5;
+    check(springs);
+    SoftBodyDef shell{.name = "skin", .mesh = geometry::shapes::sheet(1, 1), .material = ShellMaterial{}};
+    shell.puncture = PunctureDef{};
+    CHECK_THROWS_WITH(check(shell),
+                      "soft body 'skin': puncture must be none with a ShellMaterial: needles pierce tetrahedra only");
+}
+
+} // namespace needle_def_test
