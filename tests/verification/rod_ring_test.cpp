@@ -8,7 +8,7 @@ using namespace filasofia::physics;
 
 namespace {
 
-constexpr double kRadius = 0.05; ///< [m] of the ring
+constexpr double kRadius = 0.05; ///< [m] how large the ring is
 
 /// A ring in the xy plane that would be straight.
 RodBodyDef ringOf(int nodes, double twist)
@@ -61,7 +61,7 @@ double gaussIntegral(Vec3 a, Vec3 b, Vec3 c, Vec3 d)
     return side > 0.0 ? area : side < 0.0 ? -area : 0.0;
 }
 
-/// [-] of two closed polygons
+/// [-] How often one closed polygon goes through another.
 double linkingNumber(const std::vector<Vec3>& x, const std::vector<Vec3>& y)
 {
     double sum = 0.0;
@@ -71,7 +71,7 @@ double linkingNumber(const std::vector<Vec3>& x, const std::vector<Vec3>& y)
     return sum / (4.0 * kPi);
 }
 
-/// [-] of a closed polygon
+/// [-] By how much a closed polygon winds around itself.
 double writhe(const std::vector<Vec3>& x)
 {
     double sum = 0.0;

@@ -73,8 +73,8 @@ void BandCholesky::takeApart(const BandMatrix& matrix)
         }
 }
 
-/// Column j of the border's rows, and what the border's part of the columns to the right loses. `inverse`: of the
-/// entry of L on the diagonal.
+/// Column j of the border's rows, and what the border's part of the columns to the right loses. `inverse`: one
+/// over the entry of L on the diagonal.
 void BandCholesky::eliminate(std::size_t j, double inverse)
 {
     const double* column = lower_.column(j);

@@ -15,7 +15,7 @@ public:
     static constexpr std::size_t kWidth =
         10; ///< what a rod needs: a node, the next two, and the angles of both edges between
 
-    static constexpr std::size_t kCorner = 8; ///< of a ring: two nodes and the edges behind them
+    static constexpr std::size_t kCorner = 8; ///< what a ring needs: two nodes and the edges behind them
 
     /// A cyclic one has at least 2 kCorner + kWidth rows: the corner and the band have no entry in common.
     explicit BandMatrix(std::size_t rows = 0, bool cyclic = false) { resize(rows, cyclic); }

@@ -165,7 +165,7 @@ TEST_CASE("a twisted ring is held by its seam, falls on a table, and rests there
         touching = std::max(touching, report.contacts.active);
         for (Vec3 x : stage.soft().x) REQUIRE(x.y > 0.8 * 0.5e-3);
     }
-    CHECK(touching > 20);
+    CHECK(touching > 10);
     CHECK(fastest(stage.soft()) < 0.01);
     const auto& x = stage.soft().x;
     for (const Spring& edge : stage.model().rod.edges)
@@ -270,7 +270,7 @@ TEST_CASE("an edge that a body holds turns with it, in a restored state too, and
     CHECK(distance(stage.soft().rod.directors.front(), rotate(axisAngle({1, 0, 0}, 5.0), first)) < 1e-3);
     double whole = 0.0;
     for (double each : stage.soft().rod.twists) whole += each;
-    CHECK_THAT(whole, Catch::WithinAbs(-5.0, 1e-2)); // of the last edge against the first
+    CHECK_THAT(whole, Catch::WithinAbs(-5.0, 1e-2)); // the last edge lags behind the first
     stage.world.restore(*saved);
     turn(60, 100);
     CHECK(stage.world.hash() == hash);

@@ -26,7 +26,7 @@ struct AttachedPoint {
 /// An edge of a rod that turns about itself as a rigid body does to which both its nodes are attached.
 struct AttachedTurn {
     int edge = 0;
-    int element = 0; ///< of the rigid body
+    int element = 0; ///< an element of the rigid body
     Vec3 director;   ///< that of the edge, in the element's coordinates
 };
 

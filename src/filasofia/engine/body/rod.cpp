@@ -13,7 +13,7 @@ constexpr double kPi = 3.14159265358979323846;
 
 Vec3 directionOf(std::span<const Vec3> x, std::size_t edge)
 {
-    return normalized(x[(edge + 1) % x.size()] - x[edge], {1.0, 0.0, 0.0});
+    return normalized(x[wrapped(edge + 1, x.size())] - x[edge], {1.0, 0.0, 0.0});
 }
 
 /// A unit vector across another one.
@@ -43,7 +43,7 @@ std::vector<Vec3> parallelDirectors(std::span<const Vec3> x, std::size_t edges)
 /// [rad] in [-pi, pi]: the twist of a joint, as the directors show it.
 double twistAt(std::span<const Vec3> x, const std::vector<Vec3>& directors, std::size_t joint)
 {
-    const std::size_t next = (joint + 1) % directors.size();
+    const std::size_t next = wrapped(joint + 1, directors.size());
     return rodTwist({directors[joint], directors[next]}, {directionOf(x, joint), directionOf(x, next)});
 }
 
@@ -57,7 +57,7 @@ Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes)
     double whole = 0.0;
     const std::size_t edges = def.closed ? nodes.size() : nodes.size() - 1, joints = def.closed ? edges : edges - 1;
     for (std::size_t e = 0; e < edges; ++e) {
-        const std::size_t next = (e + 1) % nodes.size();
+        const std::size_t next = wrapped(e + 1, nodes.size());
         const double l = distance(nodes[e], nodes[next]);
         rod.edges.push_back({.nodes = {static_cast<int>(e), static_cast<int>(next)},
                              .restLength = l,
@@ -76,7 +76,7 @@ Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes)
         rod.joints[j].rest = curvatureInMaterial(placeAt(untwisted, nodes, j));
     double turned = 0.0;
     for (std::size_t j = 0; j < joints; ++j) {
-        const std::size_t next = (j + 1) % edges;
+        const std::size_t next = wrapped(j + 1, edges);
         const double share = 0.5 * (rod.edges[j].restLength + rod.edges[next].restLength) / between;
         rod.startTwists[j] = share * def.twist;
         turned += rod.startTwists[j];
@@ -97,7 +97,7 @@ std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard)
     std::vector<RodJoint> joints = rod.joints;
     for (std::size_t j = 0; j < joints.size(); ++j) {
         const auto isStiff = [&](std::size_t e) { return clamped(hard, e) || (!rod.held.empty() && rod.held[e]); };
-        const std::size_t next = (j + 1) % rod.edges.size();
+        const std::size_t next = wrapped(j + 1, rod.edges.size());
         const bool first = isStiff(j), second = isStiff(next), both = first == second;
         const double length = 0.5 * ((both || second ? rod.edges[j].restLength : 0.0) +
                                      (both || first ? rod.edges[next].restLength : 0.0));
@@ -110,8 +110,8 @@ std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard)
 RodPlace placeAt(const RodState& state, std::span<const Vec3> x, std::size_t joint)
 {
     const std::size_t nodes = x.size(), edges = state.directors.size();
-    return {.x = {x[joint], x[(joint + 1) % nodes], x[(joint + 2) % nodes]},
-            .directors = {state.directors[joint], state.directors[(joint + 1) % edges]},
+    return {.x = {x[joint], x[wrapped(joint + 1, nodes)], x[wrapped(joint + 2, nodes)]},
+            .directors = {state.directors[joint], state.directors[wrapped(joint + 1, edges)]},
             .twist = state.twists[joint]};
 }
 

@@ -52,10 +52,13 @@ RodState stateAtStart(const Rod& rod);
 /// edge too long.
 std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard);
 
+/// An index that goes on around a ring: i < 2 count. Without a division: it is asked for millions of times per second.
+inline std::size_t wrapped(std::size_t i, std::size_t count) { return i < count ? i : i - count; }
+
 /// Whether the material of an edge cannot turn about it: both its nodes are pinned.
 inline bool clamped(const std::vector<bool>& hard, std::size_t edge)
 {
-    return hard[edge] && hard[(edge + 1) % hard.size()];
+    return hard[edge] && hard[wrapped(edge + 1, hard.size())];
 }
 
 /// The place of joint j.

@@ -16,9 +16,11 @@ struct ContactPoint {
     Vec3 arm = {};
     int link = 0;
     std::optional<int> joint = {}; ///< if set, the constraint acts on this joint; `link` and `arm` are unused then
-    /// [m] if set, the constraint acts about this axis, a unit vector times a length: on the angular velocity of a
-    /// rigid body or a link, or on the spin of the rod's edge `node`. The velocity is along x, times the length
+    /// [m] if set, the constraint acts on the angular velocity of a rigid body or a link about this axis, a unit vector
+    /// times a length. The velocity is along x, times the length
     std::optional<Vec3> axis = {};
+    /// [m] if set, the constraint acts on the spin of the rod's edge `node`: the velocity per spin
+    std::optional<Vec3> perSpin = {};
 };
 
 /// The vectors of conjugate gradients over one body: p the direction, r the residual, q = A p, w = D^-1 r, z the

@@ -19,6 +19,10 @@ struct BodyPoint {
     /// [m] RodEdge, Turning: a unit vector times a length. The velocity about it is stored along x, times that length,
     /// and so is the angle in `position`
     Vec3 axis = {};
+    /// Soft, on the surface of a rod: the edges that turn the point as they turn about themselves, and its velocity per
+    /// spin of each [m]; -1: none
+    std::array<int, 2> edges{-1, -1};
+    std::array<Vec3, 2> perSpin{};
     int count = 0; ///< Soft: number of nodes that the point is a weighted mean of, at most 12
     std::array<int, 12> nodes{};
     std::array<double, 12> weights{};

@@ -85,7 +85,7 @@ public:
         const SoftState& state = scene_.soft[rod].state;
         const auto edge = static_cast<std::size_t>(turn.edge), element = static_cast<std::size_t>(turn.element);
         const double radius = scene_.soft[rod].model.rod.radius;
-        const Vec3 along = normalized(state.x[(edge + 1) % state.x.size()] - state.x[edge], {1.0, 0.0, 0.0});
+        const Vec3 along = normalized(state.x[wrapped(edge + 1, state.x.size())] - state.x[edge], {1.0, 0.0, 0.0});
         const Vec3 carried = rotate(scene_.rigid[rigid].state.poses[element].orientation, turn.director);
         const Vec3 director = state.rod.directors[edge];
         BodyPoint one, two;
@@ -199,7 +199,7 @@ std::vector<AttachedTurn> turnsOf(const Attachment& attachment, const Scene& sce
         for (const NodeWeight& each : pair[0].nodes) elements[static_cast<std::size_t>(each.node)] = pair[1].element;
     std::vector<AttachedTurn> turns;
     for (std::size_t e = 0; e < rod.directors.size(); ++e) {
-        if (elements[e] < 0 || elements[e] != elements[(e + 1) % elements.size()]) continue;
+        if (elements[e] < 0 || elements[e] != elements[wrapped(e + 1, elements.size())]) continue;
         const auto element = static_cast<std::size_t>(elements[e]);
         const Quat orientation = scene.rigid[to->index].state.poses[element].orientation;
         turns.push_back({static_cast<int>(e), elements[e], rotate(conjugate(orientation), rod.directors[e])});

@@ -81,6 +81,30 @@ bool rigidSideDecides(const SurfaceOwner& other, const Proximity& found, std::si
            found.vertices[1 - side][1] >= 0;
 }
 
+/// Lets the edges of a rod that a point belongs to turn it about them. `arm` [m]: from the centre line to the surface.
+void addSpins(const SoftBody& body, Vec3 arm, BodyPoint& point)
+{
+    const std::vector<Vec3>& x = body.state.x;
+    const std::size_t edges = body.model.rod.edges.size(), nodes = x.size();
+    const auto first = static_cast<std::size_t>(point.nodes[0]);
+    std::array<std::size_t, 2> around{}; // the edge between two nodes, or both edges at one
+    std::size_t count = 0;
+    if (point.count == 2) {
+        const auto second = static_cast<std::size_t>(point.nodes[1]);
+        around[count++] = wrapped(first + 1, nodes) == second ? first : second;
+    } else {
+        if (first > 0 || edges == nodes) around[count++] = wrapped(first + nodes - 1, nodes);
+        if (first < edges) around[count++] = first;
+    }
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::size_t e = around[k];
+        const Vec3 direction = normalized(x[wrapped(e + 1, nodes)] - x[e], {});
+        point.edges[k] = static_cast<int>(e);
+        point.perSpin[k] = 1.0 / static_cast<double>(count) * cross(direction, arm);
+        point.velocity += body.state.rod.spins[e] * point.perSpin[k];
+    }
+}
+
 BodyPoint pointOf(const SurfaceOwner& owner, const Proximity& found, std::size_t side, const CollisionSurface& surface,
                   const Scene& scene, const RigidPlan& plan)
 {
@@ -101,6 +125,8 @@ BodyPoint pointOf(const SurfaceOwner& owner, const Proximity& found, std::size_t
         const std::vector<Vec3>& v = scene.soft[owner.body].state.v;
         for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k)
             point.velocity += point.weights[k] * v[static_cast<std::size_t>(point.nodes[k])];
+        if (const SoftBody& body = scene.soft[owner.body]; isRod(body.model))
+            addSpins(body, (side == 0 ? -1.0 : 1.0) * body.model.rod.radius * found.normal, point);
     } else {
         const RigidPlanElement& element = plan[owner.plan];
         point.velocity = element.velocity + cross(element.angularVelocity, point.position - element.centre);

@@ -171,10 +171,15 @@ private:
                 }
                 entries_.push_back({row, unit, point, sign * at.weights[k]});
             }
+            for (std::size_t k = 0; k < 2 && at.edges[k] >= 0; ++k) {
+                if (clamped(body.pins.hard, static_cast<std::size_t>(at.edges[k]))) continue;
+                entries_.push_back({row, unit, static_cast<int>(points[unit].size()), sign});
+                points[unit].push_back({.node = at.edges[k], .perSpin = at.perSpin[k]});
+            }
         } else if (unit < softCount && at.of == BodyPoint::Of::RodEdge && at.body == island_.soft[unit]) {
             if (clamped(scene_.soft[at.body].model.pins.hard, static_cast<std::size_t>(at.edge))) return;
             entries_.push_back({row, unit, static_cast<int>(points[unit].size()), sign});
-            points[unit].push_back({.node = at.edge, .axis = at.axis});
+            points[unit].push_back({.node = at.edge, .perSpin = Vec3{length(at.axis), 0.0, 0.0}});
         } else if (unit >= softCount && planPlace(coupling_.rigid, at) == island_.rigid[unit - softCount]) {
             entries_.push_back({row, unit, static_cast<int>(points[unit].size()), sign});
             const int link = static_cast<int>(coupling_.rigid[at.body].element);

@@ -15,7 +15,7 @@ double RodOperator::begin(std::span<const ContactPoint> points)
     places_.clear();
     for (const ContactPoint& each : points) {
         const std::size_t first = 4 * static_cast<std::size_t>(each.node);
-        places_.push_back(each.axis ? Place{first + 3, length(*each.axis)} : Place{first, 0.0});
+        places_.push_back(each.perSpin ? Place{first + 3, each.perSpin} : Place{first});
     }
     std::ranges::fill(x_, 0.0);
     std::ranges::copy(system_.rightHandSide(), r_.begin());
@@ -72,12 +72,9 @@ void RodOperator::addPlaces(std::vector<BlockPlace>& out) const
 
 Mat3 RodOperator::compliance(int point) const
 {
-    const auto [first, arm] = places_[static_cast<std::size_t>(point)];
+    const auto& [first, perSpin] = places_[static_cast<std::size_t>(point)];
+    if (perSpin) return inverse_.entry(first, first) * outer(*perSpin, *perSpin);
     Mat3 out;
-    if (arm > 0.0) {
-        out[0].x = arm * arm * inverse_.entry(first, first);
-        return out;
-    }
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t k = 0; k < 3; ++k)
             out[static_cast<int>(i)][static_cast<int>(k)] = inverse_.entry(first + i, first + k);
@@ -86,11 +83,11 @@ Mat3 RodOperator::compliance(int point) const
 
 void RodOperator::addColumns(int point, std::vector<BlockColumns>& out) const
 {
-    const auto [first, arm] = places_[static_cast<std::size_t>(point)];
+    const auto& [first, perSpin] = places_[static_cast<std::size_t>(point)];
     const std::size_t i = first / 4;
-    if (arm == 0.0) return out.push_back({static_cast<int>(i), Mat3::identity()});
+    if (!perSpin) return out.push_back({static_cast<int>(i), Mat3::identity()});
     Mat3 turning;
-    turning[0][static_cast<int>(i % 3)] = arm;
+    for (int axis = 0; axis < 3; ++axis) turning[axis][static_cast<int>(i % 3)] = (*perSpin)[axis];
     out.push_back({static_cast<int>(nodes() + i / 3), turning});
 }
 
@@ -124,9 +121,8 @@ void RodOperator::read(SolveVector from, std::span<Vec3> out) const
 {
     const Vector& vector = vectorOf(from);
     for (std::size_t k = 0; k < places_.size(); ++k) {
-        const auto [first, arm] = places_[k];
-        out[k] =
-            arm > 0.0 ? Vec3{arm * vector[first], 0.0, 0.0} : Vec3{vector[first], vector[first + 1], vector[first + 2]};
+        const auto& [first, perSpin] = places_[k];
+        out[k] = perSpin ? vector[first] * *perSpin : Vec3{vector[first], vector[first + 1], vector[first + 2]};
     }
 }
 
@@ -138,9 +134,9 @@ void RodOperator::add(std::span<const Vec3> impulses, SolveVector to)
 void RodOperator::addTo(Vector& to, std::span<const Vec3> impulses) const
 {
     for (std::size_t k = 0; k < places_.size(); ++k) {
-        const auto [first, arm] = places_[k];
-        if (arm > 0.0)
-            to[first] += arm * impulses[k].x;
+        const auto& [first, perSpin] = places_[k];
+        if (perSpin)
+            to[first] += filasofia::dot(*perSpin, impulses[k]);
         else
             for (int i = 0; i < 3; ++i) to[first + static_cast<std::size_t>(i)] += impulses[k][i];
     }

@@ -38,10 +38,10 @@ private:
     std::span<const Vec3> guess_;
     double mass_;
     linalg::BandMatrix inverse_; ///< A^-1, within the band
-    /// Per contact point: the first unknown of its node; or that of an edge's spin, and a length [m], else 0.
+    /// Per contact point: the first unknown of its node; or that of an edge's spin, and the velocity per spin [m].
     struct Place {
         std::size_t first = 0;
-        double arm = 0.0;
+        std::optional<Vec3> perSpin = {};
     };
     std::vector<Place> places_;
 };

@@ -20,8 +20,9 @@ RodVector velocitiesAt(const SoftState& state, std::size_t joint)
 {
     RodVector out{};
     for (std::size_t k = 0; k < 3; ++k)
-        for (int i = 0; i < 3; ++i) out[4 * k + static_cast<std::size_t>(i)] = state.v[(joint + k) % state.v.size()][i];
-    for (std::size_t k = 0; k < 2; ++k) out[4 * k + 3] = state.rod.spins[(joint + k) % state.rod.spins.size()];
+        for (int i = 0; i < 3; ++i)
+            out[4 * k + static_cast<std::size_t>(i)] = state.v[wrapped(joint + k, state.v.size())][i];
+    for (std::size_t k = 0; k < 2; ++k) out[4 * k + 3] = state.rod.spins[wrapped(joint + k, state.rod.spins.size())];
     return out;
 }
 
@@ -32,7 +33,10 @@ double times(const RodVector& a, const RodVector& b)
     return sum;
 }
 
-Vec3 directionOf(std::span<const Vec3> x, std::size_t edge) { return normalized(x[(edge + 1) % x.size()] - x[edge]); }
+Vec3 directionOf(std::span<const Vec3> x, std::size_t edge)
+{
+    return normalized(x[wrapped(edge + 1, x.size())] - x[edge]);
+}
 
 } // namespace
 
@@ -125,15 +129,17 @@ void RodSystem::addEdges(const SoftModel& model, double stiffness, double turnin
     }
 }
 
+void RodSystem::addAroundSeam(std::size_t node, double factor, const RodVector& gradient)
+{
+    const std::size_t rows = fixed_.size();
+    for (std::size_t c = 0; c < 11; ++c)
+        for (std::size_t r = c; r < 11; ++r)
+            matrix_.add(wrapped(unknownOf(node) + r, rows), wrapped(unknownOf(node) + c, rows),
+                        factor * gradient[c] * gradient[r]);
+}
+
 void RodSystem::addToMatrix(std::size_t node, double factor, const RodVector& gradient)
 {
-    if (const std::size_t rows = fixed_.size(); unknownOf(node) + 11 > rows) { // around the seam of a ring
-        for (std::size_t c = 0; c < 11; ++c)
-            for (std::size_t r = c; r < 11; ++r)
-                matrix_.add((unknownOf(node) + r) % rows, (unknownOf(node) + c) % rows,
-                            factor * gradient[c] * gradient[r]);
-        return;
-    }
     // Twelve rows are within the band except for the last one against the first, which is unused.
     for (std::size_t c = 0; c < 11; ++c) {
         const double scaled = factor * gradient[c];
@@ -146,15 +152,18 @@ void RodSystem::addJoints(double stiffness, const SoftState& state)
 {
     for (std::size_t j = 0; j < joints_.size(); ++j) {
         RodPlace at = placeAt(state.rod, state.x, j);
-        at.directors = {directors_[j], directors_[(j + 1) % directors_.size()]};
-        const auto unknown = [&](std::size_t i) { return (unknownOf(j) + i) % fixed_.size(); };
+        at.directors = {directors_[j], directors_[wrapped(j + 1, directors_.size())]};
+        const auto unknown = [&](std::size_t i) { return wrapped(unknownOf(j) + i, fixed_.size()); };
         const RodVector forces = rodForces(joints_[j], at), v = velocitiesAt(state, j);
         for (std::size_t i = 0; i < 11; ++i) forces_[unknown(i)] += forces[i];
         for (const RodTerm& term : rodTangent(joints_[j], at)) {
             if (term.stiffness == 0.0) continue;
             const double rate = term.stiffness * times(term.gradient, v);
             for (std::size_t i = 0; i < 11; ++i) stiffnessTimesVelocity_[unknown(i)] += rate * term.gradient[i];
-            addToMatrix(j, stiffness * term.stiffness, term.gradient);
+            if (unknownOf(j) + 11 > fixed_.size())
+                addAroundSeam(j, stiffness * term.stiffness, term.gradient);
+            else
+                addToMatrix(j, stiffness * term.stiffness, term.gradient);
         }
     }
 }
@@ -225,7 +234,7 @@ void addRodForces(const SoftModel& model, const SoftState& state, std::vector<Ve
             for (std::size_t i = 0; i < sum.size(); ++i) sum[i] -= rate * term.gradient[i];
         }
         for (std::size_t k = 0; k < 3; ++k)
-            forces[(j + k) % forces.size()] += Vec3{sum[4 * k], sum[4 * k + 1], sum[4 * k + 2]};
+            forces[wrapped(j + k, forces.size())] += Vec3{sum[4 * k], sum[4 * k + 1], sum[4 * k + 2]};
     }
 }
 

@@ -41,6 +41,7 @@ private:
     void addJoints(double stiffness, const SoftState& state);
     void addMasses(const SoftModel& model, double weight, const SoftState& state);
     void addToMatrix(std::size_t node, double factor, const RodVector& gradient);
+    void addAroundSeam(std::size_t node, double factor, const RodVector& gradient); ///< if the rod is a ring
 
     std::vector<RodJoint> joints_;
     std::vector<bool> fixed_; ///< per unknown
