@@ -105,6 +105,28 @@ TEST_CASE("scenes: a thread falls over a bar and holds")
     CHECK(nodes.back().y < nodes.front().y - 5_mm);
 }
 
+TEST_CASE("scenes: a curved needle goes through both edges of a wound, with the forces of the file")
+{
+    const SceneDef scene = loadScene(example("suture"));
+    Simulation sim(simulationDef(scene));
+    const std::vector<BodyId> bodies = addScene(sim, scene).bodies;
+    sim.run({.headless = true, .steps = 2300}); // the needle is in both, its tail is not
+    const auto frame = sim.physics().latest();
+    REQUIRE(frame->channels.size() == 2);
+    for (std::size_t i : {0, 1}) {
+        const frame::Channel& channel = frame->channels[i];
+        CHECK(channel.tissue == bodies.at(i));
+        CHECK(channel.needle == bodies.at(2));
+        CHECK(channel.inside == bodies.at(2));
+        CHECK(channel.through);
+        CHECK(channel.length > 6_mm);
+        CHECK(channel.length < 10_mm);
+        CHECK(channel.friction > 0.8 * 6.0 * channel.length); // the tissue is dragged towards the tip
+    }
+    CHECK(frame->channels[0].entry.x < -6_mm);
+    CHECK(frame->channels[1].end.x > 6_mm);
+}
+
 TEST_CASE("scenes: commands of joints are given when their time comes, again in every round")
 {
     SceneDef scene{.physics = {.rate = 100.0}};

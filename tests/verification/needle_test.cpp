@@ -51,7 +51,7 @@ struct Insertion {
     Stage stage;
     BodyId block, tool;
     frame::Frame frame;
-    double height; ///< [m] of the tip
+    double height; ///< [m] where the tip is
 
     explicit Insertion(double thickness, const PunctureDef& puncture = kSkin, int threads = 1)
         : stage({.threads = threads}), height(1e-3)

@@ -11,6 +11,7 @@ namespace filasofia::python {
 namespace {
 
 using frame::Attachment;
+using frame::Channel;
 using frame::Contact;
 using frame::Frame;
 using frame::Joint;
@@ -58,6 +59,16 @@ nb::handle attachmentType()
         {"torque", "3f8", offsetof(Attachment, torque)}, {"points", "i4", offsetof(Attachment, points)},
         {"broken", "?", offsetof(Attachment, broken)}};
     return typeOf<Attachment>(columns);
+}
+nb::handle channelType()
+{
+    static constexpr Column columns[] = {
+        {"tissue", "u4", offsetof(Channel, tissue)},     {"needle", "u4", offsetof(Channel, needle)},
+        {"inside", "u4", offsetof(Channel, inside)},     {"entry", "3f8", offsetof(Channel, entry)},
+        {"end", "3f8", offsetof(Channel, end)},          {"length", "f8", offsetof(Channel, length)},
+        {"through", "?", offsetof(Channel, through)},    {"force", "3f8", offsetof(Channel, force)},
+        {"friction", "f8", offsetof(Channel, friction)}, {"tip", "f8", offsetof(Channel, tip)}};
+    return typeOf<Channel>(columns);
 }
 nb::handle jointType()
 {
@@ -178,6 +189,12 @@ void bindFrame(nb::module_& module)
         },
         nb::for_getter(nb::sig("def attachments(self) -> numpy.typing.NDArray[numpy.void]")),
         "One row per attachment: id, body, to, force (on the body), points, broken.");
+    whole.def_prop_ro(
+        "channels",
+        [](nb::handle self) { return recordsOf(nb::cast<const HeldFrame&>(self).get().channels, channelType(), self); },
+        nb::for_getter(nb::sig("def channels(self) -> numpy.typing.NDArray[numpy.void]")),
+        "One row per channel of a needle: tissue, needle, inside, entry, end, length, through, force (on the tissue), "
+        "friction, tip.");
     whole.def(
         "copy", [](const HeldFrame& self) { return HeldFrame{.copy = std::make_shared<const Frame>(self.get())}; },
         "A frame of its own, which may be kept as long as you like: the engine has eight, and six may be held at "

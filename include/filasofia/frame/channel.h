@@ -16,7 +16,7 @@ struct Channel {
     bool through = false;  ///< the tip came out again
     Vec3 force = {};       ///< [N] on the tissue, of tip and shaft together
     double friction = 0.0; ///< [N] on the tissue along the lines, towards the tip: the sum over the shaft
-    double tip = 0.0;      ///< [N] of the tip on the tissue, along the needle
+    double tip = 0.0;      ///< [N] with which the tip pushes the tissue, along the needle
 };
 
 } // namespace filasofia::frame

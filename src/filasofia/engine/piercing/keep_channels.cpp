@@ -12,7 +12,8 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr double kSliding = 0.999; // of the largest friction: the point slides
+// A point slides if its friction is at least this share of the largest.
+constexpr double kSliding = 0.999;
 
 /// The end of a rod that is attached to a line's body, so that the rod follows it through the channel.
 std::optional<ThreadedLine> followerOf(const Scene& scene, const ThreadedLine& last)

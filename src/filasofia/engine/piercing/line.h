@@ -51,9 +51,12 @@ public:
     LineShapes(const Scene& scene, const Channel& channel);
 
     [[nodiscard]] bool empty() const { return lines_.empty(); }
-    [[nodiscard]] double begin() const { return lines_.front().begin(); } ///< [m] of the first line that exists
-    [[nodiscard]] double end() const { return lines_.back().end(); }      ///< [m]
-    [[nodiscard]] double nearest(Vec3 x, double guess) const;             ///< [m]
+    [[nodiscard]] double begin() const
+    {
+        return lines_.front().begin();
+    }                                                                ///< [m] where the first line that exists begins
+    [[nodiscard]] double end() const { return lines_.back().end(); } ///< [m]
+    [[nodiscard]] double nearest(Vec3 x, double guess) const;        ///< [m]
     /// Whether one of the lines is at this place.
     [[nodiscard]] bool occupied(double place) const { return place > begin() && place < end(); }
     [[nodiscard]] const LineShape& at(double place) const;

@@ -14,7 +14,7 @@ namespace {
 struct Push {
     BodyId needle, tissue;
     Vec3 force = {};        ///< [N] on the tissue, in this step
-    double strongest = 0.0; ///< [N] of its contacts
+    double strongest = 0.0; ///< [N] the largest of its contacts
     BodyPoint place = {};   ///< in the tissue, where that one is
 };
 
