@@ -43,7 +43,7 @@ Constraint shaftOf(const Threading& at, std::size_t k, double dt, const Scene& s
     shaft.bias.x = (point.held - place) / dt; // how far the tissue has come towards the tip since it stuck
     shaft.softness = dt * dt * law.stiffness * std::max(share, kLeastShare * spacingOf(scene, at.channel));
     // Coulomb's part follows what pressed in the last step. With that of this step, friction and pressure feed each
-    // other within the solve, which took two to three times the iterations with a thread in tissue.
+    // other within the solve: with a thread in tissue it took two to three times the iterations of one without.
     const double mu = std::sqrt(at.tissue.model.friction * frictionOf(scene, bodyAt(scene, at.channel, place)));
     shaft.maxImpulse = dt * ((point.slides ? law.friction : law.staticFriction) * share + mu * point.pressed);
     return shaft;
