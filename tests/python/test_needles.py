@@ -32,7 +32,7 @@ def test_a_needle_pierces_a_block_and_the_frame_tells():
     channels = sim.frame.channels
     assert len(channels) == 1
     channel = channels[0]
-    assert channel["tissue"] == tissue.value and channel["needle"] == needle.value
+    assert channel["tissue"] == tissue and channel["needle"] == needle
     assert not channel["through"]
     assert channel["tip"] == pytest.approx(0.1, rel=1e-3)
     assert channel["friction"] == pytest.approx(10.0 * channel["length"], rel=0.03)
