@@ -67,7 +67,7 @@ private:
 class Watch {
 public:
     Watch(Condition condition, std::shared_ptr<const Partings> partings)
-        : condition_(std::move(condition)), partings_(std::move(partings))
+        : condition_(condition), partings_(std::move(partings))
     {
     }
 
@@ -135,7 +135,10 @@ private:
 /// Refuses what could never hold. The condition has the ids of the bodies.
 class ConditionCheck {
 public:
-    ConditionCheck(const physics::PhysicsServer& server, std::string path) : server_(server), path_(path + ".done") {}
+    ConditionCheck(const physics::PhysicsServer& server, const std::string& path)
+        : server_(server), path_(path + ".done")
+    {
+    }
 
     void operator()(const Reached& c) const
     {
@@ -211,7 +214,7 @@ std::shared_ptr<const prefab::Task> addTask(runtime::Simulation& simulation, con
         Condition condition = task.steps[i].done;
         SceneNumbers(ids).replaceIn(condition);
         std::visit(ConditionCheck(simulation.physics(), text("task.steps[", i, "]")), condition);
-        const auto watch = std::make_shared<Watch>(std::move(condition), partings);
+        const auto watch = std::make_shared<Watch>(condition, partings);
         def.steps.push_back(stepOf(task.steps[i], watch));
         rememberPast(simulation, text("step ", i + 1, " of a task"), watch);
     }
