@@ -36,6 +36,15 @@ def carry_licences(carried):
         (carried / f"{package}.copyright").write_bytes(terms.read_bytes())
 
 
+def forbid_executable_stacks(libraries):
+    """Debian's Filament asks for an executable stack, because one of its assembly files does not say that it needs none.
+    Nothing uses it, and glibc 2.41 and later refuses to load such a library."""
+    for library in libraries:
+        if "execstack: X" in output("patchelf", "--print-execstack", str(library)):
+            output("patchelf", "--clear-execstack", str(library))
+            print(f"{library.name} needs no executable stack")
+
+
 def main():
     wheel, folder = Path(sys.argv[1]), Path(sys.argv[2])
     places = installed()
@@ -56,6 +65,7 @@ def main():
                 output("patchelf", "--set-rpath", "$ORIGIN", str(target))
                 print(f"carries {name}, too")
                 todo.append(target)
+        forbid_executable_stacks([*content.rglob("*.so"), *carried.glob("*.so*")])
         carry_licences(carried)
         output("wheel", "pack", "--dest-dir", str(folder), str(content))
 
