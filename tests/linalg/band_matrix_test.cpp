@@ -27,23 +27,27 @@ struct Sample {
     }
 };
 
+/// Checks product and solution against a dense matrix; leaves the factor.
+void checkSolved(const BandMatrix& band, const Eigen::MatrixXd& dense, BandCholesky& factor)
+{
+    const auto size = dense.rows();
+    const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(size, -1.0, 2.0);
+    std::vector<double> in(x.data(), x.data() + size), out(in.size());
+    band.multiply(in, out);
+    CHECK((Eigen::Map<Eigen::VectorXd>(out.data(), size) - dense * x).norm() < 1e-12);
+    REQUIRE(factor.factorise(band));
+    factor.solve(out);
+    CHECK((Eigen::Map<Eigen::VectorXd>(out.data(), size) - x).norm() < 1e-12);
+}
+
 } // namespace
 
 TEST_CASE("a band matrix multiplies, solves and inverts as a dense one does")
 {
     for (const std::size_t n : {1, 3, 11, 12, 57}) {
         const Sample sample(n);
-        const auto size = static_cast<long>(n);
-        const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(size, -1.0, 2.0);
-        std::vector<double> in(x.data(), x.data() + n), out(n);
-        sample.band.multiply(in, out);
-        CHECK((Eigen::Map<Eigen::VectorXd>(out.data(), size) - sample.dense * x).norm() < 1e-12);
-
         BandCholesky factor;
-        REQUIRE(factor.factorise(sample.band));
-        factor.solve(out);
-        CHECK((Eigen::Map<Eigen::VectorXd>(out.data(), size) - x).norm() < 1e-12);
-
+        checkSolved(sample.band, sample.dense, factor);
         BandMatrix inverse;
         factor.invert(inverse);
         const Eigen::MatrixXd exact = sample.dense.inverse();
@@ -59,7 +63,6 @@ TEST_CASE("a cyclic band matrix multiplies, solves and inverts as a dense one do
     constexpr std::size_t corner = BandMatrix::kCorner;
     for (const std::size_t n : {26, 32, 57}) {
         Sample sample(n);
-        const auto size = static_cast<long>(n);
         BandMatrix cyclic(n, true);
         std::mt19937 random(7);
         std::uniform_real_distribution<double> draw(-0.5, 0.5);
@@ -74,16 +77,8 @@ TEST_CASE("a cyclic band matrix multiplies, solves and inverts as a dense one do
                 sample.dense(row, column) = sample.dense(column, row) = value;
                 CHECK(cyclic.entry(n - corner + r, c) == value);
             }
-        const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(size, -1.0, 2.0);
-        std::vector<double> in(x.data(), x.data() + n), out(n);
-        cyclic.multiply(in, out);
-        CHECK((Eigen::Map<Eigen::VectorXd>(out.data(), size) - sample.dense * x).norm() < 1e-12);
-
         BandCholesky factor;
-        REQUIRE(factor.factorise(cyclic));
-        factor.solve(out);
-        CHECK((Eigen::Map<Eigen::VectorXd>(out.data(), size) - x).norm() < 1e-12);
-
+        checkSolved(cyclic, sample.dense, factor);
         BandMatrix inverse;
         factor.invert(inverse);
         const Eigen::MatrixXd exact = sample.dense.inverse();

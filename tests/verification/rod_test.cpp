@@ -85,14 +85,8 @@ TEST_CASE("a quarter of a ring, curved at rest, bends and twists under a load ac
 {
     constexpr double radius = 0.1;
     constexpr int edges = 200;
-    RodBodyDef def = clampedRod(radius, edges);
-    def.straight = false;
-    def.spacing = {};
-    def.points.clear();
     // Nodes on the circle: their polygon has the curvature of the circle at its nodes.
-    const double step = 0.5 * kPi / edges;
-    for (int i = -1; i <= edges; ++i)
-        def.points.push_back({radius * std::sin(i * step), radius * (1.0 - std::cos(i * step)), 0});
+    RodBodyDef def = clampedArc(radius, 0.5 * kPi, edges);
     const double load = 1e-3 * bendOf(def) / (radius * radius);
     def.forces = {{.node = edges + 1, .force = {0, 0, load}}};
     Stage stage;

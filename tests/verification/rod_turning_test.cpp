@@ -63,13 +63,7 @@ TEST_CASE("a quarter of a ring that a body clamps bends and twists as one that i
     constexpr int edges = 100;
     Stage stage;
     const BodyId hand = stage.add(RigidBodyDef{.name = "hand", .elements = {Pose{}}});
-    RodBodyDef def = clampedRod(radius, edges);
-    def.straight = false;
-    def.spacing = {};
-    def.points.clear();
-    const double step = 0.5 * kPi / edges;
-    for (int i = -1; i <= edges; ++i)
-        def.points.push_back({radius * std::sin(i * step), radius * (1.0 - std::cos(i * step)), 0});
+    RodBodyDef def = clampedArc(radius, 0.5 * kPi, edges);
     const double load = 1e-3 * bendOf(def) / (radius * radius);
     def.forces = {{.node = edges + 1, .force = {0, 0, load}}};
     def.attachments = {{.nodes = {0, 1}, .to = hand}};
@@ -156,14 +150,8 @@ TEST_CASE("a curved rod that is turned in a curved tube needs the moment of the 
     constexpr int edges = 240; // the free end is half an edge too short: an error of the first order
     Stage stage;
     const BodyId hand = stage.add(RigidBodyDef{.name = "hand", .elements = {Pose{}}});
-    RodBodyDef def = clampedRod(radius, edges);
-    def.straight = false;
-    def.spacing = {};
-    def.points.clear();
-    const double step = arc / edges, length = radius * arc;
-    for (int i = -1; i <= edges; ++i)
-        def.points.push_back({radius * std::sin(i * step), radius * (1.0 - std::cos(i * step)), 0});
-    const double edge = 2.0 * radius * std::sin(0.5 * step);
+    RodBodyDef def = clampedArc(radius, arc, edges);
+    const double length = radius * arc, edge = 2.0 * radius * std::sin(0.5 * arc / edges);
     std::vector<int> tube;
     for (int i = 2; i <= edges + 1; ++i) tube.push_back(i);
     def.attachments = {{.nodes = {0, 1}, .to = hand}, {.nodes = tube, .stiffness = 1e12 * bendOf(def) / length}};

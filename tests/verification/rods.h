@@ -29,6 +29,19 @@ inline physics::RodBodyDef clampedRod(double length, int edges)
             .attachments = {{.nodes = {0, 1}}}};
 }
 
+/// The same along an arc, at rest as it lies: its nodes are on the circle around (0, radius, 0), from the origin on.
+inline physics::RodBodyDef clampedArc(double radius, double angle, int edges)
+{
+    physics::RodBodyDef def = clampedRod(radius, edges);
+    def.straight = false;
+    def.spacing = {};
+    def.points.clear();
+    const double step = angle / edges;
+    for (int i = -1; i <= edges; ++i)
+        def.points.push_back({radius * std::sin(i * step), radius * (1.0 - std::cos(i * step)), 0});
+    return def;
+}
+
 /// Steps that are so long that nothing swings, until nothing moves.
 inline void settle(Stage& stage, double dt, int steps) { stage.run(steps, dt); }
 

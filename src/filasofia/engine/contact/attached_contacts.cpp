@@ -1,6 +1,7 @@
 #include "filasofia/engine/contact/attached_contacts.h"
 
 #include "filasofia/core/log.h"
+#include "filasofia/engine/contact/attachment_points.h"
 #include "filasofia/engine/contact/attachments.h"
 #include "filasofia/engine/scene/find_body.h"
 
@@ -16,8 +17,7 @@ AttachedPoint attachedPoint(const BodyPoint& side, Vec3 position, const Scene& s
 {
     AttachedPoint point;
     if (side.of == BodyPoint::Of::Soft) {
-        for (std::size_t k = 0; k < static_cast<std::size_t>(side.count); ++k)
-            point.nodes.push_back({side.nodes[k], side.weights[k]});
+        point.nodes = nodeWeights(side);
         return point;
     }
     const RigidPlanElement& planned = plan[side.body];

@@ -305,6 +305,27 @@ AttachedPairs nodePairsOf(const physics::AttachmentDef& def, std::size_t body, c
 
 } // namespace
 
+BodyPoint softPoint(const std::vector<NodeWeight>& nodes, std::size_t body, const SoftState& state)
+{
+    BodyPoint point;
+    point.of = BodyPoint::Of::Soft;
+    point.body = body;
+    for (const NodeWeight& each : nodes) {
+        point.add(each.node, each.weight);
+        point.position += each.weight * state.x[static_cast<std::size_t>(each.node)];
+        point.velocity += each.weight * state.v[static_cast<std::size_t>(each.node)];
+    }
+    return point;
+}
+
+std::vector<NodeWeight> nodeWeights(const BodyPoint& point)
+{
+    std::vector<NodeWeight> nodes;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k)
+        nodes.push_back({point.nodes[k], point.weights[k]});
+    return nodes;
+}
+
 std::vector<int> nodesOf(const physics::AttachmentDef& def, std::span<const Vec3> x)
 {
     std::vector<int> nodes = def.nodes;

@@ -10,6 +10,11 @@ using AttachedPairs = std::vector<std::array<AttachedPoint, 2>>;
 /// Whether a body's Def fixes it in space by pins.
 inline bool isPins(const physics::AttachmentDef& def) { return !def.to && def.breakForce == physics::kNever; }
 
+/// A point of soft body `body` (an index), where it is and how it moves.
+BodyPoint softPoint(const std::vector<NodeWeight>& nodes, std::size_t body, const SoftState& state);
+/// The nodes and weights of a point of a soft body.
+std::vector<NodeWeight> nodeWeights(const BodyPoint& point);
+
 /// The nodes that are listed, in the box or in the ball; ascending, each once.
 std::vector<int> nodesOf(const physics::AttachmentDef& def, std::span<const Vec3> x);
 

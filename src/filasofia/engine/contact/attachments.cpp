@@ -60,14 +60,7 @@ public:
         if (!body) {
             out.position = point.place;
         } else if (body->soft) {
-            const SoftState& soft = scene_.soft[body->index].state;
-            out.of = BodyPoint::Of::Soft;
-            out.body = body->index;
-            for (const NodeWeight& each : point.nodes) {
-                out.add(each.node, each.weight);
-                out.position += each.weight * soft.x[static_cast<std::size_t>(each.node)];
-                out.velocity += each.weight * soft.v[static_cast<std::size_t>(each.node)];
-            }
+            out = softPoint(point.nodes, body->index, scene_.soft[body->index].state);
         } else {
             const auto element = static_cast<std::size_t>(point.element);
             out.of = BodyPoint::Of::Rigid;

@@ -1,5 +1,6 @@
 #include "filasofia/engine/piercing/channels.h"
 
+#include "filasofia/engine/contact/attachment_points.h"
 #include "filasofia/engine/piercing/threading.h"
 #include "filasofia/engine/scene/find_body.h"
 
@@ -11,17 +12,6 @@ namespace {
 
 // A point near the tip stands for little of the line, but holds it sideways with at least this share of the spacing.
 constexpr double kLeastShare = 0.5;
-
-BodyPoint tissuePoint(const std::vector<NodeWeight>& point, const Threading& at)
-{
-    BodyPoint out;
-    out.of = BodyPoint::Of::Soft;
-    out.body = at.body;
-    out.position = meanOf(point, at.tissue.state.x);
-    out.velocity = meanOf(point, at.tissue.state.v);
-    for (const NodeWeight& each : point) out.add(each.node, each.weight);
-    return out;
-}
 
 double frictionOf(const Scene& scene, BodyId id)
 {
@@ -37,7 +27,7 @@ Constraint shaftOf(const Threading& at, std::size_t k, double dt, const Scene& s
     const double place = at.places[k], share = at.lengthAt(k);
     const LineShape& line = at.lines.at(place);
     Constraint shaft{.kind = ConstraintKind::Shaft};
-    shaft.sides = {tissuePoint(point.nodes, at), line.pointAt(place, scene, plan)};
+    shaft.sides = {softPoint(point.nodes, at.body, at.tissue.state), line.pointAt(place, scene, plan)};
     shaft.frame = frameOf(line.forward(place));
     shaft.bias = 1.0 / dt * inFrame(shaft.frame, shaft.sides[0].position - shaft.sides[1].position);
     shaft.bias.x = (point.held - place) / dt; // how far the tissue has come towards the tip since it stuck
@@ -53,7 +43,7 @@ Constraint shaftOf(const Threading& at, std::size_t k, double dt, const Scene& s
 Constraint tipOf(const Threading& at, const LineShape& needle, double dt, const Scene& scene, const RigidPlan& plan)
 {
     Constraint tip{.kind = ConstraintKind::Tip};
-    tip.sides = {tissuePoint(at.channel.end, at), needle.pointAt(0.0, scene, plan)};
+    tip.sides = {softPoint(at.channel.end, at.body, at.tissue.state), needle.pointAt(0.0, scene, plan)};
     tip.frame = frameOf(needle.forward(0.0));
     tip.bias.x = dot(tip.frame[0], tip.sides[0].position - tip.sides[1].position) / dt;
     tip.softness = dt * dt * at.law().cutting / giveOf(at.law(), needle);
@@ -72,7 +62,7 @@ bool isIn(const Threading& at, const Constraint& contact, const Scene& scene, co
         if (point.of == BodyPoint::Of::Rigid &&
             plan[point.body].element != scene.rigid[plan[point.body].body].model.needle->element)
             return false;
-        const LineShape shape(scene, line);
+        const LineShape& shape = *at.lines.find(line.body);
         const double place = shape.nearest(point.position);
         const double margin = 2.0 * (shape.radius() + contact.contact.proximity);
         return place < at.places.front() + margin && (!at.channel.through || place > at.places.back() - margin);
@@ -109,7 +99,7 @@ void addChannels(const StepContext& context, const Scene& scene, Coupling& coupl
         };
         for (std::size_t k = 0; k < at.places.size(); ++k)
             if (at.occupied(k)) add(shaftOf(at, k, dt, scene, coupling.rigid), static_cast<int>(k));
-        if (const auto needle = cuttingNeedle(scene, at.channel); needle && at.law().cutting > 0.0)
+        if (const LineShape* needle = at.cutting(); needle && at.law().cutting > 0.0)
             add(tipOf(at, *needle, dt, scene, coupling.rigid), ChannelInfo::kTip);
     }
     coupling.channelCount = coupling.constraints.size() - before;

@@ -41,14 +41,17 @@ std::optional<ThreadedLine> followerOf(const Scene& scene, const ThreadedLine& l
 }
 
 /// Adds the rods behind the lines of a channel, as far as they have come to its entry.
-void follow(const Scene& scene, Channel& channel)
+void follow(const Scene& scene, const Threading& now, Channel& channel)
 {
-    while (findBody(scene, channel.lines.back().body)) {
-        const Threading now(scene, channel);
-        if (now.places.front() <= now.lines.end()) return;
+    if (now.places.empty()) return;
+    double entry = now.places.front(), end = now.lines.end();
+    while (entry > end && findBody(scene, channel.lines.back().body)) {
         const auto next = followerOf(scene, channel.lines.back());
         if (!next || std::ranges::find(channel.lines, next->body, &ThreadedLine::body) != channel.lines.end()) return;
         channel.lines.push_back(*next);
+        const Threading longer(scene, channel);
+        entry = longer.places.front();
+        end = longer.lines.end();
     }
 }
 
@@ -96,9 +99,9 @@ void take(double dt, const Constraint& constraint, const Threading& now, Channel
     channel.points[k].pressed = std::sqrt(impulse.y * impulse.y + impulse.z * impulse.z) / dt;
 }
 
-void reportPlaces(const Scene& scene, const Channel& channel, frame::Channel& report)
+void reportPlaces(const Scene& scene, const Threading& now, frame::Channel& report)
 {
-    const Threading now(scene, channel);
+    const Channel& channel = now.channel;
     report.tissue = channel.tissue;
     report.needle = channel.lines.front().body;
     report.entry = meanOf(channel.points.front().nodes, now.tissue.state.x);
@@ -109,9 +112,8 @@ void reportPlaces(const Scene& scene, const Channel& channel, frame::Channel& re
 }
 
 /// Whether nothing is in a channel any more: the tip was pulled out at the entry, or all lines through it.
-bool isEmpty(const Scene& scene, const Channel& channel)
+bool isEmpty(const Threading& now)
 {
-    const Threading now(scene, channel);
     if (now.places.empty()) return true;
     for (std::size_t k = 0; k < now.places.size(); ++k)
         if (now.occupied(k)) return false;
@@ -131,15 +133,19 @@ void keepChannels(double dt, const Coupling& coupling, Scene& scene)
         const std::size_t c = each.channel.channel;
         take(dt, each, now[c], scene.channels[c], scene.channelReports[c]);
     }
+    std::vector<char> empty;
     for (std::size_t c = 0; c < scene.channels.size(); ++c) {
         Channel& channel = scene.channels[c];
         for (std::size_t k = 0; k < now[c].places.size(); ++k)
             if (!now[c].occupied(k)) channel.points[k] = {channel.points[k].nodes, now[c].places[k]};
-        if (const auto needle = cuttingNeedle(scene, channel)) advanceTip(scene, *needle, channel);
-        follow(scene, channel);
-        reportPlaces(scene, channel, scene.channelReports[c]);
+        if (const LineShape* needle = now[c].cutting()) advanceTip(scene, *needle, channel);
+        follow(scene, now[c], channel);
+        const Threading after(scene, channel);
+        reportPlaces(scene, after, scene.channelReports[c]);
+        empty.push_back(isEmpty(after));
     }
-    std::erase_if(scene.channels, [&](const Channel& each) { return isEmpty(scene, each); });
+    for (std::size_t c = scene.channels.size(); c-- > 0;)
+        if (empty[c]) scene.channels.erase(scene.channels.begin() + static_cast<std::ptrdiff_t>(c));
 }
 
 void removeChannelsOf(BodyId id, Scene& scene)

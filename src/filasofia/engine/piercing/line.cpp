@@ -7,7 +7,7 @@
 
 namespace filasofia::engine {
 
-LineShape::LineShape(const Scene& scene, const ThreadedLine& line) : reversed_(line.reversed)
+LineShape::LineShape(const Scene& scene, const ThreadedLine& line) : id_(line.body), reversed_(line.reversed)
 {
     const BodyPlace place = *findBody(scene, line.body);
     soft_ = place.soft;
@@ -123,8 +123,11 @@ BodyPoint LineShape::pointAt(double place, const Scene& scene, const RigidPlan& 
     point.position = position(place);
     if (!soft_) {
         point.of = BodyPoint::Of::Rigid;
-        point.body = firstElements(scene)[body_] + element_;
-        const RigidPlanElement& planned = plan[point.body];
+        const auto isHere = [&](const RigidPlanElement& each) {
+            return each.body == body_ && each.element == element_;
+        };
+        const RigidPlanElement& planned = *std::ranges::find_if(plan, isHere);
+        point.body = static_cast<std::size_t>(&planned - plan.data());
         point.velocity = planned.velocity + cross(planned.angularVelocity, point.position - planned.centre);
         return point;
     }
@@ -154,6 +157,12 @@ std::size_t LineShapes::indexAt(double place) const
     return i;
 }
 
+const LineShape* LineShapes::find(BodyId body) const
+{
+    const auto found = std::ranges::find(lines_, body, &LineShape::body);
+    return found == lines_.end() ? nullptr : &*found;
+}
+
 const LineShape& LineShapes::at(double place) const { return lines_[indexAt(place)]; }
 
 double LineShapes::nearest(Vec3 x, double guess) const
@@ -166,12 +175,6 @@ double LineShapes::nearest(Vec3 x, double guess) const
     for (; place < lines_[i].begin() && i > 0; --i)
         place = std::min(lines_[i - 1].nearest(x, lines_[i - 1].end()), lines_[i - 1].end());
     return place;
-}
-
-double lengthOf(const Scene& scene, const ThreadedLine& line)
-{
-    const LineShape shape(scene, line);
-    return shape.end() - shape.begin();
 }
 
 } // namespace filasofia::engine

@@ -13,6 +13,7 @@ public:
     /// `line.body` must exist, and be a rod or have a needle.
     LineShape(const Scene& scene, const ThreadedLine& line);
 
+    [[nodiscard]] BodyId body() const { return id_; }
     [[nodiscard]] double begin() const { return places_.front(); } ///< [m]
     [[nodiscard]] double end() const { return places_.back(); }    ///< [m]
     [[nodiscard]] double radius() const { return radius_; }        ///< [m]
@@ -37,6 +38,7 @@ private:
     [[nodiscard]] double distanceSquared(std::size_t segment, Vec3 x) const;
     [[nodiscard]] double placeOn(std::size_t segment, Vec3 x) const;
 
+    BodyId id_;
     bool soft_ = false, reversed_ = false;
     std::size_t body_ = 0, element_ = 0;
     double radius_ = 0.0;
@@ -51,10 +53,10 @@ public:
     LineShapes(const Scene& scene, const Channel& channel);
 
     [[nodiscard]] bool empty() const { return lines_.empty(); }
-    [[nodiscard]] double begin() const
-    {
-        return lines_.front().begin();
-    }                                                                ///< [m] where the first line that exists begins
+    /// The line of a body; null if there is none.
+    [[nodiscard]] const LineShape* find(BodyId body) const;
+    /// [m] Where the first line that exists begins.
+    [[nodiscard]] double begin() const { return lines_.front().begin(); }
     [[nodiscard]] double end() const { return lines_.back().end(); } ///< [m]
     [[nodiscard]] double nearest(Vec3 x, double guess) const;        ///< [m]
     /// Whether one of the lines is at this place.
@@ -65,8 +67,5 @@ private:
     [[nodiscard]] std::size_t indexAt(double place) const;
     std::vector<LineShape> lines_;
 };
-
-/// [m] The length of a line.
-double lengthOf(const Scene& scene, const ThreadedLine& line);
 
 } // namespace filasofia::engine

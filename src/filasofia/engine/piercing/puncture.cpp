@@ -1,5 +1,6 @@
 #include "filasofia/engine/piercing/channels.h"
 
+#include "filasofia/engine/contact/attachment_points.h"
 #include "filasofia/engine/piercing/embed.h"
 #include "filasofia/engine/piercing/threading.h"
 #include "filasofia/engine/scene/find_body.h"
@@ -77,9 +78,7 @@ void puncture(double dt, const Coupling& coupling, Scene& scene)
         const SoftBody& tissue = scene.soft[findBody(scene, push.tissue)->index];
         const LineShape needle(scene, {push.needle});
         if (!(dot(push.force, needle.forward(0.0)) >= tissue.model.puncture->force)) continue;
-        std::vector<NodeWeight> touched;
-        for (std::size_t k = 0; k < static_cast<std::size_t>(push.place.count); ++k)
-            touched.push_back({push.place.nodes[k], push.place.weights[k]});
+        const std::vector<NodeWeight> touched = nodeWeights(push.place);
         const std::vector<Vec3>& x = tissue.state.x;
         const auto entry = embedNearest(meanOf(touched, x), touched, tissue.model, x);
         if (!entry) continue;

@@ -6,10 +6,10 @@
 
 namespace filasofia::engine {
 
-Vec3 meanOf(const std::vector<NodeWeight>& point, const std::vector<Vec3>& ofNodes)
+Vec3 meanOf(const std::vector<NodeWeight>& point, const std::vector<Vec3>& x)
 {
     Vec3 sum;
-    for (const NodeWeight& each : point) sum += each.weight * ofNodes[static_cast<std::size_t>(each.node)];
+    for (const NodeWeight& each : point) sum += each.weight * x[static_cast<std::size_t>(each.node)];
     return sum;
 }
 
@@ -47,11 +47,9 @@ double Threading::length() const
     return sum;
 }
 
-std::optional<LineShape> cuttingNeedle(const Scene& scene, const Channel& channel)
+const LineShape* Threading::cutting() const
 {
-    const ThreadedLine& first = channel.lines.front();
-    if (channel.through || !findBody(scene, first.body)) return std::nullopt;
-    return LineShape(scene, first);
+    return channel.through ? nullptr : lines.find(channel.lines.front().body);
 }
 
 double spacingOf(const Scene& scene, const Channel& channel)

@@ -2,13 +2,12 @@
 
 #include "filasofia/engine/piercing/line.h"
 
-#include <optional>
 #include <vector>
 
 namespace filasofia::engine {
 
-/// [m] Where a point of tissue is, or [m/s] how it moves, given the nodes' places or velocities.
-Vec3 meanOf(const std::vector<NodeWeight>& point, const std::vector<Vec3>& ofNodes);
+/// [m] Where a point of tissue is, given the places of its nodes.
+Vec3 meanOf(const std::vector<NodeWeight>& point, const std::vector<Vec3>& x);
 
 /// A channel as it lies now: its lines, and where on them its points are.
 struct Threading {
@@ -27,10 +26,9 @@ struct Threading {
     /// to the tip or the tail if the line ends there. All together are what is in the tissue.
     [[nodiscard]] double lengthAt(std::size_t k) const;
     [[nodiscard]] double length() const; ///< [m] what is in the tissue
+    /// The needle that cuts on; null if its body is gone, or it came out.
+    [[nodiscard]] const LineShape* cutting() const;
 };
-
-/// The needle that cuts a channel; none if its body is gone, or it came out.
-std::optional<LineShape> cuttingNeedle(const Scene& scene, const Channel& channel);
 
 /// [m] The distance of points at which tissue holds a needle: that of its Def; for rods the length of an edge.
 double spacingOf(const Scene& scene, const Channel& channel);

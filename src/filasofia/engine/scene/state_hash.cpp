@@ -68,12 +68,17 @@ void addContacts(Hasher& hash, const Scene& scene)
     }
 }
 
-void add(Hasher& hash, const AttachedPoint& point)
+void add(Hasher& hash, const std::vector<NodeWeight>& point)
 {
-    for (const NodeWeight& each : point.nodes) {
+    for (const NodeWeight& each : point) {
         hash.add(static_cast<std::uint64_t>(each.node));
         hash.add(each.weight);
     }
+}
+
+void add(Hasher& hash, const AttachedPoint& point)
+{
+    add(hash, point.nodes);
     hash.add(static_cast<std::uint64_t>(point.element));
     add(hash, point.place);
 }
@@ -106,12 +111,6 @@ void addAttachments(Hasher& hash, const Scene& scene)
 // A scene without channels does not change the hash.
 void addChannels(Hasher& hash, const Scene& scene)
 {
-    const auto addPoint = [&](const std::vector<NodeWeight>& nodes) {
-        for (const NodeWeight& each : nodes) {
-            hash.add(static_cast<std::uint64_t>(each.node));
-            hash.add(each.weight);
-        }
-    };
     for (const Channel& each : scene.channels) {
         hash.add(std::uint64_t{each.tissue.value});
         for (const ThreadedLine& line : each.lines) {
@@ -120,12 +119,12 @@ void addChannels(Hasher& hash, const Scene& scene)
             hash.add(line.start);
         }
         for (const ChannelPoint& point : each.points) {
-            addPoint(point.nodes);
+            add(hash, point.nodes);
             hash.add(point.held);
             hash.add(static_cast<std::uint64_t>(point.slides));
             hash.add(point.pressed);
         }
-        addPoint(each.end);
+        add(hash, each.end);
         hash.add(each.travelled);
         hash.add(static_cast<std::uint64_t>(each.through));
     }
