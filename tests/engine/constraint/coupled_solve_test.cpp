@@ -206,7 +206,7 @@ TEST_CASE("the filter prevents stiff contacts from costing iterations")
         CoupledLimits limits = kTight;
         limits.linear.tolerance = 1e-6;
         limits.tolerance = 1.0; // converges by the energy alone
-        limits.stiffening = k == 0 ? 1.0 : 1e4;
+        limits.kappa.contact = k == 0 ? 1.0 : 1e4;
         limits.nonlinear = 0; // the same contacts throughout, which is what the filter is for
         const CoupledReport report = scene.solve(limits);
         CHECK(report.converged);

@@ -18,6 +18,14 @@ constexpr double kStiff = 1e-6;
 
 } // namespace
 
+bool CoupledSolve::isExact(const ConstraintRow& row) const
+{
+    return together_ && std::ranges::all_of(constraints_->pointsOf(row), [&](const WeightedPoint& each) {
+               const auto body = std::ranges::upper_bound(first_, each.point) - first_.begin() - 1;
+               return (*bodies_)[static_cast<std::size_t>(body)].smoother->isExact();
+           });
+}
+
 void CoupledSolve::chooseStiffness()
 {
     ownCompliance_.resize(constraints_->points.size());
@@ -37,7 +45,8 @@ void CoupledSolve::chooseStiffness()
         }
         if (!each.bilateral() && !(compliance > kStiff * anyDirection)) compliance = 0.0;
         const bool spring = each.softness > 0.0;
-        const double kappa = each.bilateral() ? limits_->holding : limits_->stiffening;
+        const Kappa& kappas = isExact(row) ? limits_->exactKappa : limits_->kappa;
+        const double kappa = each.bilateral() ? kappas.holding : kappas.contact;
         const double rigid =
             compliance > 0.0 ? std::max(each.yielding * kappa / compliance, limits_->bearing * heaviest) : 0.0;
         const double normal = spring ? each.softness : rigid;

@@ -11,6 +11,12 @@
 
 namespace filasofia::engine {
 
+/// Penalty times the compliance of the contact points, [-].
+struct Kappa {
+    double contact = 10.0; ///< of unilateral constraints
+    double holding = 10.0; ///< of bilateral ones
+};
+
 /// Limits and parameters of a coupled solve.
 struct CoupledLimits {
     linalg::SolveLimits linear; ///< for all iterations together
@@ -18,8 +24,10 @@ struct CoupledLimits {
     int nonlinear = 40;
     int multiplierUpdates = 3; ///< maximum number of updates, made while constraints exceed their tolerance
     double tolerance = 5e-3;   ///< [-] change of the impulses, relative to all impulses
-    double stiffening = 10.0;  ///< [-] kappa: penalty times the compliance of the contact points; unilateral
-    double holding = 10.0;     ///< [-] the same for bilateral constraints
+    Kappa kappa = {};
+    /// The same for constraints between bodies whose D is A, if the filter knows all constraints together from the
+    /// start: they cost no iterations, however stiff they are.
+    Kappa exactKappa = {};
     double bearing = 0.0;      ///< [-] minimum penalty, relative to the mass of the heaviest body
     double smallChange = 1e-3; ///< [m/s] the error is relative to at least the energy of this velocity change
 };
@@ -91,6 +99,7 @@ private:
 
     void begin(const std::vector<std::vector<ContactPoint>>& pointsOf);
     void chooseStiffness();
+    [[nodiscard]] bool isExact(const ConstraintRow& row) const; ///< the filter is the inverse for what it acts on
     void joinConstraints(); ///< filter and coarse levels know all of them together from now on
     void makeFilter();
     void applyFilter(); ///< `scratch` = M of the velocities in `scratch`
@@ -138,6 +147,7 @@ private:
     double energy_ = 0.0, smallest_ = 0.0;
 
     bool activeSetFrozen_ = false; ///< the active set is frozen, and the law is linear
+    double missed_ = 0.0;          ///< by the worst constraint at the last update, relative to its tolerance
     bool restart_ = true;          ///< the next direction is conjugate to no other
     double ownCurvature_ = 0.0;    ///< p . A p
     double curvature_ = 0.0;       ///< p . (A + J^T Sigma J) p
