@@ -101,7 +101,7 @@ check_fuzz() {
 resident_kib() { awk '/^VmRSS/ {print $2}' "/proc/$1/status" 2>/dev/null || true; }
 
 # One run of the bunny at 200 steps per second, its output in the file $1. Prints "HASH FIRST LAST": the memory [KiB]
-# that it holds after it has settled (3 s) and at the end. If the run is shorter, growth cannot be measured, and both
+# that it holds after it has settled (10 s) and at the end. If the run is shorter, growth cannot be measured, and both
 # are 0.
 soak_run() {
   local said=$1 first=0 last=0 held run second=0
@@ -111,7 +111,7 @@ soak_run() {
     sleep 1
     second=$((second + 1))
     held=$(resident_kib $run)
-    if [ -n "$held" ] && ((second >= 3)); then
+    if [ -n "$held" ] && ((second >= 10)); then
       last=$held
       ((first > 0)) || first=$held
     fi
@@ -127,7 +127,7 @@ check_soak() {
   said=build/release/soak.txt # kept: the output of the last run
   for run in first second; do
     read -r hash first last < <(soak_run "$said") || return 1
-    echo "$run run: hash $hash, $first KiB after 3 s, $last KiB at the end"
+    echo "$run run: hash $hash, $first KiB after 10 s, $last KiB at the end"
     ((first > 0)) || echo "$run run: too short to measure the growth of its memory"
     ((last - first < 1024)) || { echo "$run run: memory grew by $((last - first)) KiB"; grown=1; }
     hashes+=("$hash")

@@ -1,95 +1,25 @@
 #include "filasofia/engine/piercing/threading.h"
 
+#include "engine/needles.h"
 #include "verification/attached.h"
 
 /// Needles in tissue: forces over depth, threads that follow, and what they hold together.
 namespace filasofia::engine {
 namespace needle_test {
-namespace {
-
-using physics::NeedleDef;
-using physics::PunctureDef;
-using physics::RigidBodyDef;
-using physics::RodBodyDef;
-using physics::SetPose;
-using physics::SoftBodyDef;
-
-constexpr double kRadius = 0.4e-3, kLong = 0.03, kDt = 1e-3;
-constexpr double kTip = 0.5 * kLong + kRadius; // [m] from the needle's origin down to its tip
-const PunctureDef kSkin{.force = 0.6, .cutting = 0.2, .friction = 20.0};
-
-/// A block of tissue whose upper side is at y = 0; its lower one is held.
-SoftBodyDef tissue(double thickness, const PunctureDef& puncture = kSkin)
-{
-    SoftBodyDef def{.name = "tissue", .mesh = geometry::shapes::block({0.03, thickness, 0.03}, {8, 6, 8})};
-    def.pose.position.y = -0.5 * thickness;
-    def.material = physics::FemMaterial{.youngModulus = 3e4, .poissonRatio = 0.45};
-    def.gravity = false;
-    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, -0.999 * thickness, 1}}}};
-    def.collision = {{.proximity = 0.3e-3}};
-    def.friction = 0.0;
-    def.puncture = puncture;
-    return def;
-}
-
-/// A straight needle that points down, with its tip at this height [m].
-RigidBodyDef needle(double height, bool dynamic = false)
-{
-    RigidBodyDef def{.name = "needle",
-                     .elements = {Pose{{0.4e-3, height + kTip, 0.3e-3}, {}}}, // not along edges of the mesh
-                     .mesh = geometry::shapes::capsule(kRadius, kLong),
-                     .dynamic = dynamic,
-                     .mass = physics::TotalMass{1e-3}};
-    def.gravity = false;
-    def.collision = {{.proximity = 0.3e-3}};
-    def.needle = NeedleDef{.line = {{0, -kTip, 0}, {0, kTip, 0}}, .radius = kRadius};
-    return def;
-}
-
-/// A needle moved by hand, up and down.
-struct Insertion {
-    Stage stage;
-    BodyId block, tool;
-    frame::Frame frame;
-    double height; ///< [m] where the tip is
-
-    explicit Insertion(double thickness, const PunctureDef& puncture = kSkin, int threads = 1)
-        : stage({.threads = threads}), height(1e-3)
-    {
-        block = stage.add(tissue(thickness, puncture));
-        tool = stage.add(needle(height));
-    }
-    /// Moves the needle by dy [m] in a step; returns the force [N] with which the tissue pushes it up.
-    double move(double dy)
-    {
-        height += dy;
-        stage.post(SetPose{tool, 0, Pose{{0.4e-3, height + kTip, 0.3e-3}, {}}});
-        const physics::StepReport report = stage.step(kDt);
-        CHECK(report.flags == 0);
-        stage.world.capture(frame);
-        double force = 0.0;
-        for (const frame::Channel& each : frame.channels) force -= each.force.y;
-        for (const frame::Contact& each : frame.contacts)
-            force += (each.first == tool ? 1.0 : -1.0) * (each.normalForce * each.normal + each.friction).y;
-        return force;
-    }
-};
-
-} // namespace
-
 TEST_CASE("the force on a needle rises to the puncture, falls, grows with its length, and turns round")
 {
     Insertion in(0.02);
     const double speed = 0.02;
     double atPuncture = 0.0;
-    while (in.frame.channels.empty() && in.height > -0.015) atPuncture = std::max(atPuncture, in.move(-speed * kDt));
+    while (in.frame.channels.empty() && in.height > -0.015)
+        atPuncture = std::max(atPuncture, in.move(-speed * kNeedleStep));
     REQUIRE(in.frame.channels.size() == 1);
     verifyWithin("needle: force at the puncture, relative to the threshold", atPuncture / kSkin.force, 0.9, 1.1);
 
-    for (int i = 0; i < 100; ++i) in.move(-speed * kDt); // what the puncture released has settled
+    for (int i = 0; i < 100; ++i) in.move(-speed * kNeedleStep); // what the puncture released has settled
     double worst = 0.0, shallow = 0.0, deep = 0.0;
     for (int i = 0; i < 500; ++i) {
-        const double force = in.move(-speed * kDt), length = in.frame.channels.at(0).length;
+        const double force = in.move(-speed * kNeedleStep), length = in.frame.channels.at(0).length;
         const double exact = kSkin.cutting + kSkin.friction * length;
         worst = std::max(worst, std::abs(force / exact - 1.0));
         if (i == 0) shallow = length;
@@ -99,46 +29,17 @@ TEST_CASE("the force on a needle rises to the puncture, falls, grows with its le
     tell("needle: depth at last [m]", deep);
     verify("needle: going in, error of the force, relative to cutting + friction * length", worst, 0.03);
 
-    for (int i = 0; i < 150; ++i) in.move(speed * kDt); // the friction turns round
+    for (int i = 0; i < 150; ++i) in.move(speed * kNeedleStep); // the friction turns round
     worst = 0.0;
     for (int i = 0; i < 200; ++i) {
-        const double force = in.move(speed * kDt), exact = -kSkin.friction * in.frame.channels.at(0).length;
+        const double force = in.move(speed * kNeedleStep), exact = -kSkin.friction * in.frame.channels.at(0).length;
         worst = std::max(worst, std::abs(force / exact - 1.0));
         CHECK(in.frame.channels.at(0).tip == 0.0);
     }
     verify("needle: coming out, error of the force, relative to friction * length", worst, 0.03);
-    while (!in.frame.channels.empty() && in.height < 0.01) in.move(speed * kDt);
+    while (!in.frame.channels.empty() && in.height < 0.01) in.move(speed * kNeedleStep);
     CHECK(in.stage.world.scene().channels.empty());
 }
-
-namespace {
-
-/// A needle with a thread at its tail that hangs upwards, pushed down through a block until the thread runs through it.
-struct Stitch {
-    static constexpr double kThick = 4e-3;
-    Insertion in;
-    BodyId thread;
-
-    explicit Stitch(int threads = 1) : in(kThick, {.force = 0.3, .cutting = 0.1, .friction = 10.0}, threads)
-    {
-        const double tail = in.height + 2.0 * kTip;
-        RodBodyDef def{.name = "thread", .points = {{0.4e-3, tail, 0.3e-3}, {0.4e-3, tail + 0.06, 0.3e-3}}};
-        def.spacing = 1e-3;
-        def.radius = 0.15e-3;
-        def.gravity = false;
-        def.friction = 0.0;
-        def.collision = physics::RodCollision{.self = false};
-        def.attachments = {{.nodes = {0}, .to = in.tool}};
-        thread = in.stage.add(def);
-    }
-    /// Until the needle's tail is this deep below the block [m].
-    void pull(double below)
-    {
-        while (in.height + 2.0 * kTip > -kThick - below) in.move(-0.03 * kDt);
-    }
-};
-
-} // namespace
 
 TEST_CASE("a needle comes out on the other side, and its thread follows through the channel with its own friction")
 {
@@ -155,7 +56,7 @@ TEST_CASE("a needle comes out on the other side, and its thread follows through 
     CHECK(channels[0].inside == stitch.thread);
     double worst = 0.0;
     for (int i = 0; i < 200; ++i) {
-        stitch.in.move(-0.03 * kDt);
+        stitch.in.move(-0.03 * kNeedleStep);
         worst = std::max(worst, std::abs(-channels.at(0).force.y / (10.0 * channels[0].length) - 1.0));
     }
     verify("needle: thread that is drawn through a block, error of the force, relative to friction * length", worst,
@@ -174,17 +75,17 @@ TEST_CASE("a channel bears what pushes the thread sideways, with Coulomb's frict
     in.move(0.0); // the bodies are there
     for (SoftBody& each : in.stage.world.scene().soft) each.model.friction = mu;
     for (RigidBody& each : in.stage.world.scene().rigid) each.model.friction = mu;
-    while (in.height > -0.012) in.move(-0.03 * kDt);
-    for (int i = 0; i < 300; ++i) in.move(0.01 * kDt);
-    const double straight = -in.move(0.01 * kDt) - 10.0 * in.frame.channels.at(0).length;
+    while (in.height > -0.012) in.move(-0.03 * kNeedleStep);
+    for (int i = 0; i < 300; ++i) in.move(0.01 * kNeedleStep);
+    const double straight = -in.move(0.01 * kNeedleStep) - 10.0 * in.frame.channels.at(0).length;
     verify("needle: friction without a lateral force, beyond friction * length [N]", std::abs(straight), 0.01);
     // Pushed sideways by so much that the tissue answers with about `side`.
     double force = 0.0, x = 0.4e-3;
     for (int i = 0; i < 400 && force < side; ++i) {
         x += 1e-5;
-        in.height += 0.01 * kDt;
-        in.stage.post(SetPose{in.tool, 0, Pose{{x, in.height + kTip, 0.3e-3}, {}}});
-        in.stage.step(kDt);
+        in.height += 0.01 * kNeedleStep;
+        in.stage.post(physics::SetPose{in.tool, 0, Pose{{x, in.height + kToTip, 0.3e-3}, {}}});
+        in.stage.step(kNeedleStep);
         in.stage.world.capture(in.frame);
         force = std::hypot(in.frame.channels.at(0).force.x, in.frame.channels.at(0).force.z);
     }
@@ -202,7 +103,7 @@ std::vector<std::uint64_t> hashesOf(Stitch& stitch, int steps)
 {
     std::vector<std::uint64_t> hashes;
     for (int i = 0; i < steps; ++i) {
-        stitch.in.move(-0.03 * kDt);
+        stitch.in.move(-0.03 * kNeedleStep);
         hashes.push_back(stitch.in.stage.world.hash());
     }
     return hashes;
@@ -241,47 +142,47 @@ TEST_CASE("a channel goes with its tissue, its needle and a reset")
     SECTION("the tissue is removed")
     {
         stage.post(physics::RemoveBody{stitch.in.block});
-        stage.step(kDt);
+        stage.step(kNeedleStep);
         CHECK(stage.world.scene().channels.empty());
     }
     SECTION("the needle is removed")
     {
         stage.post(physics::RemoveBody{stitch.in.tool});
-        stage.run(2, kDt);
+        stage.run(2, kNeedleStep);
         CHECK(stage.world.scene().channels.empty()); // the thread had not come so far
     }
     SECTION("the scene is reset")
     {
         stage.post(physics::Reset{});
-        stage.step(kDt);
+        stage.step(kNeedleStep);
         CHECK(stage.world.scene().channels.empty());
     }
 }
 
 TEST_CASE("tissue with a needle in it may be cut beside it and through it")
 {
-    SoftBodyDef def = tissue(0.01, kSkin);
+    physics::SoftBodyDef def = tissueBlock(0.01, kSkin);
     def.dynamicTopology = true;
     Stage stage;
     stage.add(def);
-    const BodyId tool = stage.add(needle(1e-3));
+    const BodyId tool = stage.add(straightNeedle(1e-3));
     double height = 1e-3;
     const auto move = [&](double dy) {
         height += dy;
-        stage.post(SetPose{tool, 0, Pose{{0.4e-3, height + kTip, 0.3e-3}, {}}});
-        return stage.step(kDt);
+        stage.post(physics::SetPose{tool, 0, Pose{{0.4e-3, height + kToTip, 0.3e-3}, {}}});
+        return stage.step(kNeedleStep);
     };
-    while (height > -0.007) move(-0.03 * kDt);
+    while (height > -0.007) move(-0.03 * kNeedleStep);
     REQUIRE(stage.world.scene().channels.size() == 1);
     const std::size_t points = stage.world.scene().channels[0].points.size();
     // A knife goes across, 2 mm below the upper side, through the needle's place.
-    RigidBodyDef knife{.name = "knife", .elements = {Pose{{-0.02, -2e-3, 0}, {}}}};
+    physics::RigidBodyDef knife{.name = "knife", .elements = {Pose{{-0.02, -2e-3, 0}, {}}}};
     knife.collision = {{.mesh = geometry::shapes::sheet(2e-3, 0.04, {1, 10}), .proximity = 0, .cutting = true}};
     const BodyId blade = stage.add(knife);
     double opened = 0.0;
-    for (double x = -0.02; x < 0.02; x += 0.1 * kDt) {
-        stage.post(SetPose{blade, 0, Pose{{x, -2e-3, 0}, {}}});
-        for (const physics::Rupture& each : stage.step(kDt).topology.ruptures) opened += each.area;
+    for (double x = -0.02; x < 0.02; x += 0.1 * kNeedleStep) {
+        stage.post(physics::SetPose{blade, 0, Pose{{x, -2e-3, 0}, {}}});
+        for (const physics::Rupture& each : stage.step(kNeedleStep).topology.ruptures) opened += each.area;
     }
     CHECK(opened > 0.5e-4);
     REQUIRE(stage.world.scene().channels.size() == 1);
@@ -291,7 +192,9 @@ TEST_CASE("tissue with a needle in it may be cut beside it and through it")
         const Vec3 at = meanOf(point.nodes, stage.soft().x);
         CHECK(std::hypot(at.x - 0.4e-3, at.z - 0.3e-3) < 1.5e-3);
     }
-    for (int i = 0; i < 500; ++i) CHECK((move(0.03 * kDt).flags & ~0x4u) == 0); // finite, and it comes out
+    // Finite, and it comes out. Where the knife has left slivers, some steps end before friction has settled.
+    const auto unsolved = static_cast<unsigned>(physics::StepFlag::NotConverged);
+    for (int i = 0; i < 500; ++i) CHECK((move(0.03 * kNeedleStep).flags & ~unsolved) == 0);
     CHECK(isFinite(stage.soft().x[0]));
 }
 

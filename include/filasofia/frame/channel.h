@@ -8,7 +8,7 @@ namespace filasofia::frame {
 /// A channel that a needle has pierced into tissue, after a step.
 struct Channel {
     BodyId tissue = {};
-    BodyId needle = {};    ///< the body that pierced it
+    BodyId needle = {};    ///< the body in front: the needle that pierced it, or a thread that was released from it
     BodyId inside = {};    ///< the body at its entry: the needle, or a thread that follows it
     Vec3 entry = {};       ///< [m] where the needle went in
     Vec3 end = {};         ///< [m] the deepest place, or where it came out

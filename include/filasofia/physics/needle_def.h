@@ -14,8 +14,9 @@ namespace filasofia::physics {
 struct NeedleDef {
     std::vector<Vec3> line = {}; ///< [m], at least two points, from the tip to the tail, in the element's coordinates
     double radius = 0.25e-3;     ///< [m], > 0
-    double spacing = 1e-3;       ///< [m], > 0: tissue holds it at points about this far apart, at most 500 of them
-    int element = 0;             ///< [-], the element of the body that carries it
+    /// [m], > 0, < length of the line, >= 1/500 of it: distance of the points at which tissue holds it
+    double spacing = 1e-3;
+    int element = 0; ///< [-], >= 0, < number of elements: the one that carries it
 };
 
 /// How tissue resists needles (Okamura, Simone and O'Leary 2004): up to the puncture, the surface deforms; then the tip

@@ -72,7 +72,8 @@ physics::StepReport World::step(const physics::StepInput& in)
     planRigid(scene_, in.dt, coupling_.rigid); // 2 how rigid bodies would move without constraints
     planArticulations(scene_, in.dt, coupling_.rigid, coupling_.articulations);
     findContacts(context, scene_, coupling_);      //   constraints: contacts
-    leaveToChannels(scene_, coupling_);            //   but not of needles with the tissue that they are in
+    partLines(scene_);                             //   threads that were released follow no needle
+    leaveToChannels(scene_, coupling_);            //   contacts, but not of needles with the tissue that they are in
     addWelds(context, scene_, coupling_);          //   attachments
     addChannels(context, scene_, coupling_);       //   needles and threads in tissue
     addJointConstraints(in.dt, scene_, coupling_); //   limits and dry friction of joints

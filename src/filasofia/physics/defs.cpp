@@ -68,6 +68,9 @@ void checkKind(const SoftBodyDef& def, const std::string& object)
 void check(const PunctureDef& def, const SoftBodyDef& body, const std::string& object)
 {
     if (isShell(body)) fail(object, ": puncture must be none with a ShellMaterial: needles pierce tetrahedra only");
+    if (body.collision.empty())
+        fail(object,
+             ": collision must have an entry if puncture is given: a needle that touches nothing pierces nothing");
     if (!def.stiffness && !std::holds_alternative<FemMaterial>(body.material))
         fail(object, ": puncture.stiffness must be given with a MassSpringMaterial, which has no Young's modulus");
     if (def.staticFriction && *def.staticFriction < def.friction)
@@ -89,6 +92,7 @@ void check(const NeedleDef& def, std::size_t elements, const std::string& object
     if (!(whole < kFarthest)) fail(object, ".line must be shorter than ", kFarthest, " m, got ", whole);
     if (!(whole <= kMostPoints * def.spacing))
         fail(object, ".spacing must leave at most ", kMostPoints, " points, got ", def.spacing, " m on ", whole, " m");
+    if (!(def.spacing < whole)) fail(object, ".spacing must be < the line's length, ", whole, " m, got ", def.spacing);
 }
 
 void check(const SoftBodyDef& def)
@@ -141,7 +145,12 @@ void check(const RigidBodyDef& def)
     }
     for (std::size_t i = 0; i < def.attachments.size(); ++i)
         checkElement(def.attachments[i].element, elementCount(def), text(object, ": attachments[", i, "].element"));
-    if (def.needle) check(*def.needle, elementCount(def), object + ": needle");
+    if (!def.needle) return;
+    check(*def.needle, elementCount(def), object + ": needle");
+    if (std::ranges::none_of(def.collision,
+                             [&](const CollisionDef& each) { return each.element == def.needle->element; }))
+        fail(object, ": collision must have an entry of element ", def.needle->element,
+             ", which has the needle: a needle that touches nothing pierces nothing");
 }
 
 void check(const RodBodyDef& def)
@@ -149,6 +158,8 @@ void check(const RodBodyDef& def)
     const std::string object = text("rod '", def.name, "'");
     validate(def, object);
     if (def.needle && def.closed) fail(object, ": needle must be false if closed: a ring has no tip");
+    if (def.needle && !def.collision)
+        fail(object, ": collision must be given if needle is true: a needle that touches nothing pierces nothing");
     static_cast<void>(centreLine(def));
 }
 

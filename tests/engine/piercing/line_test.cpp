@@ -1,5 +1,7 @@
 #include "filasofia/engine/piercing/line.h"
 
+#include "filasofia/geometry/shapes.h"
+
 #include "engine/stage.h"
 
 namespace line_test {
@@ -22,6 +24,8 @@ physics::RigidBodyDef needleOf(const std::vector<Vec3>& line)
 {
     physics::RigidBodyDef def{.elements = {Pose{{0.01, 0.02, -0.03}, axisAngle({1, 2, 3}, 0.7)}}};
     def.needle = physics::NeedleDef{.line = line};
+    def.mesh = geometry::shapes::box({1e-3, 1e-3, 1e-3});
+    def.collision = {{}};
     return def;
 }
 

@@ -21,6 +21,7 @@ struct PunctureModel {
     double cutting = 0.0;                        ///< [N] on the tip while it advances
     double friction = 0.0, staticFriction = 0.0; ///< [N/m] per length of shaft
     double stiffness = 0.0;                      ///< [Pa] force per length and distance
+    bool ofMaterial = false;                     ///< the stiffness follows the tissue's Young's modulus
 };
 
 /// A line that runs through a channel: a needle, or the rod that follows it.
@@ -33,6 +34,7 @@ struct ThreadedLine {
 /// A point of a channel: it is fixed in the tissue.
 struct ChannelPoint {
     std::vector<NodeWeight> nodes; ///< the corners of one tetrahedron
+    double before = 0.0;           ///< [m] how far the tip cut from the point before to this one
     double held = 0.0;             ///< [m] the place on the lines that sticks to it, behind the needle's tip
     bool slides = false;           ///< the lines slid through it in the last step
     double pressed = 0.0;          ///< [N] the force across the line in the last step
@@ -41,7 +43,8 @@ struct ChannelPoint {
 /// The channel of a needle in a tissue. A topology edit updates the points: their nodes are stored nowhere else.
 struct Channel {
     BodyId tissue;
-    std::vector<ThreadedLine> lines;  ///< the needle first, then what follows it
+    double spacing = 0.0;             ///< [m] distance of its points: that of the needle that pierced it
+    std::vector<ThreadedLine> lines;  ///< the needle first, then what follows it; each is tied to the next
     std::vector<ChannelPoint> points; ///< from where the needle went in
     std::vector<NodeWeight> end;      ///< the deepest place that the tip has reached
     double travelled = 0.0;           ///< [m] how far the tip has come since the last point

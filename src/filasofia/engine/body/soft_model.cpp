@@ -216,6 +216,8 @@ void setMaterial(const physics::SoftMaterial& material, const std::shared_ptr<co
     if (const auto* fem = std::get_if<physics::FemMaterial>(&material)) {
         model.material = *fem;
         model.tissue = map;
+        constexpr double kStiffer = 10.0; // than the tissue: most of the compliance is left to it
+        if (model.puncture && model.puncture->ofMaterial) model.puncture->stiffness = kStiffer * fem->youngModulus;
         setTissue(model);
         setFibres(model);
         return;

@@ -119,13 +119,12 @@ void warnOfSize(const std::string& object, const char* remedy, const std::vector
 PunctureModel punctureOf(const physics::SoftBodyDef& def)
 {
     const physics::PunctureDef& from = *def.puncture;
-    constexpr double kStiffer = 10.0; // than the tissue
-    const auto* fem = std::get_if<physics::FemMaterial>(&def.material);
     return {.force = from.force,
             .cutting = from.cutting,
             .friction = from.friction,
             .staticFriction = from.staticFriction.value_or(from.friction),
-            .stiffness = from.stiffness ? *from.stiffness : kStiffer * fem->youngModulus};
+            .stiffness = from.stiffness.value_or(0.0), // setMaterial() knows that of a material
+            .ofMaterial = !from.stiffness};
 }
 
 /// Everything of a body of tetrahedra that depends on its mesh and material.

@@ -49,8 +49,8 @@ struct ChannelInfo {
     int point = kTip;        ///< index of its point
 };
 
-/// Two points and the law between them: a contact, a pair of points of an attachment, a joint limit or a joint's
-/// friction.
+/// Two points and the law between them: a contact, a pair of points of an attachment, a joint limit, a joint's
+/// friction, a shaft in a channel or its tip.
 ///
 ///     C = bias + u,   u = F J (v + dv)
 ///

@@ -16,14 +16,37 @@ constexpr double kOtherSlip = 1.5;
 // those in which it cannot, the contact would need an unbounded force. Such contacts get no penalty.
 constexpr double kStiff = 1e-6;
 
+// A clamp of a steel rod bears moments with two nodes a millimetre apart: it must be as stiff as the rod itself. Beyond
+// this factor over 1 / compliance the filter, a difference of large numbers, has no digits left.
+constexpr double kExact = 1e5;
+
 } // namespace
+
+const BodySmoother& CoupledSolve::smootherAt(int& point) const
+{
+    const auto body = static_cast<std::size_t>(std::ranges::upper_bound(first_, point) - first_.begin()) - 1;
+    point -= first_[body];
+    return *(*bodies_)[body].smoother;
+}
 
 bool CoupledSolve::isExact(const ConstraintRow& row) const
 {
-    return together_ && std::ranges::all_of(constraints_->pointsOf(row), [&](const WeightedPoint& each) {
-               const auto body = std::ranges::upper_bound(first_, each.point) - first_.begin() - 1;
-               return (*bodies_)[static_cast<std::size_t>(body)].smoother->isExact();
-           });
+    return together_ && std::ranges::all_of(constraints_->pointsOf(row),
+                                            [&](WeightedPoint each) { return smootherAt(each.point).isExact(); });
+}
+
+double CoupledSolve::ownStiffness(const ConstraintRow& row) const
+{
+    double sum = 0.0;
+    std::vector<BlockColumns> columns;
+    for (auto [point, weight] : constraints_->pointsOf(row)) {
+        const BodySmoother& smoother = smootherAt(point);
+        columns.clear();
+        smoother.addColumns(point, columns);
+        for (const auto& [block, j] : columns)
+            sum += weight * weight * trace(j * smoother.block(block, block) * transpose(j));
+    }
+    return sum;
 }
 
 void CoupledSolve::chooseStiffness()
@@ -45,10 +68,12 @@ void CoupledSolve::chooseStiffness()
         }
         if (!each.bilateral() && !(compliance > kStiff * anyDirection)) compliance = 0.0;
         const bool spring = each.softness > 0.0;
-        const Kappa& kappas = isExact(row) ? limits_->exactKappa : limits_->kappa;
+        const bool exact = isExact(row);
+        const Kappa& kappas = exact ? limits_->exactKappa : limits_->kappa;
         const double kappa = each.bilateral() ? kappas.holding : kappas.contact;
-        const double rigid =
-            compliance > 0.0 ? std::max(each.yielding * kappa / compliance, limits_->bearing * heaviest) : 0.0;
+        double rigid = each.yielding * kappa / compliance;
+        if (exact && each.bilateral()) rigid = std::max(rigid, std::min(ownStiffness(row), kExact / compliance));
+        rigid = compliance > 0.0 ? std::max(rigid, limits_->bearing * heaviest) : 0.0;
         const double normal = spring ? each.softness : rigid;
         const double tangential = spring && each.bilateral() ? each.softness : rigid;
         rows_[c].stiffness = {normal, tangential, tangential};

@@ -99,7 +99,10 @@ private:
 
     void begin(const std::vector<std::vector<ContactPoint>>& pointsOf);
     void chooseStiffness();
+    /// The smoother of the body that a contact point is of; `point` becomes its number in the body.
+    const BodySmoother& smootherAt(int& point) const;
     [[nodiscard]] bool isExact(const ConstraintRow& row) const; ///< the filter is the inverse for what it acts on
+    [[nodiscard]] double ownStiffness(const ConstraintRow& row) const; ///< [kg] D of the blocks that a row acts on
     void joinConstraints(); ///< filter and coarse levels know all of them together from now on
     void makeFilter();
     void applyFilter(); ///< `scratch` = M of the velocities in `scratch`

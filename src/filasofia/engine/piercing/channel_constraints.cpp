@@ -31,7 +31,7 @@ Constraint shaftOf(const Threading& at, std::size_t k, double dt, const Scene& s
     shaft.frame = frameOf(line.forward(place));
     shaft.bias = 1.0 / dt * inFrame(shaft.frame, shaft.sides[0].position - shaft.sides[1].position);
     shaft.bias.x = (point.held - place) / dt; // how far the tissue has come towards the tip since it stuck
-    shaft.softness = dt * dt * law.stiffness * std::max(share, kLeastShare * spacingOf(scene, at.channel));
+    shaft.softness = dt * dt * law.stiffness * std::max(share, kLeastShare * at.channel.spacing);
     // Coulomb's part follows what pressed in the last step. With that of this step, friction and pressure feed each
     // other within the solve: with a thread in tissue it took two to three times the iterations of one without.
     const double mu = std::sqrt(at.tissue.model.friction * frictionOf(scene, bodyAt(scene, at.channel, place)));
@@ -51,23 +51,49 @@ Constraint tipOf(const Threading& at, const LineShape& needle, double dt, const 
     return tip;
 }
 
-/// Whether a contact is at the part of a line that runs through a channel, or at the channel's mouths.
-bool isIn(const Threading& at, const Constraint& contact, const Scene& scene, const RigidPlan& plan)
+/// How a contact between tissue and a line of its channel is related to the channel.
+enum class Beside { Not, Mouth, Inside };
+
+/// Whether the tissue pushes a line's front back: it is about to pierce another surface.
+bool facesTip(const LineShape& line, double place, double margin, Vec3 normal)
 {
-    const CachedContact& pair = contact.contact.cached;
-    for (const ThreadedLine& line : at.channel.lines) {
-        const bool second = pair.first == at.channel.tissue && pair.second == line.body;
-        if (!second && !(pair.second == at.channel.tissue && pair.first == line.body)) continue;
-        const BodyPoint& point = contact.sides[second ? 1 : 0];
+    constexpr double kFacing = -0.5; // [-] cosine
+    return place < line.begin() + margin && dot(normal, line.forward(line.begin())) < kFacing;
+}
+
+/// `side`: that of the line.
+Beside relation(const Threading& at, const LineShape& line, const Constraint& contact, std::size_t side)
+{
+    const auto [place, distance] = line.beside(contact.sides[side]);
+    const double proximity = contact.contact.proximity, margin = 2.0 * (line.radius() + proximity);
+    if (distance > 2.0 * line.radius() + proximity) return Beside::Not; // a hub, a handle
+    const double entry = at.places.front(), exit = at.places.back();
+    if (at.channel.through && place < exit) {
+        const Vec3 normal = (side == 0 ? 1.0 : -1.0) * contact.frame[0];
+        if (facesTip(line, place, margin, normal)) return Beside::Not;
+    }
+    if (place < entry + margin && (!at.channel.through || place > exit - margin)) return Beside::Inside;
+    // A taut thread bends its channel at the mouth, and leaves it below the surface. Contacts that would part them at
+    // once work against the channel: up to 60 iterations, and impulses that grow without end.
+    constexpr double kMouth = 4.0; // margins
+    const bool near = place < entry + kMouth * margin && (!at.channel.through || place > exit - kMouth * margin);
+    return near ? Beside::Mouth : Beside::Not;
+}
+
+Beside relation(const Threading& at, const Constraint& contact, const Scene& scene, const RigidPlan& plan)
+{
+    const std::array<BodyId, 2> bodies{contact.contact.cached.first, contact.contact.cached.second};
+    for (const std::size_t side : {0, 1}) {
+        if (bodies[1 - side] != at.channel.tissue) continue;
+        const LineShape* line = at.lines.find(bodies[side]);
+        if (!line) continue;
+        const BodyPoint& point = contact.sides[side];
         if (point.of == BodyPoint::Of::Rigid &&
             plan[point.body].element != scene.rigid[plan[point.body].body].model.needle->element)
-            return false;
-        const LineShape& shape = *at.lines.find(line.body);
-        const double place = shape.nearest(point.position);
-        const double margin = 2.0 * (shape.radius() + contact.contact.proximity);
-        return place < at.places.front() + margin && (!at.channel.through || place > at.places.back() - margin);
+            continue;
+        return relation(at, *line, contact, side);
     }
-    return false;
+    return Beside::Not;
 }
 
 } // namespace
@@ -77,12 +103,17 @@ void leaveToChannels(const Scene& scene, Coupling& coupling)
     for (const Channel& channel : scene.channels) {
         const Threading at(scene, channel);
         if (at.places.empty()) continue;
-        const auto contacts = coupling.constraints.begin();
-        const auto end = contacts + static_cast<std::ptrdiff_t>(coupling.contactCount);
-        const auto kept = std::remove_if(contacts, end,
-                                         [&](const Constraint& each) { return isIn(at, each, scene, coupling.rigid); });
-        coupling.contactCount = static_cast<std::size_t>(kept - contacts);
-        coupling.constraints.erase(kept, end);
+        std::size_t kept = 0;
+        for (std::size_t c = 0; c < coupling.contactCount; ++c) {
+            Constraint& contact = coupling.constraints[c];
+            const Beside beside = relation(at, contact, scene, coupling.rigid);
+            if (beside == Beside::Inside) continue;
+            if (beside == Beside::Mouth) contact.bias.x = std::max(contact.bias.x, 0.0);
+            if (kept != c) coupling.constraints[kept] = contact;
+            ++kept;
+        }
+        coupling.constraints.resize(kept);
+        coupling.contactCount = kept;
     }
 }
 

@@ -9,7 +9,11 @@
 /// at most the force that cuts.
 namespace filasofia::engine {
 
-/// Removes contacts between tissue and the lines that run through it, where they do.
+/// Parts the lines of channels that are not tied to each other any more.
+void partLines(Scene& scene);
+
+/// Removes contacts between tissue and the lines that run through it, where they do. At a channel's mouths contacts do
+/// not part what the channel holds together.
 void leaveToChannels(const Scene& scene, Coupling& coupling);
 
 /// Adds the constraints of all channels after the welds.
@@ -22,7 +26,7 @@ void keepChannels(double dt, const Coupling& coupling, Scene& scene);
 /// Begins a channel where a needle's tip pushed harder in this step than the tissue's surface bears.
 void puncture(double dt, const Coupling& coupling, Scene& scene);
 
-/// Removes the channels in a body, and those that it pierced and nothing else runs through.
+/// Removes the channels in a body.
 void removeChannelsOf(BodyId id, Scene& scene);
 
 } // namespace filasofia::engine

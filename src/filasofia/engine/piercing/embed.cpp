@@ -1,6 +1,8 @@
 #include "filasofia/engine/piercing/embed.h"
 
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/geometry/distance.h"
+#include "filasofia/geometry/tet_mesh.h"
 
 #include <algorithm>
 #include <array>
@@ -9,20 +11,15 @@ namespace filasofia::engine {
 namespace {
 
 constexpr double kOutside = -1e-6; ///< [-] a weight down to this counts as inside: faces are shared
-constexpr int kRings = 3;          // around a node; a tip is hardly farther from its last place than an element is long
+constexpr int kRings = 3; // around a node; a tip is hardly ever farther from its last place than an element is long
 
-/// The weights of the four corners at a place; negative ones if it is outside. Zeros if the element has no volume.
+/// The weights of the four corners at a place, also of an element that is inside out; a negative one if it is outside,
+/// or if the element has no volume.
 std::array<double, 4> weightsIn(const geometry::Tetrahedron& nodes, const std::vector<Vec3>& x, Vec3 place)
 {
-    const auto at = [&](std::size_t k) {
-        return x[static_cast<std::size_t>(nodes[k])] - x[static_cast<std::size_t>(nodes[0])];
-    };
-    const Vec3 a = at(1), b = at(2), c = at(3), p = place - x[static_cast<std::size_t>(nodes[0])];
-    const double volume = dot(a, cross(b, c));
-    if (!(volume > 0.0)) return {-1.0, -1.0, -1.0, -1.0}; // inside out: it holds nothing
-    const std::array<double, 3> w{dot(p, cross(b, c)) / volume, dot(a, cross(p, c)) / volume,
-                                  dot(a, cross(b, p)) / volume};
-    return {1.0 - w[0] - w[1] - w[2], w[0], w[1], w[2]};
+    const auto at = [&](std::size_t k) { return x[static_cast<std::size_t>(nodes[k])]; };
+    if (geometry::signedVolume(at(0), at(1), at(2), at(3)) == 0.0) return {-1.0, -1.0, -1.0, -1.0};
+    return geometry::barycentric(place, at(0), at(1), at(2), at(3));
 }
 
 /// The element around a place, or the one that it misses least.
@@ -31,6 +28,8 @@ struct Found {
     std::array<double, 4> weights{-1.0, -1.0, -1.0, -1.0};
     [[nodiscard]] double least() const { return *std::ranges::min_element(weights); }
 };
+
+bool isGone(const SoftModel& tissue, std::size_t e) { return !tissue.removed.empty() && allHeld(tissue, e); }
 
 /// Looks through the elements that share a node with the marked ones, ring by ring.
 std::optional<Found> search(Vec3 place, const std::vector<NodeWeight>& near, const SoftModel& tissue,
@@ -45,7 +44,7 @@ std::optional<Found> search(Vec3 place, const std::vector<NodeWeight>& near, con
             const geometry::Tetrahedron& nodes = elementNodes(tissue, e);
             if (std::ranges::none_of(nodes, [&](int node) { return marked[static_cast<std::size_t>(node)] != 0; }))
                 continue;
-            if (allHeld(tissue, e) && !tissue.removed.empty()) continue;
+            if (isGone(tissue, e)) continue;
             const Found found{e, weightsIn(nodes, x, place)};
             if (!best || found.least() > best->least()) best = found;
             reached.insert(reached.end(), nodes.begin(), nodes.end());
@@ -54,6 +53,17 @@ std::optional<Found> search(Vec3 place, const std::vector<NodeWeight>& near, con
         for (int node : reached) marked[static_cast<std::size_t>(node)] = 1;
     }
     return best;
+}
+
+/// Looks through all elements. A tip that has jumped far, or that went from one lip of a wound into the other, is not
+/// near its last place.
+std::optional<Found> searchAll(Vec3 place, const SoftModel& tissue, const std::vector<Vec3>& x)
+{
+    for (std::size_t e = 0; e < elementCount(tissue); ++e) {
+        const Found found{e, weightsIn(elementNodes(tissue, e), x, place)};
+        if (found.least() >= kOutside && !isGone(tissue, e)) return found;
+    }
+    return std::nullopt;
 }
 
 std::vector<NodeWeight> pointOf(const Found& found, const SoftModel& tissue)
@@ -72,8 +82,9 @@ std::vector<NodeWeight> pointOf(const Found& found, const SoftModel& tissue)
 std::optional<std::vector<NodeWeight>> embed(Vec3 place, const std::vector<NodeWeight>& near, const SoftModel& tissue,
                                              const std::vector<Vec3>& x)
 {
-    const auto found = search(place, near, tissue, x);
-    if (!found || found->least() < kOutside) return std::nullopt;
+    auto found = search(place, near, tissue, x);
+    if (!found || found->least() < kOutside) found = searchAll(place, tissue, x);
+    if (!found) return std::nullopt;
     return pointOf(*found, tissue);
 }
 

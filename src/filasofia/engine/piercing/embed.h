@@ -8,12 +8,12 @@
 
 namespace filasofia::engine {
 
-/// The nodes and weights of a place [m] in tissue: those of the tetrahedron that holds it, as the tissue lies now. The
-/// search begins at the elements around `near` and goes two rings outwards. None if the place is in none of them.
+/// The nodes and weights of a place [m] in tissue: those of the tetrahedron that holds it, as the tissue lies now. If
+/// several do, it is one around `near`. None if the place is outside.
 std::optional<std::vector<NodeWeight>> embed(Vec3 place, const std::vector<NodeWeight>& near, const SoftModel& tissue,
                                              const std::vector<Vec3>& x);
 
-/// The same, but a place outside is moved into the element that it misses least.
+/// The same around `near`, but a place outside is moved into the element that it misses least.
 std::optional<std::vector<NodeWeight>> embedNearest(Vec3 place, const std::vector<NodeWeight>& near,
                                                     const SoftModel& tissue, const std::vector<Vec3>& x);
 

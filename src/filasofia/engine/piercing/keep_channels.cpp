@@ -1,12 +1,13 @@
 #include "filasofia/engine/piercing/channels.h"
 
 #include "filasofia/engine/piercing/embed.h"
-#include "filasofia/engine/piercing/threading.h"
+#include "filasofia/engine/piercing/followers.h"
 #include "filasofia/engine/scene/find_body.h"
+#include "filasofia/geometry/distance.h"
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <limits>
 #include <utility>
 
 namespace filasofia::engine {
@@ -15,71 +16,78 @@ namespace {
 // A point slides if its friction is at least this share of the largest.
 constexpr double kSliding = 0.999;
 
-/// The end of a rod that is attached to a line's body, so that the rod follows it through the channel.
-std::optional<ThreadedLine> followerOf(const Scene& scene, const ThreadedLine& last)
-{
-    const LineShape front(scene, last);
-    for (const Attachment& each : scene.attachments) {
-        if (each.to != last.body && each.body != last.body) continue;
-        const std::size_t side = each.to == last.body ? 0 : 1;
-        const BodyId other = side == 0 ? each.body : each.to;
-        const auto place = findBody(scene, other);
-        if (!place || !place->soft || !isRod(scene.soft[place->index].model)) continue;
-        const auto holds = [&](std::size_t node) {
-            return std::ranges::any_of(each.pairs, [&](const std::array<AttachedPoint, 2>& pair) {
-                return std::ranges::any_of(pair[side].nodes, [&](const NodeWeight& at) {
-                    return at.node == static_cast<int>(node) && at.weight > 0.5;
-                });
-            });
-        };
-        const SoftModel& rod = scene.soft[place->index].model;
-        const std::size_t end = rod.rest.size() - 1;
-        if (rod.rod.edges.size() != end) continue; // a ring has no end
-        if (holds(0) || holds(end)) return ThreadedLine{other, !holds(0), front.end()};
-    }
-    return std::nullopt;
-}
+constexpr double kLost = 10.0; // radii from the mouth at which a tip is not about to go in
 
-/// Adds the rods behind the lines of a channel, as far as they have come to its entry.
-void follow(const Scene& scene, const Threading& now, Channel& channel)
+/// How far a place is from the path that was cut, from point `first` on to the deepest place.
+double distanceToPath(Vec3 place, std::size_t first, const Channel& channel, const std::vector<Vec3>& x)
 {
-    if (now.places.empty()) return;
-    double entry = now.places.front(), end = now.lines.end();
-    while (entry > end && findBody(scene, channel.lines.back().body)) {
-        const auto next = followerOf(scene, channel.lines.back());
-        if (!next || std::ranges::find(channel.lines, next->body, &ThreadedLine::body) != channel.lines.end()) return;
-        channel.lines.push_back(*next);
-        const Threading longer(scene, channel);
-        entry = longer.places.front();
-        end = longer.lines.end();
-    }
-}
-
-/// Lets the tip cut on to where it is now, less what its spring takes up.
-void advanceTip(const Scene& scene, const LineShape& needle, Channel& channel)
-{
-    const SoftBody& tissue = scene.soft[findBody(scene, channel.tissue)->index];
-    const std::vector<Vec3>& x = tissue.state.x;
-    const Vec3 from = meanOf(channel.end, x), forward = needle.forward(0.0);
-    const Vec3 to = needle.position(0.0) - giveOf(*tissue.model.puncture, needle) * forward;
-    if (!(dot(to - from, forward) > 0.0)) return;
-    // A new point takes over what its neighbour's spring has taken up, or friction would dip each time.
-    const auto addPoint = [&] {
-        const ChannelPoint& last = channel.points.back();
-        const double strained = last.held - needle.nearest(meanOf(last.nodes, x), last.held);
-        channel.points.push_back(
-            {channel.end, needle.nearest(meanOf(channel.end, x), 0.0) + strained, last.slides, last.pressed});
-        channel.travelled = 0.0;
+    double least = std::numeric_limits<double>::infinity(); // squared
+    Vec3 from = meanOf(channel.points[first].nodes, x);
+    const auto visit = [&](const std::vector<NodeWeight>& point) {
+        const Vec3 to = meanOf(point, x);
+        least = std::min(least, geometry::nearestOnSegment(place, from, to).squaredDistance);
+        from = to;
     };
-    if (const auto reached = embed(to, channel.end, tissue.model, x)) {
-        channel.travelled += length(to - from);
-        channel.end = *reached;
-        if (channel.travelled >= spacingOf(scene, channel)) addPoint();
-    } else if (length(from - meanOf(channel.points.front().nodes, x)) > 2.0 * needle.radius()) {
-        // It has come out; a tip that has only just gone in may still be ahead of the surface around it.
-        addPoint();
-        channel.through = true;
+    for (std::size_t k = first + 1; k < channel.points.size(); ++k) visit(channel.points[k].nodes);
+    visit(channel.end);
+    return std::sqrt(least);
+}
+
+/// A needle that was drawn back and goes in again beside its path cuts a new one: the old one closes.
+void leavePath(const Threading& now, const LineShape& needle, Channel& channel)
+{
+    const std::vector<Vec3>& x = now.tissue.state.x;
+    const auto ahead = [&](double place) { return place < needle.begin(); };
+    const auto inside = static_cast<std::size_t>(std::ranges::find_if(now.places, ahead) - now.places.begin());
+    if (inside == 0) return; // the tip is not in the tissue
+    const Vec3 tip = needle.position(needle.begin()), forward = needle.forward(needle.begin());
+    if (dot(tip - meanOf(channel.end, x), forward) >= 0.0) return; // it cuts on
+    const double far = 2.0 * needle.radius() + 0.5 * channel.spacing;
+    if (distanceToPath(tip, inside - 1, channel, x) <= far) return;
+    auto here = embed(tip - giveOf(now.law(), needle) * forward, channel.points[inside - 1].nodes, now.tissue.model, x);
+    if (!here) return;
+    channel.points.resize(inside);
+    channel.end = std::move(*here);
+    channel.travelled = length(meanOf(channel.end, x) - meanOf(channel.points.back().nodes, x));
+    channel.through = false;
+}
+
+/// Adds a point at the deepest place. It takes over what its neighbour's spring has taken up, or friction would dip
+/// each time.
+void addPoint(const LineShape& needle, const std::vector<Vec3>& x, Channel& channel)
+{
+    const ChannelPoint& last = channel.points.back();
+    const double strained = last.held - needle.nearest(meanOf(last.nodes, x), last.held);
+    channel.points.push_back({.nodes = channel.end,
+                              .before = channel.travelled,
+                              .held = needle.nearest(meanOf(channel.end, x), needle.begin()) + strained,
+                              .slides = last.slides,
+                              .pressed = last.pressed});
+    channel.travelled = 0.0;
+}
+
+/// Lets the tip cut on to where it is now, less what its spring takes up, and leaves points on the way.
+void advanceTip(const SoftBody& tissue, const LineShape& needle, Channel& channel)
+{
+    const std::vector<Vec3>& x = tissue.state.x;
+    const Vec3 from = meanOf(channel.end, x), forward = needle.forward(needle.begin());
+    const Vec3 to = needle.position(needle.begin()) - giveOf(*tissue.model.puncture, needle) * forward;
+    if (!(dot(to - from, forward) > 0.0)) return;
+    const double way = length(to - from), pieces = std::ceil(way / channel.spacing);
+    bool outside = false;
+    for (double piece = 1.0; piece <= pieces; ++piece) {
+        auto reached = embed(from + piece / pieces * (to - from), channel.end, tissue.model, x);
+        outside = !reached;
+        if (outside) continue;
+        channel.end = std::move(*reached);
+        channel.travelled += way / pieces;
+        if (channel.travelled >= channel.spacing) addPoint(needle, x, channel);
     }
+    // A tip that has only just gone in may still be ahead of the surface around it.
+    const Vec3 entry = meanOf(channel.points.front().nodes, x);
+    if (!outside || !(dot(to - entry, forward) > needle.radius())) return;
+    if (channel.travelled > 0.0) addPoint(needle, x, channel);
+    channel.through = true;
 }
 
 /// Takes the result of a constraint over into its channel.
@@ -117,8 +125,12 @@ bool isEmpty(const Threading& now)
     if (now.places.empty()) return true;
     for (std::size_t k = 0; k < now.places.size(); ++k)
         if (now.occupied(k)) return false;
-    const double mouth = 2.0 * now.lines.at(now.lines.begin()).radius(); // a tip that goes in is not beyond it yet
-    return now.places.front() < now.lines.begin() - mouth || now.places.front() > now.lines.end();
+    // A tip that goes in is not beyond the mouth yet, and may be drawn back or to the side by a little.
+    const LineShape& front = now.lines.at(now.lines.begin());
+    const double begin = now.lines.begin(), radius = front.radius();
+    const Vec3 entry = meanOf(now.channel.points.front().nodes, now.tissue.state.x);
+    return now.places.front() < begin - 2.0 * radius || now.places.front() > now.lines.end() ||
+           length(front.position(begin) - entry) > kLost * radius;
 }
 
 } // namespace
@@ -137,8 +149,10 @@ void keepChannels(double dt, const Coupling& coupling, Scene& scene)
     for (std::size_t c = 0; c < scene.channels.size(); ++c) {
         Channel& channel = scene.channels[c];
         for (std::size_t k = 0; k < now[c].places.size(); ++k)
-            if (!now[c].occupied(k)) channel.points[k] = {channel.points[k].nodes, now[c].places[k]};
-        if (const LineShape* needle = now[c].cutting()) advanceTip(scene, *needle, channel);
+            if (ChannelPoint& point = channel.points[k]; !now[c].occupied(k))
+                point = {.nodes = point.nodes, .before = point.before, .held = now[c].places[k]};
+        if (const LineShape* needle = now[c].needle()) leavePath(now[c], *needle, channel);
+        if (const LineShape* needle = now[c].cutting()) advanceTip(now[c].tissue, *needle, channel);
         follow(scene, now[c], channel);
         const Threading after(scene, channel);
         reportPlaces(scene, after, scene.channelReports[c]);
@@ -151,8 +165,6 @@ void keepChannels(double dt, const Coupling& coupling, Scene& scene)
 void removeChannelsOf(BodyId id, Scene& scene)
 {
     std::erase_if(scene.channels, [&](const Channel& each) { return each.tissue == id; });
-    for (Channel& channel : scene.channels)
-        if (channel.lines.front().body == id) channel.through = true; // nobody cuts on
 }
 
 } // namespace filasofia::engine

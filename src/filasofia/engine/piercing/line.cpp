@@ -16,6 +16,7 @@ LineShape::LineShape(const Scene& scene, const ThreadedLine& line) : id_(line.bo
     if (soft_) {
         const SoftBody& rod = scene.soft[body_];
         radius_ = rod.model.rod.radius;
+        sharp_ = rod.model.rod.needle;
         corners_ = rod.state.x;
         for (std::size_t i = 0; i + 1 < corners_.size(); ++i) // a ring has one edge more, which closes it
             places_.push_back(rod.model.rod.edges[i].restLength);
@@ -115,6 +116,20 @@ Vec3 LineShape::forwardAtCorner(std::size_t corner) const
     if (corner + 1 == corners_.size()) return along(corner - 1);
     const Vec3 sum = along(corner - 1) + along(corner);
     return length(sum) > 0.1 ? normalized(sum) : along(corner); // folded: it has no mean
+}
+
+LineShape::Beside LineShape::beside(const BodyPoint& point) const
+{
+    if (!soft_) {
+        const double place = nearest(point.position);
+        return {place, length(point.position - position(std::clamp(place, begin(), end())))};
+    }
+    Beside at{0.0, radius_}; // on the surface of the rod
+    for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k) {
+        const auto node = static_cast<std::size_t>(point.nodes[k]);
+        at.place += point.weights[k] * places_[reversed_ ? corners_.size() - 1 - node : node];
+    }
+    return at;
 }
 
 BodyPoint LineShape::pointAt(double place, const Scene& scene, const RigidPlan& plan) const

@@ -17,6 +17,7 @@ public:
     [[nodiscard]] double begin() const { return places_.front(); } ///< [m]
     [[nodiscard]] double end() const { return places_.back(); }    ///< [m]
     [[nodiscard]] double radius() const { return radius_; }        ///< [m]
+    [[nodiscard]] bool sharp() const { return sharp_; }            ///< it is a needle, whose front cuts
 
     /// The place [m] of the corner, or of the point between two corners, that is nearest to x, searched downhill from
     /// `guess`. Beyond the ends the first and the last segment are continued.
@@ -27,6 +28,11 @@ public:
     /// A unit vector along the line, towards the front. It turns continuously: at a corner it is the mean of both
     /// sides.
     [[nodiscard]] Vec3 forward(double place) const;
+    /// The place [m] of a point of the body, and how far from the line it is [m].
+    struct Beside {
+        double place = 0.0, distance = 0.0;
+    };
+    [[nodiscard]] Beside beside(const BodyPoint& point) const;
     /// The body's point there.
     [[nodiscard]] BodyPoint pointAt(double place, const Scene& scene, const RigidPlan& plan) const;
 
@@ -39,7 +45,7 @@ private:
     [[nodiscard]] double placeOn(std::size_t segment, Vec3 x) const;
 
     BodyId id_;
-    bool soft_ = false, reversed_ = false;
+    bool soft_ = false, reversed_ = false, sharp_ = true;
     std::size_t body_ = 0, element_ = 0;
     double radius_ = 0.0;
     std::vector<Vec3> corners_;  ///< [m] in the world

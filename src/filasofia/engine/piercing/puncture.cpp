@@ -42,6 +42,14 @@ bool isInside(const Scene& scene, BodyId needle, BodyId tissue)
     });
 }
 
+/// [m] The distance of points at which tissue holds a needle: that of its Def; for a rod the length of an edge.
+double spacingOf(const Scene& scene, BodyId needle)
+{
+    const BodyPlace place = *findBody(scene, needle);
+    if (!place.soft) return scene.rigid[place.index].model.needle->spacing;
+    return scene.soft[place.index].model.rod.edges.front().restLength;
+}
+
 /// What the tips push at, from the contacts of the step.
 std::vector<Push> pushes(double dt, const Coupling& coupling, const Scene& scene)
 {
@@ -82,8 +90,12 @@ void puncture(double dt, const Coupling& coupling, Scene& scene)
         const std::vector<Vec3>& x = tissue.state.x;
         const auto entry = embedNearest(meanOf(touched, x), touched, tissue.model, x);
         if (!entry) continue;
-        Channel channel{.tissue = push.tissue, .lines = {{push.needle}}, .points = {}, .end = *entry};
-        channel.points.push_back({*entry, needle.nearest(meanOf(*entry, x), 0.0)});
+        Channel channel{.tissue = push.tissue,
+                        .spacing = spacingOf(scene, push.needle),
+                        .lines = {{push.needle}},
+                        .points = {},
+                        .end = *entry};
+        channel.points.push_back({.nodes = *entry, .held = needle.nearest(meanOf(*entry, x), 0.0)});
         scene.channels.push_back(std::move(channel));
     }
 }

@@ -5,6 +5,12 @@
 #include <algorithm>
 
 namespace filasofia::engine {
+namespace {
+
+// Tissue along a channel stretches to at most this; what is farther apart has been cut between.
+constexpr double kStretched = 2.0;
+
+} // namespace
 
 Vec3 meanOf(const std::vector<NodeWeight>& point, const std::vector<Vec3>& x)
 {
@@ -30,13 +36,23 @@ Threading::Threading(const Scene& scene, const Channel& of)
 
 double Threading::lengthAt(std::size_t k) const
 {
-    const auto middle = [&](std::size_t a, std::size_t b) { return 0.5 * (places[a] + places[b]); };
-    double front = lines.begin(), back = lines.end();
-    if (k + 1 < places.size() && occupied(k + 1)) front = middle(k, k + 1);
-    if (k + 1 == places.size() && channel.through) front = places[k];
-    if (k == 0) back = places[k];
-    if (k > 0 && occupied(k - 1)) back = middle(k, k - 1);
-    return std::max(0.0, back - front);
+    const std::vector<ChannelPoint>& points = channel.points;
+    // Half of the way to a neighbour that a line runs through, else all of it, up to the line's front or tail.
+    const auto part = [&](double way, double cut, bool shared) {
+        return (shared ? 0.5 : 1.0) * std::clamp(way, 0.0, kStretched * cut);
+    };
+    double sum = 0.0;
+    if (k + 1 < places.size()) {
+        const bool shared = occupied(k + 1);
+        sum += part(places[k] - (shared ? places[k + 1] : lines.begin()), points[k + 1].before, shared);
+    } else if (!channel.through) {
+        sum += part(places[k] - lines.begin(), channel.travelled + lines.at(lines.begin()).radius(), false);
+    }
+    if (k > 0) {
+        const bool shared = occupied(k - 1);
+        sum += part((shared ? places[k - 1] : lines.end()) - places[k], points[k].before, shared);
+    }
+    return sum;
 }
 
 double Threading::length() const
@@ -47,18 +63,13 @@ double Threading::length() const
     return sum;
 }
 
-const LineShape* Threading::cutting() const
+const LineShape* Threading::needle() const
 {
-    return channel.through ? nullptr : lines.find(channel.lines.front().body);
+    const LineShape* front = lines.find(channel.lines.front().body);
+    return front && front->sharp() ? front : nullptr;
 }
 
-double spacingOf(const Scene& scene, const Channel& channel)
-{
-    const auto place = findBody(scene, channel.lines.front().body);
-    if (!place) return 0.0;
-    if (!place->soft) return scene.rigid[place->index].model.needle->spacing;
-    return scene.soft[place->index].model.rod.edges.front().restLength;
-}
+const LineShape* Threading::cutting() const { return channel.through ? nullptr : needle(); }
 
 BodyId bodyAt(const Scene& scene, const Channel& channel, double place)
 {

@@ -23,15 +23,15 @@ struct Threading {
     /// Whether a line runs through a point.
     [[nodiscard]] bool occupied(std::size_t k) const { return k < places.size() && lines.occupied(places[k]); }
     /// [m] The length of line that an occupied point stands for: up to the middle between it and its neighbours, and up
-    /// to the tip or the tail if the line ends there. All together are what is in the tissue.
+    /// to the tip or the tail if the line ends there. All together are what is in the tissue: if its channel was cut
+    /// across and gapes, a point stands for no more than tissue stretches to.
     [[nodiscard]] double lengthAt(std::size_t k) const;
     [[nodiscard]] double length() const; ///< [m] what is in the tissue
-    /// The needle that cuts on; null if its body is gone, or it came out.
+    /// The needle in front; null if there is none, or no more.
+    [[nodiscard]] const LineShape* needle() const;
+    /// The same; null also if it came out, and does not cut on.
     [[nodiscard]] const LineShape* cutting() const;
 };
-
-/// [m] The distance of points at which tissue holds a needle: that of its Def; for rods the length of an edge.
-double spacingOf(const Scene& scene, const Channel& channel);
 
 /// The body whose line is at a place of a channel; none if none is left.
 BodyId bodyAt(const Scene& scene, const Channel& channel, double place);

@@ -113,13 +113,17 @@ void addChannels(Hasher& hash, const Scene& scene)
 {
     for (const Channel& each : scene.channels) {
         hash.add(std::uint64_t{each.tissue.value});
+        hash.add(each.spacing);
+        addCount(hash, each.lines.size());
         for (const ThreadedLine& line : each.lines) {
             hash.add(std::uint64_t{line.body.value});
             hash.add(static_cast<std::uint64_t>(line.reversed));
             hash.add(line.start);
         }
+        addCount(hash, each.points.size());
         for (const ChannelPoint& point : each.points) {
             add(hash, point.nodes);
+            hash.add(point.before);
             hash.add(point.held);
             hash.add(static_cast<std::uint64_t>(point.slides));
             hash.add(point.pressed);

@@ -57,6 +57,8 @@ void removeBody(BodyId id, Scene& scene)
     removeChannelsOf(id, scene);
     const auto touches = [&](const auto& contact) { return contact.first == id || contact.second == id; };
     std::erase_if(scene.contactReports, touches);
+    std::erase_if(scene.channelReports,
+                  [&](const frame::Channel& each) { return each.tissue == id || each.needle == id; });
     std::erase_if(scene.contacts, touches);
     std::erase_if(scene.sides, [&](const SheetSide& kept) { return kept.source.body == id || kept.target.body == id; });
     const auto is = [&](const auto& body) { return body.model.id == id; };
