@@ -25,6 +25,7 @@ TEST_CASE("a session with a rod that is touched, attached and pulled is replayed
                                                     .youngModulus = 1e7,
                                                     .straight = false,
                                                     .twist = 3.0,
+                                                    .yieldStrain = 1e-3,
                                                     .collision = RodCollision{.proximity = 2e-4}});
         const BodyId ball = server.add(RigidBodyDef{.mesh = geometry::shapes::sphere(0.03, 4), .collision = {{}}});
         bool touched = false;

@@ -39,6 +39,10 @@ struct RodBodyDef {
     /// [rad] by how much it is twisted at the start, evenly from its first edge to its last; a ring is twisted by this
     /// before its ends are joined
     double twist = 0.0;
+    /// [-], in (0, inf], strain of the outermost fibre beyond which bending is plastic: what it is bent by more, it
+    /// keeps. Infinite: it never yields. Steel yields at 0.002 to 0.005
+    double yieldStrain = kNever;
+    double hardening = 0.0; ///< [-], in [0, 1): stiffness of bending beyond yield over that before
     Rayleigh rayleigh = {}; ///< Rayleigh damping
     bool gravity = true;    ///< whether gravity acts on it
     /// attachments of its nodes. An edge whose two nodes are pinned, such as the first one, does not turn about itself
@@ -75,6 +79,8 @@ constexpr auto fields(const RodBodyDef*)
         field("straight", &T::straight, "straight at rest; otherwise at rest as its points lie"),
         field("twist", &T::twist, "rad", finite(),
               "twist at the start, from the first edge to the last, or around a ring"),
+        field("yieldStrain", &T::yieldStrain, "-", positiveOrInfinite(), "strain of the outermost fibre that stays"),
+        field("hardening", &T::hardening, "-", closedOpen(0.0, 1.0), "stiffness of bending beyond yield over before"),
         field("rayleigh", &T::rayleigh, "Rayleigh damping"),
         field("gravity", &T::gravity, "whether gravity acts on it"),
         field("attachments", &T::attachments, "attachments of its nodes"),

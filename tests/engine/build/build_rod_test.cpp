@@ -102,6 +102,8 @@ TEST_CASE("what cannot be a rod is refused with one Error that names the rod, th
     checkError(with([](RodBodyDef& d) { d.poissonRatio = 0.6; }), "poissonRatio must be in [0, 0.5], got 0.6");
     checkError(with([](RodBodyDef& d) { d.density = 0.0; }), "density must be > 0 kg/m^3, got 0");
     checkError(with([](RodBodyDef& d) { d.twist = std::nan(""); }), "twist must be finite");
+    checkError(with([](RodBodyDef& d) { d.yieldStrain = 0.0; }), "yieldStrain must be > 0, got 0");
+    checkError(with([](RodBodyDef& d) { d.hardening = 1.0; }), "hardening must be in [0, 1), got 1");
     checkError(with([](RodBodyDef& d) { d.friction = -0.1; }), "friction must be >= 0");
     checkError(with([](RodBodyDef& d) { d.collision = RodCollision{.proximity = -1.0}; }), "proximity must be >= 0 m");
     checkError(with([](RodBodyDef& d) { d.attachments = {{.nodes = {11}}}; }), "nodes must be in [0, 11), got 11");

@@ -221,6 +221,39 @@ TEST_CASE("a saved state of a rod is restored bit for bit, and a reset begins an
     CHECK(stage.soft().x == stage.model().rest);
 }
 
+TEST_CASE("what a rod has yielded is part of its state: hash, saved state and reset have it")
+{
+    const auto bend = [](Stage& stage, double yieldStrain) {
+        stage.world.scene().gravity = kGravity;
+        RodBodyDef def = thread();
+        def.yieldStrain = yieldStrain;
+        stage.add(def);
+        stage.step(0.0);
+        stage.run(100, 1e-3);
+    };
+    Stage stage, stiff;
+    bend(stage, 1e-3);
+    bend(stiff, std::numeric_limits<double>::infinity());
+    CHECK(stiff.soft().rod.plastic.empty());
+    const std::vector<RodCurvature> plastic = stage.soft().rod.plastic;
+    CHECK(std::ranges::count(plastic, RodCurvature{}) < std::ssize(plastic));
+    const std::uint64_t now = stage.world.hash();
+    stage.soft().rod.plastic[3][1][0] += 1e-9;
+    CHECK(stage.world.hash() != now);
+    stage.soft().rod.plastic = plastic;
+
+    const auto saved = stage.world.save();
+    stage.run(50, 1e-3);
+    const std::uint64_t hash = stage.world.hash();
+    stage.post(Reset{});
+    stage.step(0.0);
+    for (const RodCurvature& each : stage.soft().rod.plastic) CHECK(each == RodCurvature{});
+    stage.world.restore(*saved);
+    CHECK(stage.soft().rod.plastic == plastic);
+    stage.run(50, 1e-3);
+    CHECK(stage.world.hash() == hash);
+}
+
 TEST_CASE("a rod is carried by what its nodes are attached to, and tissue hangs from a rod")
 {
     Stage stage;

@@ -54,6 +54,8 @@ Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes)
     const double r = def.radius, area = kPi * r * r, second = 0.25 * area * r * r; // second moment of area
     const double shear = def.youngModulus / (2.0 * (1.0 + def.poissonRatio));
     Rod rod{.radius = r, .needle = def.needle, .bend = def.youngModulus * second, .twist = shear * 2.0 * second};
+    rod.yieldCurvature = def.yieldStrain / r;
+    rod.hardening = def.hardening / (1.0 - def.hardening); // the moment grows by B H / (B + H) beyond yield
     double whole = 0.0;
     const std::size_t edges = def.closed ? nodes.size() : nodes.size() - 1, joints = def.closed ? edges : edges - 1;
     for (std::size_t e = 0; e < edges; ++e) {
@@ -71,7 +73,8 @@ Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes)
     rod.directors = parallelDirectors(nodes, edges);
     rod.joints.resize(joints);
     rod.startTwists.resize(joints);
-    const RodState untwisted{.directors = rod.directors, .spins = {}, .twists = rod.startTwists, .tensions = {}};
+    const RodState untwisted{
+        .directors = rod.directors, .spins = {}, .twists = rod.startTwists, .tensions = {}, .plastic = {}};
     for (std::size_t j = 0; !def.straight && j < joints; ++j)
         rod.joints[j].rest = curvatureInMaterial(placeAt(untwisted, nodes, j));
     double turned = 0.0;
@@ -89,22 +92,49 @@ Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes)
 RodState stateAtStart(const Rod& rod)
 {
     return {rod.directors, std::vector<double>(rod.edges.size()), rod.startTwists,
-            std::vector<double>(rod.edges.size())};
+            std::vector<double>(rod.edges.size()), std::vector<RodCurvature>(canYield(rod) ? rod.joints.size() : 0)};
 }
+
+namespace {
+
+/// [m] The length of rod that bends at a joint.
+double bentLength(const Rod& rod, const std::vector<bool>& hard, std::size_t joint)
+{
+    const auto isStiff = [&](std::size_t e) { return clamped(hard, e) || (!rod.held.empty() && rod.held[e]); };
+    const std::size_t next = wrapped(joint + 1, rod.edges.size());
+    const bool first = isStiff(joint), second = isStiff(next), both = first == second;
+    return 0.5 *
+           ((both || second ? rod.edges[joint].restLength : 0.0) + (both || first ? rod.edges[next].restLength : 0.0));
+}
+
+} // namespace
 
 std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard)
 {
     std::vector<RodJoint> joints = rod.joints;
     for (std::size_t j = 0; j < joints.size(); ++j) {
-        const auto isStiff = [&](std::size_t e) { return clamped(hard, e) || (!rod.held.empty() && rod.held[e]); };
-        const std::size_t next = wrapped(j + 1, rod.edges.size());
-        const bool first = isStiff(j), second = isStiff(next), both = first == second;
-        const double length = 0.5 * ((both || second ? rod.edges[j].restLength : 0.0) +
-                                     (both || first ? rod.edges[next].restLength : 0.0));
+        const double length = bentLength(rod, hard, j);
         joints[j].bend = rod.bend / length;
         joints[j].twist = rod.twist / length;
     }
     return joints;
+}
+
+RodJoint jointNow(const RodJoint& joint, const RodState& state, std::size_t index)
+{
+    RodJoint now = joint;
+    for (std::size_t j = 0; j < 2 && !state.plastic.empty(); ++j)
+        for (std::size_t a = 0; a < 2; ++a) now.rest[j][a] += state.plastic[index][j][a];
+    return now;
+}
+
+void flow(const Rod& rod, const std::vector<bool>& hard, std::span<const Vec3> x, RodState& state)
+{
+    for (std::size_t j = 0; j < state.plastic.size(); ++j) {
+        const RodYield yield{rod.yieldCurvature * bentLength(rod, hard, j), rod.hardening};
+        state.plastic[j] =
+            plasticCurvature(yield, rod.joints[j].rest, curvatureInMaterial(placeAt(state, x, j)), state.plastic[j]);
+    }
 }
 
 RodPlace placeAt(const RodState& state, std::span<const Vec3> x, std::size_t joint)
@@ -151,6 +181,13 @@ void check(const Rod& rod, const RodState& state, std::size_t nodes, const std::
     checkSize(object, "rod.spins", state.spins.size(), edges);
     checkSize(object, "rod.twists", state.twists.size(), joints);
     checkSize(object, "rod.tensions", state.tensions.size(), edges);
+    checkSize(object, "rod.plastic", state.plastic.size(), canYield(rod) ? joints : 0);
+    for (const RodCurvature& each : state.plastic)
+        for (const auto& [one, two] : each)
+            if (!std::isfinite(one + two)) fail(object, ": rod.plastic must be finite");
+    if (!(rod.yieldCurvature > 0.0)) fail(object, ": rod.yieldCurvature must be > 0, got ", rod.yieldCurvature);
+    if (!(rod.hardening >= 0.0) || !std::isfinite(rod.hardening))
+        fail(object, ": rod.hardening must be >= 0, got ", rod.hardening);
     if (!std::isfinite(rod.seam)) fail(object, ": rod.seam must be finite");
     const auto positive = [&](const char* field, double value) {
         if (!(value > 0.0) || !std::isfinite(value)) fail(object, ": ", field, " must be > 0, got ", value);

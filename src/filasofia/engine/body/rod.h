@@ -4,6 +4,7 @@
 #include "filasofia/engine/elastic/spring.h"
 #include "filasofia/physics/rod_body_def.h"
 
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,9 +14,12 @@ namespace filasofia::engine {
 /// What a rod consists of; empty for all other bodies. Edge i lies between the nodes i and i + 1, joint i between the
 /// edges i and i + 1. A ring has as many edges and joints as nodes: after the last one comes the first.
 struct Rod {
-    double radius = 0.0;                  ///< [m]
-    bool needle = false;                  ///< its first node is a sharp tip
-    double bend = 0.0, twist = 0.0;       ///< [N m^2] B and T
+    double radius = 0.0;            ///< [m]
+    bool needle = false;            ///< its first node is a sharp tip
+    double bend = 0.0, twist = 0.0; ///< [N m^2] B and T
+    /// [1/m] elastic curvature beyond which bending is plastic; infinite: never
+    double yieldCurvature = std::numeric_limits<double>::infinity();
+    double hardening = 0.0;               ///< [-], >= 0, RodYield::hardening
     std::vector<Spring> edges = {};       ///< what it resists stretching with
     std::vector<double> inertias = {};    ///< [kg m^2] per edge, about itself
     std::vector<RodJoint> joints = {};    ///< their stiffness follows from the pins: stiffJoints()
@@ -37,9 +41,11 @@ struct RodState {
     /// [N] per edge: the force along it in the last step. That is what resists turning, and not the force that its
     /// length would make: a step moves nodes along straight lines, so every edge that turns has become longer.
     std::vector<double> tensions;
+    std::vector<RodCurvature> plastic; ///< [-] per joint: what has flowed is added to its rest; empty: it never yields
 };
 
 inline bool isRing(const Rod& rod) { return rod.edges.size() == rod.joints.size(); }
+inline bool canYield(const Rod& rod) { return rod.yieldCurvature < std::numeric_limits<double>::infinity(); }
 
 /// A rod with these nodes at the start.
 Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes);
@@ -51,6 +57,12 @@ RodState stateAtStart(const Rod& rod);
 /// deform, so a joint beside it has only the other half of its length: without that, a clamped rod would be half an
 /// edge too long.
 std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard);
+
+/// A joint as it is now: with what has flowed in its rest.
+RodJoint jointNow(const RodJoint& joint, const RodState& state, std::size_t index);
+
+/// Joints that are bent by more than the yield curvature get another curvature at rest: the plastic one follows.
+void flow(const Rod& rod, const std::vector<bool>& hard, std::span<const Vec3> x, RodState& state);
 
 /// An index that goes on around a ring: i < 2 count. Without a division: it is asked for millions of times per second.
 inline std::size_t wrapped(std::size_t i, std::size_t count) { return i < count ? i : i - count; }

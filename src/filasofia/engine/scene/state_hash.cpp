@@ -158,6 +158,9 @@ void add(Hasher& hash, const RodState& rod)
     for (Vec3 each : rod.directors) add(hash, each);
     for (const auto* list : {&rod.spins, &rod.twists, &rod.tensions})
         for (double each : *list) hash.add(each);
+    for (const RodCurvature& each : rod.plastic)
+        for (const auto& edge : each)
+            for (double axis : edge) hash.add(axis);
 }
 
 /// Adds the edits of a mesh. A mesh without edits does not change the hash.

@@ -154,9 +154,10 @@ void RodSystem::addJoints(double stiffness, const SoftState& state)
         RodPlace at = placeAt(state.rod, state.x, j);
         at.directors = {directors_[j], directors_[wrapped(j + 1, directors_.size())]};
         const auto unknown = [&](std::size_t i) { return wrapped(unknownOf(j) + i, fixed_.size()); };
-        const RodVector forces = rodForces(joints_[j], at), v = velocitiesAt(state, j);
+        const RodJoint joint = jointNow(joints_[j], state.rod, j);
+        const RodVector forces = rodForces(joint, at), v = velocitiesAt(state, j);
         for (std::size_t i = 0; i < 11; ++i) forces_[unknown(i)] += forces[i];
-        for (const RodTerm& term : rodTangent(joints_[j], at)) {
+        for (const RodTerm& term : rodTangent(joint, at)) {
             if (term.stiffness == 0.0) continue;
             const double rate = term.stiffness * times(term.gradient, v);
             for (std::size_t i = 0; i < 11; ++i) stiffnessTimesVelocity_[unknown(i)] += rate * term.gradient[i];
@@ -227,9 +228,10 @@ void addRodForces(const SoftModel& model, const SoftState& state, std::vector<Ve
     const std::vector<RodJoint> joints = stiffJoints(model.rod, model.pins.hard);
     for (std::size_t j = 0; j < joints.size(); ++j) {
         const RodPlace at = placeAt(state.rod, state.x, j);
-        RodVector sum = rodForces(joints[j], at);
+        const RodJoint joint = jointNow(joints[j], state.rod, j);
+        RodVector sum = rodForces(joint, at);
         const RodVector v = velocitiesAt(state, j);
-        for (const RodTerm& term : rodTangent(joints[j], at)) {
+        for (const RodTerm& term : rodTangent(joint, at)) {
             const double rate = beta * term.stiffness * times(term.gradient, v);
             for (std::size_t i = 0; i < sum.size(); ++i) sum[i] -= rate * term.gradient[i];
         }
