@@ -31,6 +31,7 @@ TEST_CASE("a session with a rod that is touched, attached and pulled is replayed
         bool touched = false;
         for (int step = 0; step < 60; ++step) {
             if (step == 20) server.attach(thread, {.nodes = {25, 26}, .to = ball});
+            if (step == 25) server.setCurvature(thread, {{.begin = 0.06, .curvature = {5.0, -9.0}}}, 500.0);
             if (step == 30) server.setForces(thread, {{.node = 50, .force = {0, 0, 1e-4}}});
             if (step > 20) server.setPose(ball, {{0, 1e-4 * step, 0}, axisAngle({1, 0, 0}, 0.01 * (step - 20))});
             server.step(2e-3);

@@ -254,6 +254,33 @@ TEST_CASE("what a rod has yielded is part of its state: hash, saved state and re
     CHECK(stage.world.hash() == hash);
 }
 
+TEST_CASE("what a rod is commanded is part of its state: a restored state goes on bending, a reset begins anew")
+{
+    Stage stage;
+    const BodyId rod = stage.add(thread());
+    stage.step(0.0);
+    const std::uint64_t before = stage.world.hash();
+    stage.post(SetCurvature{rod, {{.begin = 0.05, .curvature = {20.0, 0.0}}}, 100.0});
+    stage.step(0.0);
+    CHECK(stage.world.hash() != before);
+    stage.run(100, 1e-3);
+    CHECK_THAT(stage.soft().rod.steering.back().now[0], Catch::WithinRel(10.0, 1e-9));
+    const auto saved = stage.world.save();
+    stage.run(300, 1e-3);
+    CHECK_THAT(stage.soft().rod.steering.back().now[0], Catch::WithinRel(20.0, 1e-12));
+    const std::uint64_t hash = stage.world.hash();
+    stage.world.restore(*saved);
+    stage.run(300, 1e-3);
+    CHECK(stage.world.hash() == hash);
+    stage.post(Reset{});
+    stage.step(0.0);
+    CHECK(stage.soft().x == stage.model().rest);
+    CHECK(stage.soft().rod.steering.back().now[0] == 0.0);
+    stage.run(400, 1e-3); // the command lasts
+    CHECK_THAT(stage.soft().rod.steering.back().now[0], Catch::WithinRel(20.0, 1e-12));
+    CHECK(stage.soft().x.back().y > 0.06);
+}
+
 TEST_CASE("a rod is carried by what its nodes are attached to, and tissue hangs from a rod")
 {
     Stage stage;

@@ -73,8 +73,12 @@ Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes)
     rod.directors = parallelDirectors(nodes, edges);
     rod.joints.resize(joints);
     rod.startTwists.resize(joints);
-    const RodState untwisted{
-        .directors = rod.directors, .spins = {}, .twists = rod.startTwists, .tensions = {}, .plastic = {}};
+    const RodState untwisted{.directors = rod.directors,
+                             .spins = {},
+                             .twists = rod.startTwists,
+                             .tensions = {},
+                             .steering = {},
+                             .plastic = {}};
     for (std::size_t j = 0; !def.straight && j < joints; ++j)
         rod.joints[j].rest = curvatureInMaterial(placeAt(untwisted, nodes, j));
     double turned = 0.0;
@@ -91,8 +95,13 @@ Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes)
 
 RodState stateAtStart(const Rod& rod)
 {
-    return {rod.directors, std::vector<double>(rod.edges.size()), rod.startTwists,
-            std::vector<double>(rod.edges.size()), std::vector<RodCurvature>(canYield(rod) ? rod.joints.size() : 0)};
+    return {rod.directors,
+            std::vector<double>(rod.edges.size()),
+            rod.startTwists,
+            std::vector<double>(rod.edges.size()),
+            {},
+            std::numeric_limits<double>::infinity(),
+            std::vector<RodCurvature>(canYield(rod) ? rod.joints.size() : 0)};
 }
 
 namespace {
@@ -120,9 +129,32 @@ std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard)
     return joints;
 }
 
-RodJoint jointNow(const RodJoint& joint, const RodState& state, std::size_t index)
+namespace {
+
+/// The curvature at rest without what has flowed, for a joint that stands for `length` [m] of rod.
+RodCurvature restOf(const RodCurvature& rest, double length, const RodState& state, std::size_t index)
+{
+    if (state.steering.empty()) return rest;
+    constexpr double kMostHalf = 1.0; // [rad] commands beyond it are refused
+    const auto& [along, across] = state.steering[index].now;
+    const double size = std::hypot(along, across);
+    if (size == 0.0) return rest;
+    // The rod turns by an angle of size * length; kb lies across the way that it bends to.
+    const double scale = 2.0 * std::tan(std::min(0.5 * size * length, kMostHalf)) / size;
+    RodCurvature out = rest;
+    for (auto& edge : out) {
+        edge[0] -= scale * across;
+        edge[1] += scale * along;
+    }
+    return out;
+}
+
+} // namespace
+
+RodJoint jointNow(const Rod& rod, const RodJoint& joint, const RodState& state, std::size_t index)
 {
     RodJoint now = joint;
+    now.rest = restOf(joint.rest, rod.bend / joint.bend, state, index);
     for (std::size_t j = 0; j < 2 && !state.plastic.empty(); ++j)
         for (std::size_t a = 0; a < 2; ++a) now.rest[j][a] += state.plastic[index][j][a];
     return now;
@@ -131,9 +163,44 @@ RodJoint jointNow(const RodJoint& joint, const RodState& state, std::size_t inde
 void flow(const Rod& rod, const std::vector<bool>& hard, std::span<const Vec3> x, RodState& state)
 {
     for (std::size_t j = 0; j < state.plastic.size(); ++j) {
-        const RodYield yield{rod.yieldCurvature * bentLength(rod, hard, j), rod.hardening};
+        const double length = bentLength(rod, hard, j);
         state.plastic[j] =
-            plasticCurvature(yield, rod.joints[j].rest, curvatureInMaterial(placeAt(state, x, j)), state.plastic[j]);
+            plasticCurvature({rod.yieldCurvature * length, rod.hardening}, restOf(rod.joints[j].rest, length, state, j),
+                             curvatureInMaterial(placeAt(state, x, j)), state.plastic[j]);
+    }
+}
+
+void setCurvature(const physics::SetCurvature& command, const Rod& rod, RodState& state)
+{
+    state.steering.resize(rod.joints.size());
+    state.steeringRate = command.rate;
+    double whole = 0.0, at = 0.0;
+    for (const Spring& edge : rod.edges) whole += edge.restLength;
+    for (std::size_t j = 0; j < rod.joints.size(); ++j) {
+        const std::size_t next = wrapped(j + 1, rod.edges.size());
+        const double before = 0.5 * rod.edges[j].restLength, after = 0.5 * rod.edges[next].restLength;
+        at += rod.edges[j].restLength;
+        const auto inside = [&](const physics::RodSection& section, double middle) {
+            return std::max(0.0,
+                            std::min({section.end, whole, middle + after}) - std::max(section.begin, middle - before));
+        };
+        std::array<double, 2>& target = state.steering[j].target = {};
+        for (const physics::RodSection& section : command.sections) {
+            const double length = inside(section, at) + (next == 0 ? inside(section, 0.0) : 0.0);
+            for (std::size_t a = 0; a < 2; ++a) target[a] += length / (before + after) * section.curvature[a];
+        }
+    }
+}
+
+void steer(double dt, RodState& state)
+{
+    for (RodSteering& each : state.steering) {
+        const double one = each.target[0] - each.now[0], two = each.target[1] - each.now[1];
+        const double way = std::hypot(one, two), most = state.steeringRate * dt;
+        if (way <= most)
+            each.now = each.target;
+        else
+            each.now = {each.now[0] + most / way * one, each.now[1] + most / way * two};
     }
 }
 
@@ -182,6 +249,11 @@ void check(const Rod& rod, const RodState& state, std::size_t nodes, const std::
     checkSize(object, "rod.twists", state.twists.size(), joints);
     checkSize(object, "rod.tensions", state.tensions.size(), edges);
     checkSize(object, "rod.plastic", state.plastic.size(), canYield(rod) ? joints : 0);
+    if (!state.steering.empty()) checkSize(object, "rod.steering", state.steering.size(), joints);
+    for (const RodSteering& each : state.steering)
+        if (!std::isfinite(each.now[0] + each.now[1]) || !std::isfinite(each.target[0] + each.target[1]))
+            fail(object, ": rod.steering must be finite");
+    if (!(state.steeringRate > 0.0)) fail(object, ": rod.steeringRate must be > 0, got ", state.steeringRate);
     for (const RodCurvature& each : state.plastic)
         for (const auto& [one, two] : each)
             if (!std::isfinite(one + two)) fail(object, ": rod.plastic must be finite");

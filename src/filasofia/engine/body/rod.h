@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/elastic/rod.h"
 #include "filasofia/engine/elastic/spring.h"
+#include "filasofia/physics/commands.h"
 #include "filasofia/physics/rod_body_def.h"
 
 #include <limits>
@@ -33,6 +34,11 @@ struct Rod {
     std::vector<bool> held = {};
 };
 
+/// The curvature that a joint is commanded [1/m]: towards the director of its edges, and towards edge x director.
+struct RodSteering {
+    std::array<double, 2> now{}, target{};
+};
+
 /// What a rod's state has beside its nodes.
 struct RodState {
     std::vector<Vec3> directors; ///< per edge: a unit vector across it that turns with the material
@@ -41,6 +47,8 @@ struct RodState {
     /// [N] per edge: the force along it in the last step. That is what resists turning, and not the force that its
     /// length would make: a step moves nodes along straight lines, so every edge that turns has become longer.
     std::vector<double> tensions;
+    std::vector<RodSteering> steering;                             ///< per joint; empty: nothing was ever commanded
+    double steeringRate = std::numeric_limits<double>::infinity(); ///< [1/(m s)] > 0, by which it changes
     std::vector<RodCurvature> plastic; ///< [-] per joint: what has flowed is added to its rest; empty: it never yields
 };
 
@@ -58,8 +66,15 @@ RodState stateAtStart(const Rod& rod);
 /// edge too long.
 std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard);
 
-/// A joint as it is now: with what has flowed in its rest.
-RodJoint jointNow(const RodJoint& joint, const RodState& state, std::size_t index);
+/// A joint of stiffJoints() as it is now: its rest has what is commanded, and what has flowed.
+RodJoint jointNow(const Rod& rod, const RodJoint& joint, const RodState& state, std::size_t index);
+
+/// Sets what is commanded. At the border of a section a joint gets the share of its length that is in the section, so
+/// that a section turns the rod by its curvature times its length, wherever nodes are.
+void setCurvature(const physics::SetCurvature& command, const Rod& rod, RodState& state);
+
+/// Moves the commanded curvature towards its target, once a step.
+void steer(double dt, RodState& state);
 
 /// Joints that are bent by more than the yield curvature get another curvature at rest: the plastic one follows.
 void flow(const Rod& rod, const std::vector<bool>& hard, std::span<const Vec3> x, RodState& state);

@@ -64,7 +64,7 @@ void RodSystem::assemble(const SoftModel& model, std::span<const Vec3> given, do
     std::ranges::fill(stiffnessTimesVelocity_, 0.0);
     for (std::size_t i = 0; i < given.size(); ++i) add(given[i], i, forces_);
     addEdges(model, weights.stiffness, weights.turning, state);
-    addJoints(weights.stiffness, state);
+    addJoints(model, weights.stiffness, state);
     for (const PinSpring& pin : model.pins.springs) {
         add(pin.stiffness * state.v[static_cast<std::size_t>(pin.node)], static_cast<std::size_t>(pin.node),
             stiffnessTimesVelocity_);
@@ -148,13 +148,13 @@ void RodSystem::addToMatrix(std::size_t node, double factor, const RodVector& gr
     }
 }
 
-void RodSystem::addJoints(double stiffness, const SoftState& state)
+void RodSystem::addJoints(const SoftModel& model, double stiffness, const SoftState& state)
 {
     for (std::size_t j = 0; j < joints_.size(); ++j) {
         RodPlace at = placeAt(state.rod, state.x, j);
         at.directors = {directors_[j], directors_[wrapped(j + 1, directors_.size())]};
         const auto unknown = [&](std::size_t i) { return wrapped(unknownOf(j) + i, fixed_.size()); };
-        const RodJoint joint = jointNow(joints_[j], state.rod, j);
+        const RodJoint joint = jointNow(model.rod, joints_[j], state.rod, j);
         const RodVector forces = rodForces(joint, at), v = velocitiesAt(state, j);
         for (std::size_t i = 0; i < 11; ++i) forces_[unknown(i)] += forces[i];
         for (const RodTerm& term : rodTangent(joint, at)) {
@@ -228,7 +228,7 @@ void addRodForces(const SoftModel& model, const SoftState& state, std::vector<Ve
     const std::vector<RodJoint> joints = stiffJoints(model.rod, model.pins.hard);
     for (std::size_t j = 0; j < joints.size(); ++j) {
         const RodPlace at = placeAt(state.rod, state.x, j);
-        const RodJoint joint = jointNow(joints[j], state.rod, j);
+        const RodJoint joint = jointNow(model.rod, joints[j], state.rod, j);
         RodVector sum = rodForces(joint, at);
         const RodVector v = velocitiesAt(state, j);
         for (const RodTerm& term : rodTangent(joint, at)) {
