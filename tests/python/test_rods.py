@@ -106,6 +106,15 @@ def test_a_tip_bends_as_commanded_and_a_wire_stays_bent():
     assert sim.definition(wire).yield_strain == 1e-3
 
 
+def test_a_thread_that_tears_says_where():
+    sim = fs.Simulation()
+    rod = sim.add(thread(dynamic_topology=True, break_force=1e-4, forces=[fs.NodalForce(node=50, force=(1e-3, 0, 0))]))
+    for _ in range(50):
+        sim.step()
+    assert len(sim.frame[rod].cut_edges) >= 1
+    assert sim.frame[rod].cut_edges.dtype == np.int32
+
+
 def test_errors_name_the_rod():
     sim = fs.Simulation()
     with pytest.raises(fs.Error, match="rod 'silk': points must have at least 2 entries"):

@@ -120,7 +120,7 @@ TEST_CASE("a free rod that bends by itself keeps its momentum, and where it yiel
     const Vec3 before = centre();
     stage.post(SetCurvature{rod, {{0.0, 0.1, {8.0, 3.0}}, {.begin = 0.12, .curvature = {0.0, -10.0}}}, 1.0});
     Vec3 turning;
-    double most = 0.0; // of all parts of the angular momentum together
+    double most = 0.0; // the sizes of all parts of the angular momentum
     for (int i = 0; i < 1200; ++i) {
         stage.step(0.01);
         turning = {};

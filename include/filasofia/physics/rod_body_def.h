@@ -50,7 +50,11 @@ struct RodBodyDef {
     std::vector<AttachmentDef> attachments = {};
     std::vector<NodalForce> forces = {};        ///< until changed by a command
     std::optional<RodCollision> collision = {}; ///< none: it collides with nothing
-    bool needle = false;   ///< its first node is a sharp tip, which pierces tissue that has a PunctureDef
+    /// Whether blades may cut it and tension may tear it. Blades are rigid bodies with a collision model that has
+    /// `cutting` set
+    bool dynamicTopology = false;
+    double breakForce = kNever; ///< [N], in (0, inf]: it tears where its tension exceeds this; needs dynamicTopology
+    bool needle = false;        ///< its first node is a sharp tip, which pierces tissue that has a PunctureDef
     double friction = 0.3; ///< [-], >= 0, Coulomb's mu; a pair of bodies uses the square root of the product of both
 };
 
@@ -86,6 +90,8 @@ constexpr auto fields(const RodBodyDef*)
         field("attachments", &T::attachments, "attachments of its nodes"),
         field("forces", &T::forces, "prescribed nodal forces"),
         field("collision", &T::collision, "how it collides; none: with nothing"),
+        field("dynamicTopology", &T::dynamicTopology, "whether it may be cut and may tear"),
+        field("breakForce", &T::breakForce, "N", positiveOrInfinite(), "tension beyond which it tears"),
         field("needle", &T::needle, "its first node is a sharp tip"),
         field("friction", &T::friction, "-", nonNegative(), "friction coefficient mu of Coulomb's law"));
 }

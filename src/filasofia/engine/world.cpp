@@ -116,6 +116,7 @@ void World::capture(frame::Frame& out) const
         out.softBodies[b].velocities = body.state.v;
         out.softBodies[b].boundary = boundaryOf(body.model, body.topology);
         out.softBodies[b].directors = body.state.rod.directors;
+        listCutEdges(body.model.rod, out.softBodies[b].cutEdges);
     }
     out.contacts = scene_.contactReports;
     out.attachments = scene_.attachmentReports;

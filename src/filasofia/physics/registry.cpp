@@ -218,10 +218,12 @@ struct Registry::Check {
     }
     void operator()(const RemovePiece& remove) const
     {
-        const Body& body = find<SoftBodyDef>(remove.id, "must be a soft body to have a piece removed");
+        const Body& body =
+            find<SoftBodyDef, RodBodyDef>(remove.id, "must be a soft body or a rod to have a piece removed");
         const std::string object = describeBody(*body.def);
         validate(remove, object);
-        if (!std::get<SoftBodyDef>(*body.def).dynamicTopology)
+        const auto* rod = std::get_if<RodBodyDef>(body.def.get());
+        if (!(rod ? rod->dynamicTopology : std::get<SoftBodyDef>(*body.def).dynamicTopology))
             fail(object, ": piece ", remove.piece, " cannot be removed; without dynamicTopology a body has no pieces");
     }
     void operator()(const Grasp& grasp) const

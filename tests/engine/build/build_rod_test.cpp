@@ -102,6 +102,9 @@ TEST_CASE("what cannot be a rod is refused with one Error that names the rod, th
     checkError(with([](RodBodyDef& d) { d.poissonRatio = 0.6; }), "poissonRatio must be in [0, 0.5], got 0.6");
     checkError(with([](RodBodyDef& d) { d.density = 0.0; }), "density must be > 0 kg/m^3, got 0");
     checkError(with([](RodBodyDef& d) { d.twist = std::nan(""); }), "twist must be finite");
+    checkError(with([](RodBodyDef& d) { d.breakForce = 0.0; }), "breakForce must be > 0 N, got 0");
+    checkError(with([](RodBodyDef& d) { d.breakForce = 2.0; }),
+               "breakForce must be infinite without dynamicTopology, got 2 N");
     checkError(with([](RodBodyDef& d) { d.yieldStrain = 0.0; }), "yieldStrain must be > 0, got 0");
     checkError(with([](RodBodyDef& d) { d.hardening = 1.0; }), "hardening must be in [0, 1), got 1");
     checkError(with([](RodBodyDef& d) { d.friction = -0.1; }), "friction must be >= 0");
@@ -131,6 +134,7 @@ TEST_CASE("commands that a rod cannot follow are refused, and those for nodes ar
     refuse({{.curvature = {0.0, 300.0}}}, 1.0, "sections[0].curvature must be at most ");
     refuse({{.curvature = {std::nan(""), 0.0}}}, 1.0, "sections[0].curvature[0] must be finite");
     refuse({}, 0.0, "rate must be > 0 1/(m s), got 0");
+    CHECK_THROWS_WITH(server.removePiece(rod, 1), Catch::Contains("rod 'silk': piece 1 cannot be removed"));
     const BodyId stone = server.add(RigidBodyDef{.name = "stone"});
     CHECK_THROWS_WITH(server.setCurvature(stone, {}), Catch::Contains("rigid body 'stone': must be a rod"));
     server.setCurvature(rod, {{.end = 0.05, .curvature = {3.0, 4.0}}, {.begin = 0.05}});

@@ -54,6 +54,7 @@ Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes)
     const double r = def.radius, area = kPi * r * r, second = 0.25 * area * r * r; // second moment of area
     const double shear = def.youngModulus / (2.0 * (1.0 + def.poissonRatio));
     Rod rod{.radius = r, .needle = def.needle, .bend = def.youngModulus * second, .twist = shear * 2.0 * second};
+    rod.breakForce = def.breakForce;
     rod.yieldCurvature = def.yieldStrain / r;
     rod.hardening = def.hardening / (1.0 - def.hardening); // the moment grows by B H / (B + H) beyond yield
     double whole = 0.0;
@@ -106,6 +107,12 @@ RodState stateAtStart(const Rod& rod)
 
 namespace {
 
+/// Whether an edge beside a joint is cut: then it bears nothing.
+bool isBroken(const Rod& rod, std::size_t joint)
+{
+    return !rod.cut.empty() && (rod.cut[joint] || rod.cut[wrapped(joint + 1, rod.edges.size())]);
+}
+
 /// [m] The length of rod that bends at a joint.
 double bentLength(const Rod& rod, const std::vector<bool>& hard, std::size_t joint)
 {
@@ -123,8 +130,8 @@ std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard)
     std::vector<RodJoint> joints = rod.joints;
     for (std::size_t j = 0; j < joints.size(); ++j) {
         const double length = bentLength(rod, hard, j);
-        joints[j].bend = rod.bend / length;
-        joints[j].twist = rod.twist / length;
+        joints[j].bend = isBroken(rod, j) ? 0.0 : rod.bend / length;
+        joints[j].twist = isBroken(rod, j) ? 0.0 : rod.twist / length;
     }
     return joints;
 }
@@ -154,6 +161,7 @@ RodCurvature restOf(const RodCurvature& rest, double length, const RodState& sta
 RodJoint jointNow(const Rod& rod, const RodJoint& joint, const RodState& state, std::size_t index)
 {
     RodJoint now = joint;
+    if (joint.bend == 0.0) return now; // broken
     now.rest = restOf(joint.rest, rod.bend / joint.bend, state, index);
     for (std::size_t j = 0; j < 2 && !state.plastic.empty(); ++j)
         for (std::size_t a = 0; a < 2; ++a) now.rest[j][a] += state.plastic[index][j][a];
@@ -163,11 +171,19 @@ RodJoint jointNow(const Rod& rod, const RodJoint& joint, const RodState& state, 
 void flow(const Rod& rod, const std::vector<bool>& hard, std::span<const Vec3> x, RodState& state)
 {
     for (std::size_t j = 0; j < state.plastic.size(); ++j) {
+        if (isBroken(rod, j)) continue;
         const double length = bentLength(rod, hard, j);
         state.plastic[j] =
             plasticCurvature({rod.yieldCurvature * length, rod.hardening}, restOf(rod.joints[j].rest, length, state, j),
                              curvatureInMaterial(placeAt(state, x, j)), state.plastic[j]);
     }
+}
+
+void listCutEdges(const Rod& rod, std::vector<int>& out)
+{
+    out.clear();
+    for (std::size_t e = 0; e < rod.cut.size(); ++e)
+        if (rod.cut[e]) out.push_back(static_cast<int>(e));
 }
 
 void setCurvature(const physics::SetCurvature& command, const Rod& rod, RodState& state)
@@ -243,6 +259,8 @@ void check(const Rod& rod, const RodState& state, std::size_t nodes, const std::
     checkSize(object, "rod.edges", rod.edges.size(), edges);
     checkSize(object, "rod.inertias", rod.inertias.size(), edges);
     checkSize(object, "rod.joints", rod.joints.size(), joints);
+    if (!rod.cut.empty()) checkSize(object, "rod.cut", rod.cut.size(), edges);
+    if (!(rod.breakForce > 0.0)) fail(object, ": rod.breakForce must be > 0 N, got ", rod.breakForce);
     if (!rod.held.empty()) checkSize(object, "rod.held", rod.held.size(), edges);
     checkSize(object, "rod.directors", state.directors.size(), edges);
     checkSize(object, "rod.spins", state.spins.size(), edges);

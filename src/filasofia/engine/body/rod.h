@@ -29,6 +29,11 @@ struct Rod {
     /// [rad] A ring is twisted by any angle before its ends are joined: by so much the material of its first edge is
     /// ahead of that of its last edge at the last joint
     double seam = 0.0;
+    double breakForce = std::numeric_limits<double>::infinity(); ///< [N] tension beyond which an edge tears
+    /// Per edge: it was cut or torn, or its piece was removed. It keeps its number and its mass, and bears nothing; nor
+    /// do the joints beside it. Empty: none was
+    std::vector<bool> cut = {};
+    int pieces = 1; ///< how many pieces there ever were: the number of the next one
     /// Per edge: a hard attachment holds both nodes and the angle on a rigid body (findHeldEdges() in
     /// contact/attachments.h). Empty: none
     std::vector<bool> held = {};
@@ -53,6 +58,7 @@ struct RodState {
 };
 
 inline bool isRing(const Rod& rod) { return rod.edges.size() == rod.joints.size(); }
+inline bool isCut(const Rod& rod, std::size_t edge) { return !rod.cut.empty() && rod.cut[edge]; }
 inline bool canYield(const Rod& rod) { return rod.yieldCurvature < std::numeric_limits<double>::infinity(); }
 
 /// A rod with these nodes at the start.
@@ -78,6 +84,9 @@ void steer(double dt, RodState& state);
 
 /// Joints that are bent by more than the yield curvature get another curvature at rest: the plastic one follows.
 void flow(const Rod& rod, const std::vector<bool>& hard, std::span<const Vec3> x, RodState& state);
+
+/// Lists the edges that are cut, ascending.
+void listCutEdges(const Rod& rod, std::vector<int>& out);
 
 /// An index that goes on around a ring: i < 2 count. Without a division: it is asked for millions of times per second.
 inline std::size_t wrapped(std::size_t i, std::size_t count) { return i < count ? i : i - count; }

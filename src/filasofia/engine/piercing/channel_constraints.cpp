@@ -63,6 +63,7 @@ bool isIn(const Threading& at, const Constraint& contact, const Scene& scene, co
             plan[point.body].element != scene.rigid[plan[point.body].body].model.needle->element)
             return false;
         const LineShape& shape = *at.lines.find(line.body);
+        if (point.of == BodyPoint::Of::Soft && !shape.hasNode(point.nodes[0])) continue; // another piece of it
         const double place = shape.nearest(point.position);
         const double margin = 2.0 * (shape.radius() + contact.contact.proximity);
         return place < at.places.front() + margin && (!at.channel.through || place > at.places.back() - margin);

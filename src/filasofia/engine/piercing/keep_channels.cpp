@@ -19,6 +19,7 @@ constexpr double kSliding = 0.999;
 std::optional<ThreadedLine> followerOf(const Scene& scene, const ThreadedLine& last)
 {
     const LineShape front(scene, last);
+    if (front.isCutOff()) return std::nullopt; // what is tied to its other end does not follow
     for (const Attachment& each : scene.attachments) {
         if (each.to != last.body && each.body != last.body) continue;
         const std::size_t side = each.to == last.body ? 0 : 1;

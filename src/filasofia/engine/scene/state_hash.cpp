@@ -117,6 +117,7 @@ void addChannels(Hasher& hash, const Scene& scene)
             hash.add(std::uint64_t{line.body.value});
             hash.add(static_cast<std::uint64_t>(line.reversed));
             hash.add(line.start);
+            addCount(hash, line.first);
         }
         for (const ChannelPoint& point : each.points) {
             add(hash, point.nodes);

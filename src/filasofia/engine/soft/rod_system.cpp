@@ -101,6 +101,7 @@ void RodSystem::assemble(const SoftModel& model, std::span<const Vec3> given, do
 void RodSystem::addEdges(const SoftModel& model, double stiffness, double turning, const SoftState& state)
 {
     for (std::size_t e = 0; e < model.rod.edges.size(); ++e) {
+        if (isCut(model.rod, e)) continue;
         const Spring& edge = model.rod.edges[e];
         const auto next = static_cast<std::size_t>(edge.nodes[1]);
         const Vec3 force = springForce(edge, state.x[e], state.x[next]);
@@ -201,6 +202,7 @@ bool RodSystem::move(double dt, const SoftModel& model, const SoftState& state, 
     moved_.directors = directors_;
     for (std::size_t e = 0; e < spinChanges_.size(); ++e) {
         moved_.spins[e] += spinChanges_[e];
+        if (isCut(model.rod, e)) continue;
         const Spring& edge = model.rod.edges[e];
         const auto next = static_cast<std::size_t>(edge.nodes[1]);
         const double longer = distance(state.x[e], state.x[next]) - edge.restLength;
@@ -217,6 +219,7 @@ void addRodForces(const SoftModel& model, const SoftState& state, std::vector<Ve
 {
     const double beta = model.rayleigh.stiffness;
     for (std::size_t e = 0; e < model.rod.edges.size(); ++e) {
+        if (isCut(model.rod, e)) continue;
         const Spring& edge = model.rod.edges[e];
         const auto next = static_cast<std::size_t>(edge.nodes[1]);
         const Vec3 direction = directionOf(state.x, e);

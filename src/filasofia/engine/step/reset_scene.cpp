@@ -46,7 +46,7 @@ void restoreMesh(SoftBody& body, Scene& scene)
     body.model = std::move(whole);
     body.state.forces.resize(nodes);
     topology = makeTopology(body.model);
-    body.model.pieces = findPieces(body.model, *topology.pieces);
+    if (topology.pieces) body.model.pieces = findPieces(body.model, *topology.pieces);
     outdate(true, body.system);
 }
 
