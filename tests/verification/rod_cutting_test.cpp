@@ -263,11 +263,11 @@ TEST_CASE("cut at random a thousand times, above a floor, rods stay finite, with
                                .elements = {Pose{{0, -0.02, 0}}},
                                .mesh = geometry::shapes::box({0.4, 0.02, 0.4}),
                                .collision = {{}}});
-        for (int k = 0; k < 10; ++k) {
+        for (int k = 0; k < 6; ++k) {
             RodBodyDef def{.name = text("thread ", k), .radius = 0.3e-3, .youngModulus = 1e7};
             def.closed = k % 2 == 1;
-            for (int i = 0; i < 120; ++i) {
-                const double turn = 2 * kPi * i / (def.closed ? 120 : 140);
+            for (int i = 0; i < 60; ++i) {
+                const double turn = 2 * kPi * i / (def.closed ? 60 : 70);
                 def.points.push_back({0.06 * std::cos(turn), 1e-3 * k - 0.005, 0.06 * std::sin(turn)});
             }
             def.yieldStrain = k % 3 == 0 ? 1e-3 : kNever;
@@ -278,17 +278,18 @@ TEST_CASE("cut at random a thousand times, above a floor, rods stay finite, with
         stage.step(0.0);
         std::mt19937 random(11);
         int cuts = 0;
-        for (int step = 0; step < 400; ++step) {
+        for (int step = 0; step < 340; ++step) {
+            if (step % 50 == 49) stage.post(Reset{});
             for (int n = 0; n < 3; ++n) {
-                SoftBody& body = stage.world.scene().soft[random() % 10];
+                SoftBody& body = stage.world.scene().soft[random() % 6];
                 body.topology.cutEdges = {{static_cast<int>(random() % body.model.rod.edges.size()), 0.5}};
                 cuts +=
                     static_cast<int>(!isCut(body.model.rod, static_cast<std::size_t>(body.topology.cutEdges[0].edge)));
-                if (step % 100 == 99 && n == 0) stage.post(RemovePiece{body.model.id, 1});
+                if (step % 20 == 19 && n == 0) stage.post(RemovePiece{body.model.id, 1});
             }
             stage.step(1e-3);
         }
-        CHECK(cuts > 700);
+        CHECK(cuts > 700); // others meet an edge that is cut already
         for (const SoftBody& body : stage.world.scene().soft) {
             for (Vec3 x : body.state.x) {
                 REQUIRE(isFinite(x));
