@@ -90,7 +90,19 @@ struct Stitch {
         def.friction = 0.0;
         def.collision = physics::RodCollision{.self = false};
         def.attachments = {{.nodes = {0}, .to = in.tool}};
+        def.dynamicTopology = true;
         thread = in.stage.add(def);
+    }
+    /// Cuts the thread at a height [m].
+    void cutAt(double y)
+    {
+        for (int i = 0; i < 100; ++i) in.move(0.0); // until it rests: a part that nothing holds would fly on
+        SoftBody& rod = in.stage.world.scene().soft[1];
+        int edge = 0;
+        while (rod.state.x[static_cast<std::size_t>(edge) + 1].y < y) ++edge;
+        rod.topology.cutEdges = {{edge, 0.5}};
+        in.move(0.0);
+        REQUIRE(isCut(rod.model.rod, static_cast<std::size_t>(edge)));
     }
     /// Until the needle's tail is this deep below the block [m].
     void pull(double below)

@@ -99,6 +99,49 @@ TEST_CASE("a ring is drawn as a tube without ends that does not pinch, however i
     CHECK(mapped.surface.vertices.size() == 12 * 240);
 }
 
+TEST_CASE("a rod that is cut is drawn as tubes with ends, and what is between them has no area")
+{
+    for (const bool closed : {false, true}) {
+        std::vector<Vec3> line;
+        const int nodes = 40;
+        for (int i = 0; i < nodes; ++i) {
+            const double s = 2.0 * M_PI * i / (closed ? nodes : 2.0 * nodes);
+            line.push_back({0.05 * std::cos(s), 0.05 * std::sin(s), 0});
+        }
+        constexpr double radius = 1e-3;
+        MappedSurface mapped = mapTube(line, radius, closed);
+        frame::SoftBodyFrame body{.positions = line};
+        body.cutEdges = {9, 20, 21}; // node 21 is alone
+        geometry::TriangleMesh& tube = mapped.surface;
+        apply(mapped.map, body, tube.vertices);
+        double length = 0.0;
+        for (int i = 0; i < (closed ? nodes : nodes - 1); ++i)
+            if (i != 9 && i != 20 && i != 21) length += distance(line[i], line[(i + 1) % nodes]);
+        const double polygon = 6.0 * std::sin(M_PI / 6.0) * radius * radius;
+        CHECK_THAT(geometry::enclosedVolume(tube), Catch::WithinRel(polygon * length, 0.01));
+        // Within a gap all triangles are flat; the caps lie across the ends.
+        double gap = 0.0, caps = 0.0;
+        for (const auto& [a, b, c] : tube.triangles) {
+            const Vec3 x = tube.vertices[a], y = tube.vertices[b], z = tube.vertices[c];
+            const double area = 0.5 * filasofia::length(cross(y - x, z - x));
+            const Vec3 middle = 1.0 / 3.0 * (x + y + z), inGap = 0.5 * (line[9] + line[10]);
+            if (distance(middle, inGap) < 0.4 * distance(line[9], line[10])) gap += area;
+            if (distance(middle, line[9]) < 0.9 * radius) caps += area;
+        }
+        CHECK(gap < 1e-15);
+        CHECK_THAT(caps, Catch::WithinRel(polygon, 1e-9));
+        for (std::size_t side = 0; side < 12; ++side) {
+            CHECK_THAT(distance(tube.vertices[48 * 9 + side], line[9]), Catch::WithinAbs(radius, 1e-12));
+            CHECK_THAT(distance(tube.vertices[48 * 10 + side], line[10]), Catch::WithinAbs(radius, 1e-12));
+            CHECK(tube.vertices[48 * 21 + side] == line[21]);
+        }
+        body.cutEdges.clear();
+        std::vector<Vec3> whole(tube.vertices.size());
+        apply(mapped.map, body, whole);
+        CHECK(whole == mapTube(line, radius, closed).surface.vertices);
+    }
+}
+
 TEST_CASE("a rigid map is the element's pose")
 {
     const Pose second{{1, 2, 3}, axisAngle({0, 1, 0}, 0.5)};

@@ -86,6 +86,35 @@ def test_a_ring_has_as_many_edges_as_nodes_and_keeps_its_twist():
     assert np.allclose(np.linalg.norm(body.positions - np.roll(body.positions, 1, axis=0), axis=1), 0.003138, atol=1e-5)
 
 
+def test_a_tip_bends_as_commanded_and_a_wire_stays_bent():
+    sim = fs.Simulation()
+    rod = sim.add(thread(gravity=False, rayleigh=fs.Rayleigh(mass=20)))
+    sim.set_curvature(rod, [fs.RodSection(begin=0.05, curvature=(0, 20))])
+    for _ in range(600):
+        sim.step()
+    assert sim.frame[rod].positions[-1, 2] > 0.01
+    sim.apply(fs.SetCurvature(id=rod))
+    for _ in range(600):
+        sim.step()
+    assert np.allclose(sim.frame[rod].positions[-1], (0.1, 0.05, 0), atol=1e-4)
+    with pytest.raises(fs.Error, match="rod 'silk': sections\\[0\\].end must be at most 0.1 m"):
+        sim.set_curvature(rod, [fs.RodSection(end=1.0)])
+
+    wire = sim.add(thread(name="wire", yield_strain=1e-3))
+    for _ in range(100):
+        sim.step()
+    assert sim.definition(wire).yield_strain == 1e-3
+
+
+def test_a_thread_that_tears_says_where():
+    sim = fs.Simulation()
+    rod = sim.add(thread(dynamic_topology=True, break_force=1e-4, forces=[fs.NodalForce(node=50, force=(1e-3, 0, 0))]))
+    for _ in range(50):
+        sim.step()
+    assert len(sim.frame[rod].cut_edges) >= 1
+    assert sim.frame[rod].cut_edges.dtype == np.int32
+
+
 def test_errors_name_the_rod():
     sim = fs.Simulation()
     with pytest.raises(fs.Error, match="rod 'silk': points must have at least 2 entries"):

@@ -161,11 +161,16 @@ TEST_CASE("every other kind of command comes back bit for bit")
     CHECK((tissue.id == BodyId{3} && tissue.region == region));
     const auto active = roundTrip(SetFibreStress{BodyId{3}, 1, kThird});
     CHECK((active.id == BodyId{3} && active.family == 1 && sameBits(active.stress, kThird)));
+    const auto bent =
+        roundTrip(SetCurvature{BodyId{3}, {{.end = kThird, .curvature = {kThird, -2.0}}, {.begin = 1.0}}, kThird});
+    CHECK((bent.id == BodyId{3} && bent.sections.size() == 2 && sameBits(bent.rate, kThird)));
+    CHECK((sameBits(bent.sections[0].end, kThird) && sameBits(bent.sections[0].curvature[0], kThird)));
+    CHECK((bent.sections[0].curvature[1] == -2.0 && bent.sections[1].begin == 1.0 && std::isinf(bent.sections[1].end)));
     roundTrip(Reset{});
     CHECK(roundTrip(Pause{true}).paused);
     CHECK_FALSE(roundTrip(Pause{false}).paused);
     CHECK_FALSE(roundTrip(Tune{[](PhysicsEngine&) {}}).change); // only the fact that there was one can be kept
-    STATIC_REQUIRE(std::variant_size_v<Command> == 20);
+    STATIC_REQUIRE(std::variant_size_v<Command> == 21);
 }
 
 TEST_CASE("every law and all that a material may say come back bit for bit")

@@ -235,6 +235,37 @@ TEST_CASE("scenes: commands are given at their times, with the hash of a program
     }
 }
 
+TEST_CASE("scenes: a rod is commanded to bend, and stays bent after a reset")
+{
+    const auto with = [](const std::string& commands) {
+        return SceneFolder().load(
+            text(R"({"bodies": [{"name": "scope", "type": "RodBodyDef", "radius": "1 mm", "gravity": false,
+            "points": ["0 0 0 mm", "100 0 0 mm"], "spacing": "2 mm", "attachments": [{"nodes": [0, 1]}],
+            "rayleigh": {"mass": 20}}], "commands": [)",
+                 commands, "]}"));
+    };
+    const auto tip = [&](const SceneDef& scene) {
+        Simulation sim(simulationDef(scene));
+        const BodyId rod = addScene(sim, scene).bodies.at(0);
+        CHECK(sim.run({.headless = true, .steps = 600}).complete());
+        return sim.physics().latest()->softBody(rod)->positions.back();
+    };
+    const std::string bend = R"({"time": "10 ms", "type": "SetCurvature", "id": "scope", "rate": 100,
+                                 "sections": [{"begin": "70 mm", "curvature": [0, 20]}]})";
+    const Vec3 straight = tip(with("")), bent = tip(with(bend));
+    CHECK(std::abs(straight.z) < 1e-9);
+    CHECK(bent.z > 0.005);
+    CHECK(distance(tip(with(bend + R"(, {"time": "0.1 s", "type": "Reset"})")), bent) < 1e-3);
+    CHECK_THROWS_WITH(with(R"({"time": 0, "type": "SetCurvature", "id": "scope", "sections": [{"begin": 0}]})"),
+                      Catch::Contains("must have the member 'curvature'"));
+    const RunReport report = runScene(
+        with(R"({"time": 0, "type": "SetCurvature", "id": "scope", "sections": [{"begin": 1, "curvature": [0, 1]}]})"),
+        3);
+    REQUIRE(report.callbackProblems.size() == 1);
+    CHECK_THAT(report.callbackProblems[0],
+               Catch::Contains("commands[0]: rod 'scope': sections[0].begin must be in [0, "));
+}
+
 TEST_CASE("scenes: a command that cannot be is refused, or ends the commands and is told")
 {
     const auto with = [](const std::string& command) {

@@ -67,6 +67,60 @@ TEST_CASE("a needle comes out on the other side, and its thread follows through 
     CHECK(stitch.in.stage.world.scene().channels.empty());
 }
 
+TEST_CASE("a thread that is cut in tissue lies in two channels: the part at the needle goes on, the other one stays")
+{
+    Stitch stitch;
+    stitch.pull(0.01);
+    stitch.cutAt(-0.5 * Stitch::kThick);
+    const std::vector<Channel>& channels = stitch.in.stage.world.scene().channels;
+    REQUIRE(channels.size() == 2);
+    const auto& frames = stitch.in.frame.channels;
+    stitch.in.move(-0.03 * kNeedleStep);
+    REQUIRE(frames.size() == 2);
+    // All of the thread but the edge that is gone.
+    CHECK(frames[0].length + frames[1].length > Stitch::kThick - 1.5e-3);
+    CHECK(frames[0].length + frames[1].length < Stitch::kThick);
+    const auto& x = stitch.in.stage.soft(1).x;
+    const Vec3 end = x.back();
+    for (int i = 0; i < 10; ++i) stitch.in.move(-0.03 * kNeedleStep); // what the cut released has settled
+    double worst = 0.0;
+    for (int i = 0; i < 20; ++i) {
+        const double before = frames.at(0).length; // that in which the step computed the force
+        stitch.in.move(-0.03 * kNeedleStep);
+        worst = std::max(worst, std::abs(-frames.at(0).force.y / (10.0 * before) - 1.0));
+    }
+    verify("needle: thread that was cut in a block and is drawn out, error of the force, relative to friction * length",
+           worst, 0.03);
+    stitch.pull(0.03);
+    CHECK(channels.size() == 1);
+    CHECK(channels[0].through);
+    CHECK(distance(x.back(), end) < 2e-4);
+    for (Vec3 each : x) CHECK(isFinite(each));
+}
+
+TEST_CASE("a thread that is cut below or above the tissue leaves it with one channel, and each part has its own end")
+{
+    Stitch below;
+    below.pull(0.01);
+    below.cutAt(-Stitch::kThick - 5e-3);
+    const Vec3 end = below.in.stage.soft(1).x.back();
+    below.pull(0.03);
+    CHECK(below.in.stage.world.scene().channels.size() == 1);
+    CHECK(below.in.stage.world.scene().channels[0].lines.size() == 1);
+    CHECK(distance(below.in.stage.soft(1).x.back(), end) < 2e-4); // nothing draws it any more
+
+    Stitch above;
+    above.pull(0.01);
+    above.cutAt(5e-3);
+    const std::size_t last = 20;
+    const Vec3 free = above.in.stage.soft(1).x.back();
+    CHECK(above.in.stage.world.scene().channels.size() == 1);
+    above.pull(0.03); // the part at the needle comes out of the tissue altogether
+    CHECK(above.in.stage.world.scene().channels.empty());
+    CHECK(distance(above.in.stage.soft(1).x.back(), free) < 2e-4);
+    CHECK(above.in.stage.soft(1).x[last - 10].y < -Stitch::kThick);
+}
+
 TEST_CASE("a channel bears what pushes the thread sideways, with Coulomb's friction on top")
 {
     // A straight needle is held sideways by springs, so a lateral force F raises its friction by mu F.

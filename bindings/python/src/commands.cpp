@@ -29,8 +29,8 @@ template <class Command> nb::object give(HeldSimulation& held, const Command& co
 }
 
 using Applied = std::variant<RemoveBody, SetPose, SetGravity, SetForces, SetPressure, SetWrench, Release, RemovePiece,
-                             Pause, SetJoint, SetHaptic, SetTissue, SetFibreStress, SetMaterial, Attach, AttachRigid,
-                             Grasp, physics::Reset>;
+                             Pause, SetJoint, SetHaptic, SetTissue, SetFibreStress, SetCurvature, SetMaterial, Attach,
+                             AttachRigid, Grasp, physics::Reset>;
 
 /// Reads the alternative whose class the object is of: SetMaterial cannot be copied, so this is no Convert<variant>.
 template <class... T> nb::object applyAs(HeldSimulation& held, nb::handle command, const std::variant<T...>*)
@@ -137,6 +137,20 @@ void addSoft(nb::class_<HeldSimulation>& sim)
         nb::arg("body").none(), nb::arg("family").none(), nb::arg("stress").none(),
         nb::sig("def set_fibre_stress(self, body: filasofia.BodyId, family: int, stress: float) -> None"),
         "The stress [Pa] by which a family of fibres contracts.");
+    sim.def(
+        "set_curvature",
+        [](HeldSimulation& self, nb::handle id, nb::handle sections, nb::handle rate) {
+            server(self, "set_curvature")
+                .setCurvature(body(id, "set_curvature"),
+                              readArgument<std::vector<RodSection>>(sections, "set_curvature", "sections"),
+                              readArgument<double>(rate, "set_curvature", "rate", positiveOrInfinite()));
+        },
+        nb::arg("body").none(), nb::arg("sections").none(),
+        nb::arg("rate").none() = std::numeric_limits<double>::infinity(),
+        nb::sig("def set_curvature(self, body: filasofia.BodyId, sections: "
+                "collections.abc.Sequence[filasofia.RodSection], rate: float = float('inf')) -> None"),
+        "The curvature that parts of a rod take by themselves, in place of all that was commanded before. rate "
+        "[1/(m s)]: how fast they go there.");
 }
 
 void addLoads(nb::class_<HeldSimulation>& sim)

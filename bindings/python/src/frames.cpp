@@ -128,6 +128,10 @@ void bindSoft(nb::module_& module)
     addArray(soft, "directors", "(n - 1, 3) of a rod, one unit vector per edge across it; empty for other bodies",
              [](const auto& body, nb::handle owner) { return rowsOf<double, 3>(body.directors, owner); });
     soft.def_prop_ro(
+        "cut_edges", [](const SoftPart& self) { return rowsOf<int, 1>(self.body->cutEdges, nb::handle(self.frame)); },
+        nb::for_getter(nb::sig("def cut_edges(self) -> numpy.typing.NDArray[numpy.int32]")),
+        "(k,) of a rod, the edges that are gone since they were cut or torn, ascending");
+    soft.def_prop_ro(
         "revision",
         [](const SoftPart& self) { return self.body->boundary ? self.body->boundary->revision : std::uint64_t{0}; },
         "How often cuts and tears have changed its mesh.");

@@ -22,6 +22,7 @@ struct SoftBodyFrame {
         {}; ///< the boundary of a body with dynamicTopology; empty if its mesh was never edited
     /// Rods only, per edge: a unit vector across it, which turns with the material
     std::vector<Vec3> directors = {};
+    std::vector<int> cutEdges = {}; ///< rods only: edges that are gone since they were cut or torn, ascending
 };
 
 /// The state of one rigid body, per element.

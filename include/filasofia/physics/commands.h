@@ -6,7 +6,9 @@
 #include "filasofia/core/attachment_id.h"
 #include "filasofia/core/body_id.h"
 
+#include <array>
 #include <functional>
+#include <limits>
 
 /// Commands are the only way into a running simulation: they are applied at the start of the next step, in the order of
 /// posting.
@@ -84,6 +86,23 @@ struct SetFibreStress {
     BodyId id = {};
     int family = 0;      ///< [-], index in FemMaterial::fibres
     double stress = 0.0; ///< [Pa], in [0, 1e9]
+};
+/// A part of a rod that bends by itself, as the tip of a steerable catheter or of a flexible endoscope does.
+struct RodSection {
+    double begin = 0.0; ///< [m], >= 0, along the rod at rest, from its first node on
+    /// [m], > begin and at most the rod's length; infinite: to its end
+    double end = std::numeric_limits<double>::infinity();
+    /// [1/m] where it bends to: the part towards its directors, and that towards direction x director. A node turns the
+    /// rod by at most 2 rad
+    std::array<double, 2> curvature = {};
+};
+/// Commands the curvature that parts of a rod have at rest, beside that which it was made with, and replaces all that
+/// was commanded before. Lasts until the next such command; a Reset keeps it.
+struct SetCurvature {
+    BodyId id = {};
+    std::vector<RodSection> sections = {}; ///< from the first node on, without overlaps; none: nothing is commanded
+    /// [1/(m s)], > 0, by which the curvature goes there; infinite: at once
+    double rate = std::numeric_limits<double>::infinity();
 };
 /// Replaces all nodal forces of a soft body.
 struct SetForces {
@@ -192,6 +211,21 @@ constexpr auto fields(const SetFibreStress*)
                     field("family", &T::family, "-", nonNegative(), "index of the family of fibres"),
                     field("stress", &T::stress, "Pa", closed(0, 1e9), "stress by which they contract"));
 }
+constexpr auto fields(const RodSection*)
+{
+    using T = RodSection;
+    return describe(
+        "RodSection", field("begin", &T::begin, "m", nonNegative(), "where it begins, along the rod"),
+        field("end", &T::end, "m", positiveOrInfinite(), "where it ends; infinite: at the rod's end"),
+        field("curvature", &T::curvature, "1/m", finite(), "towards the directors, and towards direction x director"));
+}
+constexpr auto fields(const SetCurvature*)
+{
+    using T = SetCurvature;
+    return describe("SetCurvature", field("id", &T::id, "the rod"),
+                    field("sections", &T::sections, "parts that bend by themselves; none: nothing is commanded"),
+                    field("rate", &T::rate, "1/(m s)", positiveOrInfinite(), "by which the curvature changes"));
+}
 constexpr auto fields(const SetForces*)
 {
     return describe("SetForces", field("id", &SetForces::id, "the soft body"),
@@ -239,6 +273,6 @@ constexpr auto fields(const Tune*) { return describe("Tune"); } // a function ca
 
 using Command = std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, SetWrench,
                              Attach, AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, Tune, SetJoint, SetHaptic,
-                             SetTissue, SetFibreStress>;
+                             SetTissue, SetFibreStress, SetCurvature>;
 
 } // namespace filasofia::physics

@@ -84,6 +84,10 @@ public:
     void setTissue(BodyId soft, const TissueRegion& region);
     /// [Pa], in [0, 1e9]: the stress by which a family of fibres contracts from the next step on: see SetFibreStress.
     void setFibreStress(BodyId soft, int family, double stress);
+    /// Bends parts of a rod by itself from the next step on: see SetCurvature. `rate` [1/(m s)], > 0: by which its
+    /// curvature goes there; infinite: at once.
+    void setCurvature(BodyId rod, std::vector<RodSection> sections,
+                      double rate = std::numeric_limits<double>::infinity());
     void setForces(BodyId soft, std::vector<NodalForce> forces);
     void setPressure(BodyId soft, double pressure); ///< [Pa]
     void pause(bool paused);

@@ -39,6 +39,10 @@ struct RodBodyDef {
     /// [rad] by how much it is twisted at the start, evenly from its first edge to its last; a ring is twisted by this
     /// before its ends are joined
     double twist = 0.0;
+    /// [-], in (0, inf], strain of the outermost fibre beyond which bending is plastic: what it is bent by more, it
+    /// keeps. Infinite: it never yields. Steel yields at 0.002 to 0.005
+    double yieldStrain = kNever;
+    double hardening = 0.0; ///< [-], in [0, 1): stiffness of bending beyond yield over that before
     Rayleigh rayleigh = {}; ///< Rayleigh damping
     bool gravity = true;    ///< whether gravity acts on it
     /// attachments of its nodes. An edge whose two nodes are pinned, such as the first one, does not turn about itself
@@ -46,7 +50,11 @@ struct RodBodyDef {
     std::vector<AttachmentDef> attachments = {};
     std::vector<NodalForce> forces = {};        ///< until changed by a command
     std::optional<RodCollision> collision = {}; ///< none: it collides with nothing
-    bool needle = false;   ///< its first node is a sharp tip, which pierces tissue that has a PunctureDef
+    /// Whether blades may cut it and tension may tear it. Blades are rigid bodies with a collision model that has
+    /// `cutting` set
+    bool dynamicTopology = false;
+    double breakForce = kNever; ///< [N], in (0, inf]: it tears where its tension exceeds this; needs dynamicTopology
+    bool needle = false;        ///< its first node is a sharp tip, which pierces tissue that has a PunctureDef
     double friction = 0.3; ///< [-], >= 0, Coulomb's mu; a pair of bodies uses the square root of the product of both
 };
 
@@ -75,11 +83,15 @@ constexpr auto fields(const RodBodyDef*)
         field("straight", &T::straight, "straight at rest; otherwise at rest as its points lie"),
         field("twist", &T::twist, "rad", finite(),
               "twist at the start, from the first edge to the last, or around a ring"),
+        field("yieldStrain", &T::yieldStrain, "-", positiveOrInfinite(), "strain of the outermost fibre that stays"),
+        field("hardening", &T::hardening, "-", closedOpen(0.0, 1.0), "stiffness of bending beyond yield over before"),
         field("rayleigh", &T::rayleigh, "Rayleigh damping"),
         field("gravity", &T::gravity, "whether gravity acts on it"),
         field("attachments", &T::attachments, "attachments of its nodes"),
         field("forces", &T::forces, "prescribed nodal forces"),
         field("collision", &T::collision, "how it collides; none: with nothing"),
+        field("dynamicTopology", &T::dynamicTopology, "whether it may be cut and may tear"),
+        field("breakForce", &T::breakForce, "N", positiveOrInfinite(), "tension beyond which it tears"),
         field("needle", &T::needle, "its first node is a sharp tip"),
         field("friction", &T::friction, "-", nonNegative(), "friction coefficient mu of Coulomb's law"));
 }

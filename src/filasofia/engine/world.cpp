@@ -11,6 +11,7 @@
 #include "filasofia/engine/step/apply_commands.h"
 #include "filasofia/engine/step/assemble.h"
 #include "filasofia/engine/step/flow_tissue.h"
+#include "filasofia/engine/step/steer_rods.h"
 
 #include <algorithm>
 #include <utility>
@@ -67,6 +68,7 @@ physics::StepReport World::step(const physics::StepInput& in)
 
     applyCommands(context, in.commands, *this, scene_); // 1 the user's commands
     rebuildSystems(period_, scene_);                    //   solvers of bodies that they changed, each once
+    steerRods(context, scene_);                         //   rods that bend by themselves
     report.times.commands = watch.lap();
 
     planRigid(scene_, in.dt, coupling_.rigid); // 2 how rigid bodies would move without constraints
@@ -115,6 +117,7 @@ void World::capture(frame::Frame& out) const
         out.softBodies[b].velocities = body.state.v;
         out.softBodies[b].boundary = boundaryOf(body.model, body.topology);
         out.softBodies[b].directors = body.state.rod.directors;
+        listCutEdges(body.model.rod, out.softBodies[b].cutEdges);
     }
     out.contacts = scene_.contactReports;
     out.attachments = scene_.attachmentReports;

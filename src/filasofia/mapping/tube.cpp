@@ -3,6 +3,7 @@
 
 #include "filasofia/core/assert.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -21,6 +22,26 @@ struct OnCurve {
 struct Line {
     std::span<const Vec3> x;
     bool closed = false;
+    std::span<const int> cut = {}; ///< edges that are gone, ascending
+
+    [[nodiscard]] bool isCut(std::size_t edge) const
+    {
+        return !cut.empty() && std::ranges::binary_search(cut, static_cast<int>(edge % edges()));
+    }
+    /// Whether there is an edge before another one, and it is not cut.
+    [[nodiscard]] bool goesOnBefore(std::size_t edge) const
+    {
+        return (edge > 0 || closed) && !isCut(edge + edges() - 1);
+    }
+    [[nodiscard]] bool goesOnBehind(std::size_t edge) const
+    {
+        return (edge + 1 < edges() || closed) && !isCut(edge + 1);
+    }
+    /// Whether a node has lost all of its edges.
+    [[nodiscard]] bool isLone(std::size_t node) const
+    {
+        return !cut.empty() && !goesOnBefore(node) && (node >= edges() || isCut(node));
+    }
 
     [[nodiscard]] std::size_t edges() const { return closed ? x.size() : x.size() - 1; }
     [[nodiscard]] Vec3 at(std::size_t node) const { return x[node % x.size()]; }
@@ -31,8 +52,8 @@ OnCurve curveAt(const Line& line, std::size_t edge, double t)
 {
     const std::size_t count = line.x.size();
     const Vec3 b = line.at(edge), c = line.at(edge + 1);
-    const Vec3 a = edge > 0 || line.closed ? line.at(edge + count - 1) : b - (c - b);
-    const Vec3 d = edge + 2 < count || line.closed ? line.at(edge + 2) : c + (c - b);
+    const Vec3 a = line.goesOnBefore(edge) ? line.at(edge + count - 1) : b - (c - b);
+    const Vec3 d = line.goesOnBehind(edge) ? line.at(edge + 2) : c + (c - b);
     const Vec3 first = 0.5 * (c - a), second = 0.5 * (d - b); // directions at the nodes
     const double t2 = t * t, t3 = t2 * t;
     return {(2 * t3 - 3 * t2 + 1) * b + (t3 - 2 * t2 + t) * first + (3 * t2 - 2 * t3) * c + (t3 - t2) * second,
@@ -50,6 +71,9 @@ Vec3 carried(Vec3 across, Vec3 direction)
 OnCurve ringAt(const Line& line, std::size_t ring)
 {
     const std::size_t edge = std::min(ring / kRings, line.edges() - 1);
+    // The first ring of a cut edge is the end of the edge before it.
+    if (ring == kRings * edge && line.isCut(edge) && line.goesOnBefore(edge))
+        return curveAt(line, (edge + line.edges() - 1) % line.edges(), 1.0);
     return curveAt(line, edge, static_cast<double>(ring - kRings * edge) / kRings);
 }
 
@@ -76,6 +100,13 @@ void place(const Line& line, double radius, std::span<Vec3> out)
     for (std::size_t ring = 0; ring < rings; ++ring) {
         const OnCurve at = ringAt(line, ring);
         across = carried(across, at.direction);
+        const std::size_t edge = ring / kRings, part = ring % kRings;
+        if (part > 0 ? line.isCut(edge) : line.isLone(edge)) {
+            // The rings within a gap shrink to the middles of its ends and close them; between the two is nothing.
+            const Vec3 middle = line.at(2 * part <= kRings ? edge : edge + 1);
+            for (int side = 0; side < kSides; ++side) out[vertex++] = middle;
+            continue;
+        }
         const Vec3 third = cross(at.direction, across);
         for (int side = 0; side < kSides; ++side) {
             const double angle = 2.0 * std::numbers::pi * side / kSides - back * static_cast<double>(ring);
@@ -114,7 +145,8 @@ MappedSurface mapTube(std::span<const Vec3> nodes, double radius, bool closed)
 
 void apply(const TubeMap& map, const frame::SoftBodyFrame& body, std::span<Vec3> vertices)
 {
-    place({std::span(body.positions).first(static_cast<std::size_t>(map.nodes)), map.closed}, map.radius, vertices);
+    place({std::span(body.positions).first(static_cast<std::size_t>(map.nodes)), map.closed, body.cutEdges}, map.radius,
+          vertices);
 }
 
 } // namespace filasofia::mapping

@@ -157,6 +157,8 @@ void check(const RodBodyDef& def)
 {
     const std::string object = text("rod '", def.name, "'");
     validate(def, object);
+    if (def.breakForce < kNever && !def.dynamicTopology)
+        fail(object, ": breakForce must be infinite without dynamicTopology, got ", def.breakForce, " N");
     if (def.needle && def.closed) fail(object, ": needle must be false if closed: a ring has no tip");
     if (def.needle && !def.collision)
         fail(object, ": collision must be given if needle is true: a needle that touches nothing pierces nothing");

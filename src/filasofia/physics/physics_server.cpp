@@ -380,6 +380,10 @@ void PhysicsServer::setFibreStress(BodyId id, int family, double stress)
 {
     impl_->post(SetFibreStress{id, family, stress});
 }
+void PhysicsServer::setCurvature(BodyId id, std::vector<RodSection> sections, double rate)
+{
+    impl_->post(SetCurvature{id, std::move(sections), rate});
+}
 void PhysicsServer::setForces(BodyId id, std::vector<NodalForce> forces)
 {
     impl_->post(SetForces{id, std::move(forces)});

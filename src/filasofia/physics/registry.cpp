@@ -41,6 +41,17 @@ std::string_view nameOf(const SoftMaterial& material)
     return std::visit([](const auto& each) { return fields(&each).typeName; }, material);
 }
 
+/// The lengths of a rod.
+void measure(const RodBodyDef& def, Registry::Body& body)
+{
+    const std::vector<Vec3> nodes = centreLine(def);
+    const std::size_t count = nodes.size(), edges = def.closed ? count : count - 1;
+    const auto edge = [&](std::size_t e) { return distance(nodes[e % count], nodes[(e + 1) % count]); };
+    for (std::size_t e = 0; e < edges; ++e) body.length += edge(e);
+    for (std::size_t e = def.closed ? 0 : 1; e < edges; ++e)
+        body.longestBend = std::max(body.longestBend, 0.5 * (edge(e) + edge(e + count - 1)));
+}
+
 } // namespace
 
 std::size_t familiesOf(const SoftMaterial& material)
@@ -143,6 +154,30 @@ struct Registry::Check {
             fail(object, ": family must be in [0, ", body.families, "), the number of its families of fibres, got ",
                  set.family);
     }
+    void operator()(const SetCurvature& set) const
+    {
+        const Body& body = find<RodBodyDef>(set.id, "must be a rod to have its curvature commanded");
+        const std::string object = describeBody(*body.def);
+        validate(set, object);
+        constexpr double kMostTurn = 2.0, kRounding = 1e-9;
+        for (std::size_t i = 0; i < set.sections.size(); ++i) {
+            const RodSection& section = set.sections[i];
+            const std::string name = text(object, ": sections[", i, "]");
+            if (!(section.begin < body.length))
+                fail(name, ".begin must be in [0, ", body.length, ") m, the rod's length, got ", section.begin);
+            if (i > 0 && !(section.begin >= set.sections[i - 1].end))
+                fail(name, ".begin must be >= ", set.sections[i - 1].end, " m, where sections[", i - 1, "] ends, got ",
+                     section.begin);
+            if (!(section.end > section.begin))
+                fail(name, ".end must be > begin, ", section.begin, " m, got ", section.end);
+            if (std::isfinite(section.end) && section.end > (1.0 + kRounding) * body.length)
+                fail(name, ".end must be at most ", body.length, " m, the rod's length, got ", section.end);
+            const double size = std::hypot(section.curvature[0], section.curvature[1]);
+            if (!(size * body.longestBend <= kMostTurn))
+                fail(name, ".curvature must be at most ", kMostTurn / body.longestBend, " 1/m, ", kMostTurn,
+                     " rad per node, got ", size);
+        }
+    }
     void operator()(const SetForces& set) const
     {
         const Body& body =
@@ -183,10 +218,12 @@ struct Registry::Check {
     }
     void operator()(const RemovePiece& remove) const
     {
-        const Body& body = find<SoftBodyDef>(remove.id, "must be a soft body to have a piece removed");
+        const Body& body =
+            find<SoftBodyDef, RodBodyDef>(remove.id, "must be a soft body or a rod to have a piece removed");
         const std::string object = describeBody(*body.def);
         validate(remove, object);
-        if (!std::get<SoftBodyDef>(*body.def).dynamicTopology)
+        const auto* rod = std::get_if<RodBodyDef>(body.def.get());
+        if (!(rod ? rod->dynamicTopology : std::get<SoftBodyDef>(*body.def).dynamicTopology))
             fail(object, ": piece ", remove.piece, " cannot be removed; without dynamicTopology a body has no pieces");
     }
     void operator()(const Grasp& grasp) const
@@ -259,11 +296,13 @@ void Registry::checkMaterial(BodyId id, const SoftMaterial& material) const
 std::shared_ptr<Registry::Body> Registry::bodyOf(const AddBody& add)
 {
     const auto* soft = std::get_if<SoftBodyDef>(add.def.get());
-    return std::make_shared<Body>(Body{.def = add.def,
-                                       .nodeCount = add.body->nodeCount(),
-                                       .firstAttachment = add.attachments,
-                                       .takesForce = forceable(*add.def),
-                                       .families = soft ? familiesOf(soft->material) : 0});
+    auto body = std::make_shared<Body>(Body{.def = add.def,
+                                            .nodeCount = add.body->nodeCount(),
+                                            .firstAttachment = add.attachments,
+                                            .takesForce = forceable(*add.def),
+                                            .families = soft ? familiesOf(soft->material) : 0});
+    if (const auto* rod = std::get_if<RodBodyDef>(add.def.get())) measure(*rod, *body);
+    return body;
 }
 
 bool Registry::areFree(AttachmentId first, std::uint32_t count) const

@@ -25,6 +25,8 @@ public:
         AttachmentId firstAttachment = {}; ///< first of its Def's attachments; the others follow
         std::vector<bool> takesForce = {}; ///< for an articulated body, per joint
         std::size_t families = 0;          ///< of fibres, in the present material
+        double length = 0.0;               ///< [m] a rod's, at rest
+        double longestBend = 0.0;          ///< [m] the longest part of a rod that bends at one node
     };
 
     /// Throws an Error naming body, field, bound and value unless the command can be applied.

@@ -10,17 +10,22 @@
 namespace filasofia::runtime {
 namespace {
 
-/// Whether the rigid body has a blade in a collision group of a soft body that cannot be cut.
+/// Whether the rigid body has a blade in a collision group of a soft body or a rod that cannot be cut.
 bool meetsInVain(const physics::BodyDef& tool, const physics::BodyDef& tissue)
 {
     const auto* rigid = std::get_if<physics::RigidBodyDef>(&tool);
+    if (!rigid) return false;
+    const auto hasBlade = [&](int group) {
+        return std::ranges::any_of(rigid->collision, [&](const physics::CollisionDef& blade) {
+            return blade.cutting && blade.group == group;
+        });
+    };
+    if (const auto* rod = std::get_if<physics::RodBodyDef>(&tissue))
+        return !rod->dynamicTopology && rod->collision && hasBlade(rod->collision->group);
     const auto* soft = std::get_if<physics::SoftBodyDef>(&tissue);
-    if (!rigid || !soft || soft->dynamicTopology) return false;
-    return std::ranges::any_of(rigid->collision, [&](const physics::CollisionDef& blade) {
-        return blade.cutting && std::ranges::any_of(soft->collision, [&](const physics::CollisionDef& skin) {
-                   return skin.group == blade.group;
-               });
-    });
+    if (!soft || soft->dynamicTopology) return false;
+    return std::ranges::any_of(soft->collision,
+                               [&](const physics::CollisionDef& skin) { return hasBlade(skin.group); });
 }
 
 } // namespace

@@ -156,8 +156,9 @@ public:
     {
         const physics::BodyDef& def = *server_.def(c.body);
         const auto* soft = std::get_if<physics::SoftBodyDef>(&def);
-        if (!soft || !soft->dynamicTopology)
-            fail(path_, ".body must be a soft body with dynamicTopology, got ", physics::describeBody(def));
+        const auto* rod = std::get_if<physics::RodBodyDef>(&def);
+        if (!(soft && soft->dynamicTopology) && !(rod && rod->dynamicTopology))
+            fail(path_, ".body must be a soft body or a rod with dynamicTopology, got ", physics::describeBody(def));
     }
     void operator()(const Waited&) const {}
 

@@ -102,6 +102,11 @@ TEST_CASE("what cannot be a rod is refused with one Error that names the rod, th
     checkError(with([](RodBodyDef& d) { d.poissonRatio = 0.6; }), "poissonRatio must be in [0, 0.5], got 0.6");
     checkError(with([](RodBodyDef& d) { d.density = 0.0; }), "density must be > 0 kg/m^3, got 0");
     checkError(with([](RodBodyDef& d) { d.twist = std::nan(""); }), "twist must be finite");
+    checkError(with([](RodBodyDef& d) { d.breakForce = 0.0; }), "breakForce must be > 0 N, got 0");
+    checkError(with([](RodBodyDef& d) { d.breakForce = 2.0; }),
+               "breakForce must be infinite without dynamicTopology, got 2 N");
+    checkError(with([](RodBodyDef& d) { d.yieldStrain = 0.0; }), "yieldStrain must be > 0, got 0");
+    checkError(with([](RodBodyDef& d) { d.hardening = 1.0; }), "hardening must be in [0, 1), got 1");
     checkError(with([](RodBodyDef& d) { d.friction = -0.1; }), "friction must be >= 0");
     checkError(with([](RodBodyDef& d) { d.collision = RodCollision{.proximity = -1.0}; }), "proximity must be >= 0 m");
     checkError(with([](RodBodyDef& d) { d.attachments = {{.nodes = {11}}}; }), "nodes must be in [0, 11), got 11");
@@ -117,6 +122,23 @@ TEST_CASE("commands that a rod cannot follow are refused, and those for nodes ar
     CHECK_THROWS_WITH(server.setMaterial(rod, FemMaterial{}), Catch::Contains("rod 'silk': must be a soft body"));
     CHECK_THROWS_WITH(server.setPose(rod, {}), Catch::Contains("rod 'silk': must be a rigid body"));
     CHECK_THROWS_WITH(server.setForces(rod, {{.node = 11}}), Catch::Contains("rod 'silk': forces[0].node"));
+    const auto refuse = [&](std::vector<RodSection> sections, double rate, const char* why) {
+        CHECK_THROWS_WITH(server.setCurvature(rod, std::move(sections), rate), Catch::Contains(why));
+    };
+    refuse({{.begin = 0.1}}, 1.0, "rod 'silk': sections[0].begin must be in [0, 0.1) m, the rod's length, got 0.1");
+    refuse({{.begin = -1e-3}}, 1.0, "sections[0].begin must be >= 0 m, got -0.001");
+    refuse({{.begin = 0.02, .end = 0.02}}, 1.0, "sections[0].end must be > begin, 0.02 m, got 0.02");
+    refuse({{.end = 0.11}}, 1.0, "sections[0].end must be at most 0.1 m, the rod's length, got 0.11");
+    refuse({{.end = 0.05}, {.begin = 0.04}}, 1.0,
+           "sections[1].begin must be >= 0.05 m, where sections[0] ends, got 0.04");
+    refuse({{.curvature = {0.0, 300.0}}}, 1.0, "sections[0].curvature must be at most ");
+    refuse({{.curvature = {std::nan(""), 0.0}}}, 1.0, "sections[0].curvature[0] must be finite");
+    refuse({}, 0.0, "rate must be > 0 1/(m s), got 0");
+    CHECK_THROWS_WITH(server.removePiece(rod, 1), Catch::Contains("rod 'silk': piece 1 cannot be removed"));
+    const BodyId stone = server.add(RigidBodyDef{.name = "stone"});
+    CHECK_THROWS_WITH(server.setCurvature(stone, {}), Catch::Contains("rigid body 'stone': must be a rod"));
+    server.setCurvature(rod, {{.end = 0.05, .curvature = {3.0, 4.0}}, {.begin = 0.05}});
+    server.setCurvature(rod, {});
     server.setGravity({});
     server.setForces(rod, {{.node = 10, .force = {1e-5, 0, 0}}});
     server.attach(rod, {.nodes = {0, 1}});

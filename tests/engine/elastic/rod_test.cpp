@@ -188,4 +188,44 @@ TEST_CASE("a rod that turns as a whole changes neither its curvature nor its twi
     }
 }
 
+TEST_CASE("plastic curvature returns to the yield surface, and stays bit for bit within it")
+{
+    std::mt19937 random(10);
+    std::uniform_real_distribution<double> draw(-0.6, 0.6);
+    const auto drawn = [&] {
+        RodCurvature out{};
+        for (auto& edge : out)
+            for (double& each : edge) each = draw(random);
+        return out;
+    };
+    int flowed = 0;
+    for (int trial = 0; trial < 200; ++trial) {
+        const RodYield yield{0.4, trial % 2 == 0 ? 0.0 : 0.3};
+        const RodCurvature rest = drawn(), now = drawn(), before = drawn();
+        const RodCurvature after = plasticCurvature(yield, rest, now, before);
+        for (std::size_t j = 0; j < 2; ++j) {
+            std::array<double, 2> moment{}, trialMoment{}, flow{};
+            for (std::size_t a = 0; a < 2; ++a) {
+                const double elastic = now[j][a] - rest[j][a];
+                moment[a] = elastic - after[j][a] - yield.hardening * after[j][a];
+                trialMoment[a] = elastic - before[j][a] - yield.hardening * before[j][a];
+                flow[a] = after[j][a] - before[j][a];
+            }
+            if (std::hypot(trialMoment[0], trialMoment[1]) <= yield.curvature) {
+                CHECK(after[j] == before[j]);
+                continue;
+            }
+            ++flowed;
+            CHECK_THAT(std::hypot(moment[0], moment[1]), Catch::WithinRel(yield.curvature, 1e-12));
+            // The flow has the direction of the moment, so it dissipates.
+            CHECK_THAT(moment[0] * flow[1] - moment[1] * flow[0], Catch::WithinAbs(0.0, 1e-14));
+            CHECK(moment[0] * flow[0] + moment[1] * flow[1] > 0.0);
+        }
+    }
+    CHECK(flowed > 100);
+    const RodCurvature much{{{9.0, -3.0}, {1.0, 2.0}}};
+    const RodYield never{std::numeric_limits<double>::infinity(), 0.0};
+    CHECK(plasticCurvature(never, {}, much, {}) == RodCurvature{});
+}
+
 } // namespace rod_kernel_test

@@ -12,6 +12,10 @@ BodyTopology makeTopology(const SoftModel& model)
 {
     BodyTopology topology;
     if (!model.dynamicTopology) return topology;
+    if (isRod(model)) {
+        topology.start = std::make_unique<SoftModel>(model);
+        return topology;
+    }
     geometry::TetMesh mesh{model.rest, model.tetrahedra};
     for (const FemElement& element : model.elements) mesh.tetrahedra.push_back(element.nodes);
     topology.mesh = std::make_unique<EditableMesh>(mesh);

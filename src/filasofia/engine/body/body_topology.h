@@ -36,10 +36,16 @@ struct SpringsOfElements {
     std::vector<int> sharedBy; ///< per spring: the number of elements that share it
 };
 
+/// An edge of a rod that is to be cut or torn.
+struct RodCut {
+    int edge = 0;
+    double s = 0.5; ///< [-], in [0, 1], where along it
+};
+
 /// The editable mesh of a body that may be cut or torn, and the data that follow it triangle by triangle. Elements have
 /// the same indices in the mesh and in the model.
 struct BodyTopology {
-    CopiedPtr<EditableMesh> mesh;                   ///< null: the body is never edited
+    CopiedPtr<EditableMesh> mesh;                   ///< null: the body is never edited, or is a rod
     std::vector<std::array<int, 4>> boundaryPlaces; ///< per element and face: its triangle of the boundary; -1: inside
     std::vector<std::array<int, 2>> boundaryFaces;  ///< per triangle of the boundary: its element and face
     std::vector<int> vertices;                      ///< per node: its vertex of the surface; -1: not on the surface
@@ -61,6 +67,8 @@ struct BodyTopology {
     std::vector<std::uint16_t> stressed;
     std::vector<std::uint8_t> held;           ///< per node: 1 if it is pinned hard
     RuptureReport cut, torn;                  ///< what the last step opened
+    std::vector<RodCut> cutEdges, tornEdges;  ///< rods only: what the last step crossed and tore, until it is applied
+    std::vector<Vec3> places;                 ///< [m] rods only: its nodes after the last step, while `followed` holds
     std::vector<Attachment> startAttachments; ///< the scene's attachments before the body's first edit
     /// The model without any edit, for a reset; materials and pins that change later change here as well.
     CopiedPtr<SoftModel> start;

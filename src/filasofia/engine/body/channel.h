@@ -29,6 +29,7 @@ struct ThreadedLine {
     BodyId body;
     bool reversed = false; ///< rods: the last node goes first
     double start = 0.0;    ///< [m] how far its front is behind the needle's tip, along all lines
+    std::size_t first = 0; ///< rods: how many nodes at that end do not belong to it, since they were cut off
 };
 
 /// A point of a channel: it is fixed in the tissue.

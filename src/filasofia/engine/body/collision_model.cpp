@@ -176,6 +176,23 @@ std::vector<CollisionModel> buildCollision(const physics::RodBodyDef& def, const
     return {std::move(model)};
 }
 
+CollisionModel cutCollision(const CollisionModel& whole, std::vector<std::array<int, 2>> segments,
+                            std::vector<int> lone)
+{
+    CollisionModel model = whole;
+    CollisionShape shape =
+        makeCollisionShape({.vertices = whole.shape->rest, .triangles = {}, .uv = {}}, {.triangleFaces = false,
+                                                                                        .segments = std::move(segments),
+                                                                                        .lone = std::move(lone),
+                                                                                        .proximity = whole.proximity,
+                                                                                        .depth = whole.shape->depth,
+                                                                                        .group = whole.shape->group,
+                                                                                        .self = whole.shape->self});
+    setProximity(whole.proximity, model.inset, shape);
+    model.shape = std::make_shared<const CollisionShape>(std::move(shape));
+    return model;
+}
+
 std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)
 {
     checkCount(def.collision, text("rigid body '", def.name, "'"));

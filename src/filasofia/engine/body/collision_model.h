@@ -32,6 +32,10 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
 std::vector<CollisionModel> buildCollision(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes);
 std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def);
 
+/// The collision model of a rod that has these segments left; `lone` vertices belong to none of them.
+CollisionModel cutCollision(const CollisionModel& whole, std::vector<std::array<int, 2>> segments,
+                            std::vector<int> lone);
+
 /// [m] The largest depth by which vertices of a surface are moved inwards.
 double insetDepth(double proximity);
 

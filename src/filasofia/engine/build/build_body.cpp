@@ -199,6 +199,7 @@ std::unique_ptr<physics::BuiltBody> buildRod(const physics::RodBodyDef& def, dou
     model.gravity = def.gravity;
     model.friction = def.friction;
     model.density = def.density;
+    model.dynamicTopology = def.dynamicTopology;
     model.rest = physics::centreLine(def);
     warnOfSize(object, "metres", model.rest);
     model.rod = makeRod(def, model.rest);
@@ -209,6 +210,7 @@ std::unique_ptr<physics::BuiltBody> buildRod(const physics::RodBodyDef& def, dou
     model.collision = buildCollision(def, model.rest);
     finish(def, object, built->body);
     check(model, built->body.state);
+    built->body.topology = makeTopology(model);
     built->body.system = makeSystem(model, period);
     return built;
 }

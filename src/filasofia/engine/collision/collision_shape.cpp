@@ -55,6 +55,7 @@ void collectElements(CollisionShape& shape)
     for (int e = 0; e < static_cast<int>(shape.edges.size()); ++e)
         if (shape.edgeTriangles[e].empty())
             shape.elements.push_back({.vertices = {shape.edges[e][0], shape.edges[e][1], -1}});
+    for (const int v : shape.lone) shape.elements.push_back({.vertices = {v, -1, -1}});
     if (!shape.elements.empty()) return;
     for (int v = 0; v < static_cast<int>(shape.rest.size()); ++v) shape.elements.push_back({.vertices = {v, -1, -1}});
 }
@@ -186,6 +187,7 @@ CollisionShape makeCollisionShape(const geometry::TriangleMesh& mesh, const Coll
     shape.group = options.group;
     shape.self = options.self;
     shape.cutting = options.cutting;
+    shape.lone = options.lone;
     connect(edgeUses(shape, options.segments), shape);
     plantTree(shape);
     shareOut(shape);

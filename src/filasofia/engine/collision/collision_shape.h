@@ -22,6 +22,7 @@ struct CollisionOptions {
     bool lines = true;                             ///< its edges take part
     bool triangleFaces = true;                     ///< its triangles take part
     std::vector<std::array<int, 2>> segments = {}; ///< lines besides the edges of the triangles, as pairs of vertices
+    std::vector<int> lone = {};                    ///< vertices of no triangle and no line that are points of their own
     /// [m], >= 0. Two surfaces are near if their distance is less than the sum of their proximities.
     double proximity = 0.5e-3;
     /// [m], >= 0; at least the proximity is used. Two surfaces are followed inside each other up to the sum of their
@@ -59,6 +60,7 @@ struct CollisionShape {
     geometry::CompressedRows vertexTriangles;  ///< per vertex, ascending
     /// Has triangles, and every edge of theirs is traversed as often in one direction as in the other.
     bool closed = false;
+    std::vector<int> lone; ///< vertices of no triangle and no line that take part
 
     bool points = true;
     bool lines = true;
@@ -83,7 +85,7 @@ struct CollisionShape {
 
 /// The mesh must be one that geometry::check() accepts, or have no triangles: then the lines are the given segments
 /// and, without segments, every vertex is a point of its own. Otherwise vertices of no triangle and no line are left
-/// out. The same input gives the same shape.
+/// out, unless they are lone ones. The same input gives the same shape.
 CollisionShape makeCollisionShape(const geometry::TriangleMesh& mesh, const CollisionOptions& options);
 
 /// [-] (twice the area)^2 / (longest side)^4 below which a triangle has no face.

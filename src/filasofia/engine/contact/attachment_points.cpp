@@ -109,7 +109,7 @@ double nearestOn(Vec3 a, Vec3 b, Vec3 p)
     return size > 0.0 ? std::clamp(dot(p - a, along) / size, 0.0, 1.0) : 0.0;
 }
 
-/// Each point as a weighted mean of the ends of the nearest edge of a rod.
+/// Each point as a weighted mean of the ends of the nearest edge of a rod that is left.
 std::vector<AttachedPoint> onRod(const Rod& rod, std::span<const Vec3> x, std::span<const Vec3> points)
 {
     std::vector<AttachedPoint> found;
@@ -117,6 +117,7 @@ std::vector<AttachedPoint> onRod(const Rod& rod, std::span<const Vec3> x, std::s
         std::size_t best = 0;
         double weight = 0.0, nearest = std::numeric_limits<double>::infinity();
         for (std::size_t e = 0; e < rod.edges.size(); ++e) {
+            if (isCut(rod, e)) continue;
             const Vec3 a = x[e], b = x[static_cast<std::size_t>(rod.edges[e].nodes[1])];
             const double t = nearestOn(a, b, p);
             const double far = lengthSquared(p - a - t * (b - a));
@@ -132,6 +133,9 @@ std::vector<AttachedPoint> onRod(const Rod& rod, std::span<const Vec3> x, std::s
     }
     return found;
 }
+
+/// Whether cuts have left an edge of a rod.
+bool hasEdges(const Rod& rod) { return rod.cut.empty() || std::ranges::count(rod.cut, false) > 0; }
 
 /// The current mesh without removed pieces.
 geometry::TetMesh meshNow(const SoftModel& model, const SoftState& state)
@@ -169,7 +173,8 @@ std::vector<AttachedPoint> nearestNodes(const SoftModel& model, const SoftState&
 std::vector<AttachedPoint> embedded(const SoftModel& model, const SoftState& state, std::span<const Vec3> points)
 {
     if (!model.shell.membranes.empty()) return onShell(model, state, points);
-    if (isRod(model)) return onRod(model.rod, state.x, points);
+    if (isRod(model))
+        return hasEdges(model.rod) ? onRod(model.rod, state.x, points) : nearestNodes(model, state, points);
     const geometry::Embedding embedding = geometry::embed(meshNow(model, state), points);
     std::vector<AttachedPoint> found(points.size());
     for (std::size_t i = 0; i < points.size(); ++i) {
@@ -224,7 +229,7 @@ void addNodesNear(const physics::AttachmentDef& def, std::span<const Vec3> x, co
         const std::vector<Vec3>& line = scene.soft[holder->index].state.x;
         const Rod& rod = scene.soft[holder->index].model.rod;
         const double radius = rod.radius, within = def.within.value_or(radius);
-        for (std::size_t i = 0; i < x.size(); ++i) {
+        for (std::size_t i = 0; i < x.size() && hasEdges(rod); ++i) {
             const std::vector<AttachedPoint> nearest = onRod(rod, line, x.subspan(i, 1));
             Vec3 place;
             for (const NodeWeight& each : nearest.front().nodes)

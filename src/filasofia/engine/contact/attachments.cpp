@@ -192,6 +192,7 @@ std::vector<AttachedTurn> turnsOf(const Attachment& attachment, const Scene& sce
         for (const NodeWeight& each : pair[0].nodes) elements[static_cast<std::size_t>(each.node)] = pair[1].element;
     std::vector<AttachedTurn> turns;
     for (std::size_t e = 0; e < rod.directors.size(); ++e) {
+        if (isCut(scene.soft[body->index].model.rod, e)) continue;
         if (elements[e] < 0 || elements[e] != elements[wrapped(e + 1, elements.size())]) continue;
         const auto element = static_cast<std::size_t>(elements[e]);
         const Quat orientation = scene.rigid[to->index].state.poses[element].orientation;

@@ -93,8 +93,9 @@ void addSpins(const SoftBody& body, Vec3 arm, BodyPoint& point)
         const auto second = static_cast<std::size_t>(point.nodes[1]);
         around[count++] = wrapped(first + 1, nodes) == second ? first : second;
     } else {
-        if (first > 0 || edges == nodes) around[count++] = wrapped(first + nodes - 1, nodes);
-        if (first < edges) around[count++] = first;
+        const std::size_t before = wrapped(first + nodes - 1, nodes);
+        if ((first > 0 || edges == nodes) && !isCut(body.model.rod, before)) around[count++] = before;
+        if (first < edges && !isCut(body.model.rod, first)) around[count++] = first;
     }
     for (std::size_t k = 0; k < count; ++k) {
         const std::size_t e = around[k];

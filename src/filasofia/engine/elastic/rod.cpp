@@ -151,14 +151,29 @@ double rodTwist(const std::array<Vec3, 2>& directors, const std::array<Vec3, 2>&
     return std::atan2(dot(cross(first, directors[1]), directions[1]), dot(first, directors[1]));
 }
 
-std::array<std::array<double, 2>, 2> curvatureInMaterial(const RodPlace& at)
+RodCurvature curvatureInMaterial(const RodPlace& at)
 {
     const Curvature c = curvatureAt(at.x[1] - at.x[0], at.x[2] - at.x[1]);
-    std::array<std::array<double, 2>, 2> out{};
+    RodCurvature out{};
     if (isDegenerate(c)) return out;
     const Axes axes = axesAt(at, c);
     for (std::size_t j = 0; j < 2; ++j) out[j] = {dot(c.kb, axes.one[j]), dot(c.kb, axes.two[j])};
     return out;
+}
+
+RodCurvature plasticCurvature(const RodYield& yield, const RodCurvature& rest, const RodCurvature& now,
+                              RodCurvature plastic)
+{
+    for (std::size_t j = 0; j < 2; ++j) {
+        std::array<double, 2> beyond{};
+        for (std::size_t a = 0; a < 2; ++a)
+            beyond[a] = now[j][a] - rest[j][a] - (1.0 + yield.hardening) * plastic[j][a];
+        const double size = std::hypot(beyond[0], beyond[1]);
+        if (!(size > yield.curvature)) continue;
+        const double flows = (size - yield.curvature) / ((1.0 + yield.hardening) * size);
+        for (std::size_t a = 0; a < 2; ++a) plastic[j][a] += flows * beyond[a];
+    }
+    return plastic;
 }
 
 } // namespace filasofia::engine

@@ -20,12 +20,15 @@
 /// own. As the nodes move, directors follow the edges without turning about them (time-parallel transport).
 namespace filasofia::engine {
 
+/// [-] A curvature, as kb is one, along the director of each of both edges, and along their third axes, edge x
+/// director.
+using RodCurvature = std::array<std::array<double, 2>, 2>;
+
 /// The constants of an inner node.
 struct RodJoint {
-    double bend = 0.0;  ///< [N m] B / l
-    double twist = 0.0; ///< [N m] T / l
-    /// [-] the curvature at rest along the director of each edge, and along the third axis, edge x director
-    std::array<std::array<double, 2>, 2> rest{};
+    double bend = 0.0;   ///< [N m] B / l
+    double twist = 0.0;  ///< [N m] T / l
+    RodCurvature rest{}; ///< [-] at rest
 };
 
 /// The state around an inner node.
@@ -68,7 +71,18 @@ Vec3 transported(Vec3 director, Vec3 from, Vec3 to);
 /// of both edges are unit vectors.
 double rodTwist(const std::array<Vec3, 2>& directors, const std::array<Vec3, 2>& directions);
 
-/// [-] The curvature kb along the directors of both edges, as RodJoint::rest has it.
-std::array<std::array<double, 2>, 2> curvatureInMaterial(const RodPlace& at);
+/// [-] The curvature kb in the material of both edges.
+RodCurvature curvatureInMaterial(const RodPlace& at);
+
+/// How bending turns plastic: a bilinear law of moment and curvature, with Prager's linear kinematic hardening.
+struct RodYield {
+    double curvature = 0.0; ///< [-] by which kb differs from that at rest when it yields; may be infinite
+    double hardening = 0.0; ///< [-], >= 0, H / B: the yield surface follows what has flowed by H times that
+};
+
+/// The plastic curvature after a step that ended at `now`, by radial return (Simo and Hughes 1998, section 1.2): in the
+/// material of each edge, |kb - rest - plastic - (H / B) plastic| <= yield. What is within stays bit for bit.
+RodCurvature plasticCurvature(const RodYield& yield, const RodCurvature& rest, const RodCurvature& now,
+                              RodCurvature plastic);
 
 } // namespace filasofia::engine

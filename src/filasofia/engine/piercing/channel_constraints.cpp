@@ -91,6 +91,7 @@ Beside relation(const Threading& at, const Constraint& contact, const Scene& sce
         if (point.of == BodyPoint::Of::Rigid &&
             plan[point.body].element != scene.rigid[plan[point.body].body].model.needle->element)
             continue;
+        if (point.of == BodyPoint::Of::Soft && !line->hasNode(point.nodes[0])) continue; // another piece of it
         return relation(at, *line, contact, side);
     }
     return Beside::Not;

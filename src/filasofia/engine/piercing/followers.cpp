@@ -44,6 +44,7 @@ TiedEnds tiedEnds(const Scene& scene, const Attachment& attachment, BodyId rod, 
 std::optional<ThreadedLine> followerOf(const Scene& scene, const ThreadedLine& last)
 {
     const LineShape front(scene, last);
+    if (front.isCutOff()) return std::nullopt; // what is tied to its other end does not follow
     for (const Attachment& each : scene.attachments) {
         const BodyId rod = each.to == last.body ? each.body : each.to;
         const TiedEnds tied = tiedEnds(scene, each, rod, last.body);

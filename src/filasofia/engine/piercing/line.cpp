@@ -17,14 +17,16 @@ LineShape::LineShape(const Scene& scene, const ThreadedLine& line) : id_(line.bo
         const SoftBody& rod = scene.soft[body_];
         radius_ = rod.model.rod.radius;
         sharp_ = rod.model.rod.needle;
-        corners_ = rod.state.x;
-        for (std::size_t i = 0; i + 1 < corners_.size(); ++i) // a ring has one edge more, which closes it
-            places_.push_back(rod.model.rod.edges[i].restLength);
-        if (reversed_) {
-            std::ranges::reverse(corners_);
-            std::reverse(places_.begin() + 1, places_.end());
+        first_ = line.first;
+        nodes_ = rod.state.x.size();
+        corners_.push_back(rod.state.x[nodeAt(0)]);
+        for (std::size_t k = 1; first_ + k < nodes_ && !cutOff_; ++k) { // a ring has one edge more, which closes it
+            const std::size_t edge = std::min(nodeAt(k - 1), nodeAt(k));
+            cutOff_ = isCut(rod.model.rod, edge);
+            if (cutOff_) continue;
+            corners_.push_back(rod.state.x[nodeAt(k)]);
+            places_.push_back(places_.back() + rod.model.rod.edges[edge].restLength);
         }
-        for (std::size_t i = 1; i < places_.size(); ++i) places_[i] += places_[i - 1];
         return;
     }
     const RigidBody& rigid = scene.rigid[body_];
@@ -34,6 +36,17 @@ LineShape::LineShape(const Scene& scene, const ThreadedLine& line) : id_(line.bo
     for (Vec3 each : needle.points) corners_.push_back(transform(rigid.state.poses[element_], each));
     for (std::size_t i = 1; i < needle.points.size(); ++i)
         places_.push_back(places_.back() + length(needle.points[i] - needle.points[i - 1]));
+}
+
+std::size_t LineShape::nodeAt(std::size_t corner) const
+{
+    return reversed_ ? nodes_ - 1 - first_ - corner : first_ + corner;
+}
+
+bool LineShape::hasNode(int node) const
+{
+    const auto [low, high] = std::minmax({nodeAt(0), nodeAt(corners_.size() - 1)});
+    return static_cast<std::size_t>(node) >= low && static_cast<std::size_t>(node) <= high;
 }
 
 std::size_t LineShape::segmentAt(double place) const
@@ -127,7 +140,7 @@ LineShape::Beside LineShape::beside(const BodyPoint& point) const
     Beside at{0.0, radius_}; // on the surface of the rod
     for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k) {
         const auto node = static_cast<std::size_t>(point.nodes[k]);
-        at.place += point.weights[k] * places_[reversed_ ? corners_.size() - 1 - node : node];
+        at.place += point.weights[k] * places_[reversed_ ? nodes_ - 1 - first_ - node : node - first_];
     }
     return at;
 }
@@ -152,7 +165,7 @@ BodyPoint LineShape::pointAt(double place, const Scene& scene, const RigidPlan& 
     const double t = std::clamp((place - places_[s]) / (places_[s + 1] - places_[s]), 0.0, 1.0);
     const std::vector<Vec3>& v = scene.soft[body_].state.v;
     for (const auto& [corner, weight] : {std::pair{s, 1.0 - t}, {s + 1, t}}) {
-        const std::size_t node = reversed_ ? corners_.size() - 1 - corner : corner;
+        const std::size_t node = nodeAt(corner);
         point.add(static_cast<int>(node), weight);
         point.velocity += weight * v[node];
     }

@@ -10,7 +10,7 @@ namespace filasofia::engine {
 /// of the rod at rest, so they name material.
 class LineShape {
 public:
-    /// `line.body` must exist, and be a rod or have a needle.
+    /// `line.body` must exist, and be a rod or have a needle. A rod ends where it was cut.
     LineShape(const Scene& scene, const ThreadedLine& line);
 
     [[nodiscard]] BodyId body() const { return id_; }
@@ -18,6 +18,10 @@ public:
     [[nodiscard]] double end() const { return places_.back(); }    ///< [m]
     [[nodiscard]] double radius() const { return radius_; }        ///< [m]
     [[nodiscard]] bool sharp() const { return sharp_; }            ///< it is a needle, whose front cuts
+    /// Whether the line ends at a cut.
+    [[nodiscard]] bool isCutOff() const { return cutOff_; }
+    /// Whether a node of the rod belongs to the line.
+    [[nodiscard]] bool hasNode(int node) const;
 
     /// The place [m] of the corner, or of the point between two corners, that is nearest to x, searched downhill from
     /// `guess`. Beyond the ends the first and the last segment are continued.
@@ -37,6 +41,7 @@ public:
     [[nodiscard]] BodyPoint pointAt(double place, const Scene& scene, const RigidPlan& plan) const;
 
 private:
+    [[nodiscard]] std::size_t nodeAt(std::size_t corner) const;
     [[nodiscard]] std::size_t segmentAt(double place) const;
     [[nodiscard]] Vec3 forwardAtCorner(std::size_t corner) const;
     /// The parameter of the point nearest to x on the line through a segment; 0 and 1 are its ends.
@@ -45,8 +50,9 @@ private:
     [[nodiscard]] double placeOn(std::size_t segment, Vec3 x) const;
 
     BodyId id_;
-    bool soft_ = false, reversed_ = false, sharp_ = true;
+    bool soft_ = false, reversed_ = false, cutOff_ = false, sharp_ = true;
     std::size_t body_ = 0, element_ = 0;
+    std::size_t first_ = 0, nodes_ = 0; ///< rods: the first corner, counted from the front, and the number of all
     double radius_ = 0.0;
     std::vector<Vec3> corners_;  ///< [m] in the world
     std::vector<double> places_; ///< [m] ascending

@@ -23,7 +23,10 @@ bool hasNeedle(const Scene& scene, BodyId id, const BodyPoint& point, const Rigi
 {
     const auto place = findBody(scene, id);
     if (!place) return false;
-    if (place->soft) return scene.soft[place->index].model.rod.needle;
+    if (place->soft) {
+        const Rod& rod = scene.soft[place->index].model.rod;
+        return rod.needle && !isCut(rod, 0); // a tip of one node has no direction
+    }
     const auto& needle = scene.rigid[place->index].model.needle;
     return needle && point.of == BodyPoint::Of::Rigid && plan[point.body].element == needle->element;
 }
@@ -63,6 +66,7 @@ std::vector<Push> pushes(double dt, const Coupling& coupling, const Scene& scene
                 continue;
             if (isInside(scene, needle, tissue)) continue;
             const LineShape line(scene, {needle});
+            if (contact.sides[side].of == BodyPoint::Of::Soft && !line.hasNode(contact.sides[side].nodes[0])) continue;
             if (line.nearest(contact.sides[side].position) > 2.0 * line.radius() + contact.contact.proximity) continue;
             const Vec3 force = (side == 0 ? -1.0 : 1.0) / dt * inWorld(contact.frame, contact.impulse);
             auto at = std::ranges::find_if(

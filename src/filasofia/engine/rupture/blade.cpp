@@ -100,13 +100,14 @@ struct Sweep {
         return spanned(mix(a0, a1, t), mix(b0, b1, t), mix(q0, q1, t), mix(r0, r1, t));
     }
 
-    std::optional<EdgeHit> findHit(int parts) const
+    /// `alongEdge` [-]: tolerance beyond the edge's ends.
+    std::optional<EdgeHit> findHit(int parts, double alongEdge = kAlongEdge) const
     {
         double low = 0.0, before = at(0.0);
         for (int part = 1; part <= parts; ++part) {
             const double high = part == parts ? 1.0 : static_cast<double>(part) / parts, now = at(high);
             if ((before >= 0.0) != (now >= 0.0))
-                if (const auto found = findHitWithin(low, high, before >= 0.0)) return found;
+                if (const auto found = findHitWithin(low, high, before >= 0.0, alongEdge)) return found;
             low = high;
             before = now;
         }
@@ -114,7 +115,7 @@ struct Sweep {
     }
 
 private:
-    [[nodiscard]] std::optional<EdgeHit> findHitWithin(double low, double high, bool positive) const
+    [[nodiscard]] std::optional<EdgeHit> findHitWithin(double low, double high, bool positive, double alongEdge) const
     {
         for (int i = 0; i < kHalvings; ++i) {
             const double middle = 0.5 * (low + high);
@@ -124,7 +125,7 @@ private:
         const Vec3 a = mix(a0, a1, t), q = mix(q0, q1, t);
         EdgeHit m{t, 0.0, 0.0};
         if (!closest(a, mix(b0, b1, t) - a, q, mix(r0, r1, t) - q, m.s, m.u)) return std::nullopt;
-        if (m.s < -kAlongEdge || m.s > 1.0 + kAlongEdge || m.u < -kAlongBlade || m.u > 1.0 + kAlongBlade)
+        if (m.s < -alongEdge || m.s > 1.0 + alongEdge || m.u < -kAlongBlade || m.u > 1.0 + kAlongBlade)
             return std::nullopt;
         m.s = std::clamp(m.s, 0.0, 1.0);
         return m;
@@ -132,6 +133,16 @@ private:
 };
 
 } // namespace
+
+std::optional<double> crossingOf(const MovingEdge& edge, const BladeSegment& segment, int parts)
+{
+    // Edges of a rod share their ends: with a tolerance both would be cut, and leave a node alone.
+    constexpr double kAlongRod = 1e-9;
+    const auto hit = Sweep{edge.aBefore,       edge.a,       edge.bBefore,     edge.b,
+                           segment.fromBefore, segment.from, segment.toBefore, segment.to}
+                         .findHit(parts, kAlongRod);
+    return hit ? std::optional(hit->s) : std::nullopt;
+}
 
 std::optional<RuptureRefusal> refusalOf(std::span<const BladeSegment> blade, double diagonal)
 {

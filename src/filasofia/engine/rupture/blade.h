@@ -19,6 +19,17 @@ struct BladeSegment {
     Vec3 toBefore = {};   ///< [m]
 };
 
+/// An edge before and after a step [m].
+struct MovingEdge {
+    Vec3 a, b; ///< after it
+    Vec3 aBefore, bBefore;
+};
+
+/// [-] Where along an edge a segment of a blade crosses it in a step, in [0, 1]; none if it does not. An edge is
+/// crossed if the signed volume spanned by both changes its sign, zero counts as positive. Large steps are tested in
+/// `parts`.
+std::optional<double> crossingOf(const MovingEdge& edge, const BladeSegment& segment, int parts);
+
 /// Says why the blade cannot be used on a body with this diagonal [m]; empty if it can. Segments without length are
 /// ignored if others have a length.
 std::optional<RuptureRefusal> refusalOf(std::span<const BladeSegment> blade, double diagonal);

@@ -19,6 +19,7 @@ bool changesScene(const physics::Command& command)
            !std::holds_alternative<physics::SetWrench>(command) &&
            !std::holds_alternative<physics::SetForces>(command) &&
            !std::holds_alternative<physics::SetPressure>(command) &&
+           !std::holds_alternative<physics::SetCurvature>(command) &&
            !std::holds_alternative<physics::SetGravity>(command);
 }
 

@@ -119,6 +119,7 @@ void addChannels(Hasher& hash, const Scene& scene)
             hash.add(std::uint64_t{line.body.value});
             hash.add(static_cast<std::uint64_t>(line.reversed));
             hash.add(line.start);
+            addCount(hash, line.first);
         }
         addCount(hash, each.points.size());
         for (const ChannelPoint& point : each.points) {
@@ -162,6 +163,11 @@ void add(Hasher& hash, const RodState& rod)
     for (Vec3 each : rod.directors) add(hash, each);
     for (const auto* list : {&rod.spins, &rod.twists, &rod.tensions})
         for (double each : *list) hash.add(each);
+    for (const RodSteering& each : rod.steering)
+        for (double axis : each.now) hash.add(axis);
+    for (const RodCurvature& each : rod.plastic)
+        for (const auto& edge : each)
+            for (double axis : edge) hash.add(axis);
 }
 
 /// Adds the edits of a mesh. A mesh without edits does not change the hash.
@@ -217,6 +223,8 @@ std::uint64_t hashOfDrive(const Scene& scene)
         if (std::ranges::any_of(body.state.forces, [](Vec3 f) { return f != Vec3{}; }))
             hash.addAll(std::span<const Vec3>(body.state.forces));
         hash.add(body.state.pressure);
+        for (const RodSteering& each : body.state.rod.steering)
+            for (double axis : {each.now[0], each.now[1], each.target[0], each.target[1]}) hash.add(axis);
     }
     for (const RigidBody& body : scene.rigid) {
         if (!body.model.dynamic)

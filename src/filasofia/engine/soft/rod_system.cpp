@@ -64,7 +64,7 @@ void RodSystem::assemble(const SoftModel& model, std::span<const Vec3> given, do
     std::ranges::fill(stiffnessTimesVelocity_, 0.0);
     for (std::size_t i = 0; i < given.size(); ++i) add(given[i], i, forces_);
     addEdges(model, weights.stiffness, weights.turning, state);
-    addJoints(weights.stiffness, state);
+    addJoints(model, weights.stiffness, state);
     for (const PinSpring& pin : model.pins.springs) {
         add(pin.stiffness * state.v[static_cast<std::size_t>(pin.node)], static_cast<std::size_t>(pin.node),
             stiffnessTimesVelocity_);
@@ -101,6 +101,7 @@ void RodSystem::assemble(const SoftModel& model, std::span<const Vec3> given, do
 void RodSystem::addEdges(const SoftModel& model, double stiffness, double turning, const SoftState& state)
 {
     for (std::size_t e = 0; e < model.rod.edges.size(); ++e) {
+        if (isCut(model.rod, e)) continue;
         const Spring& edge = model.rod.edges[e];
         const auto next = static_cast<std::size_t>(edge.nodes[1]);
         const Vec3 force = springForce(edge, state.x[e], state.x[next]);
@@ -148,15 +149,16 @@ void RodSystem::addToMatrix(std::size_t node, double factor, const RodVector& gr
     }
 }
 
-void RodSystem::addJoints(double stiffness, const SoftState& state)
+void RodSystem::addJoints(const SoftModel& model, double stiffness, const SoftState& state)
 {
     for (std::size_t j = 0; j < joints_.size(); ++j) {
         RodPlace at = placeAt(state.rod, state.x, j);
         at.directors = {directors_[j], directors_[wrapped(j + 1, directors_.size())]};
         const auto unknown = [&](std::size_t i) { return wrapped(unknownOf(j) + i, fixed_.size()); };
-        const RodVector forces = rodForces(joints_[j], at), v = velocitiesAt(state, j);
+        const RodJoint joint = jointNow(model.rod, joints_[j], state.rod, j);
+        const RodVector forces = rodForces(joint, at), v = velocitiesAt(state, j);
         for (std::size_t i = 0; i < 11; ++i) forces_[unknown(i)] += forces[i];
-        for (const RodTerm& term : rodTangent(joints_[j], at)) {
+        for (const RodTerm& term : rodTangent(joint, at)) {
             if (term.stiffness == 0.0) continue;
             const double rate = term.stiffness * times(term.gradient, v);
             for (std::size_t i = 0; i < 11; ++i) stiffnessTimesVelocity_[unknown(i)] += rate * term.gradient[i];
@@ -200,6 +202,7 @@ bool RodSystem::move(double dt, const SoftModel& model, const SoftState& state, 
     moved_.directors = directors_;
     for (std::size_t e = 0; e < spinChanges_.size(); ++e) {
         moved_.spins[e] += spinChanges_[e];
+        if (isCut(model.rod, e)) continue;
         const Spring& edge = model.rod.edges[e];
         const auto next = static_cast<std::size_t>(edge.nodes[1]);
         const double longer = distance(state.x[e], state.x[next]) - edge.restLength;
@@ -216,6 +219,7 @@ void addRodForces(const SoftModel& model, const SoftState& state, std::vector<Ve
 {
     const double beta = model.rayleigh.stiffness;
     for (std::size_t e = 0; e < model.rod.edges.size(); ++e) {
+        if (isCut(model.rod, e)) continue;
         const Spring& edge = model.rod.edges[e];
         const auto next = static_cast<std::size_t>(edge.nodes[1]);
         const Vec3 direction = directionOf(state.x, e);
@@ -227,9 +231,10 @@ void addRodForces(const SoftModel& model, const SoftState& state, std::vector<Ve
     const std::vector<RodJoint> joints = stiffJoints(model.rod, model.pins.hard);
     for (std::size_t j = 0; j < joints.size(); ++j) {
         const RodPlace at = placeAt(state.rod, state.x, j);
-        RodVector sum = rodForces(joints[j], at);
+        const RodJoint joint = jointNow(model.rod, joints[j], state.rod, j);
+        RodVector sum = rodForces(joint, at);
         const RodVector v = velocitiesAt(state, j);
-        for (const RodTerm& term : rodTangent(joints[j], at)) {
+        for (const RodTerm& term : rodTangent(joint, at)) {
             const double rate = beta * term.stiffness * times(term.gradient, v);
             for (std::size_t i = 0; i < sum.size(); ++i) sum[i] -= rate * term.gradient[i];
         }

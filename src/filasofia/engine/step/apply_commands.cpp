@@ -98,6 +98,11 @@ struct ApplyCommand {
         for (SoftModel* model : {&body.model, body.topology.start.get()})
             if (model) model->material.fibres[family].activeStress = set.stress;
     }
+    void operator()(const physics::SetCurvature& set) const
+    {
+        SoftBody& body = soft(set.id);
+        setCurvature(set, body.model.rod, body.state.rod);
+    }
     void operator()(const physics::SetForces& set) const { setForces(set.forces, soft(set.id).state); }
     void operator()(const physics::SetPressure& set) const { soft(set.id).state.pressure = set.pressure; }
     void operator()(const physics::Attach& command) const

@@ -46,7 +46,7 @@ void restoreMesh(SoftBody& body, Scene& scene)
     body.model = std::move(whole);
     body.state.forces.resize(nodes);
     topology = makeTopology(body.model);
-    body.model.pieces = findPieces(body.model, *topology.pieces);
+    if (topology.pieces) body.model.pieces = findPieces(body.model, *topology.pieces);
     outdate(true, body.system);
 }
 
@@ -64,6 +64,9 @@ void resetScene(Scene& scene)
         SoftState fresh = stateAtRest(body.model);
         fresh.forces = std::move(body.state.forces);
         fresh.pressure = body.state.pressure;
+        fresh.rod.steering = std::move(body.state.rod.steering);
+        fresh.rod.steeringRate = body.state.rod.steeringRate;
+        for (RodSteering& each : fresh.rod.steering) each.now = {};
         body.state = std::move(fresh);
     }
     for (std::size_t b = 0; b < scene.rigid.size(); ++b) {

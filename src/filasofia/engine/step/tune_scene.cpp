@@ -29,8 +29,8 @@ void checkSameMesh(const SoftModel& before, const SoftBody& body)
 {
     const SoftModel& model = body.model;
     const BodyTopology& topology = body.topology;
-    if (model.dynamicTopology != (topology.mesh != nullptr))
-        fail("tune: soft body '", model.name, "': dynamicTopology must not change");
+    if (model.dynamicTopology != (topology.start != nullptr))
+        fail("tune: ", describe(model), ": dynamicTopology must not change");
     if (!topology.mesh) return;
     const MeshTopology& mesh = topology.mesh->data();
     bool same = model.rest == mesh.rest && model.surface == before.surface &&

@@ -111,6 +111,22 @@ std::vector<BodyPiece> findPieces(const SoftModel& model, const Pieces& pieces)
     return list;
 }
 
+void measure(const SoftModel& model, const SoftState& state, std::vector<physics::LoosePiece>& loose)
+{
+    for (physics::LoosePiece& each : loose) {
+        const auto found = std::ranges::find(model.pieces, each.piece, &BodyPiece::number);
+        if (found == model.pieces.end()) continue;
+        Vec3 moment;
+        for (const int node : found->nodes) {
+            const auto n = static_cast<std::size_t>(node);
+            each.mass += model.masses[n];
+            moment += model.masses[n] * state.x[n];
+        }
+        each.place = 1.0 / each.mass * moment;
+        each.held = found->held;
+    }
+}
+
 void findHeld(const Pins& pins, std::vector<BodyPiece>& pieces)
 {
     if (pieces.empty()) return;

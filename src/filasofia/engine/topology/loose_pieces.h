@@ -13,6 +13,9 @@ namespace filasofia::engine {
 /// The pieces that a body has fallen into, by ascending number, without removed ones. Empty if the body is whole.
 std::vector<BodyPiece> findPieces(const SoftModel& model, const Pieces& pieces);
 
+/// Adds mass, centre of mass and `held` of the body's pieces to those that came loose.
+void measure(const SoftModel& model, const SoftState& state, std::vector<physics::LoosePiece>& loose);
+
 /// Updates `held` of every piece: whether pins hold it. Call this after the pins changed.
 void findHeld(const Pins& pins, std::vector<BodyPiece>& pieces);
 

@@ -3,6 +3,7 @@
 #include "filasofia/core/hash.h"
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/topology/apply_edit.h"
+#include "filasofia/engine/topology/cut_rods.h"
 #include "filasofia/engine/topology/follow_edit.h"
 #include "filasofia/engine/topology/follow_surface.h"
 #include "filasofia/engine/topology/loose_pieces.h"
@@ -192,23 +193,6 @@ std::vector<physics::LoosePiece> loosePieces(const frame::TopologyEdit& edit, Bo
     return loose;
 }
 
-/// Adds mass, centre of mass and `held` of the body's pieces to those that came loose.
-void addMasses(const SoftModel& body, const SoftState& state, std::vector<physics::LoosePiece>& loose)
-{
-    for (physics::LoosePiece& each : loose) {
-        const auto found = std::ranges::find(body.pieces, each.piece, &BodyPiece::number);
-        if (found == body.pieces.end()) continue;
-        Vec3 moment;
-        for (const int node : found->nodes) {
-            const auto n = static_cast<std::size_t>(node);
-            each.mass += body.masses[n];
-            moment += body.masses[n] * state.x[n];
-        }
-        each.place = 1.0 / each.mass * moment;
-        each.held = found->held;
-    }
-}
-
 void reportRupture(Rupture::Kind kind, BodyId body, RuptureReport& opened, std::vector<Rupture>& ruptures)
 {
     if (opened.openedArea > 0.0)
@@ -241,14 +225,24 @@ void cutBodies(const StepContext& context, const RigidPlan& rigid, Scene& scene,
     if (context.dt == 0.0) return;
     moveBlades(rigid, scene, blades);
     for (SoftBody& body : scene.soft)
-        if (body.model.dynamicTopology) cutBody(body, blades, context.report.topology);
+        if (!body.model.dynamicTopology)
+            continue;
+        else if (isRod(body.model))
+            findRodCuts(blades, body, context.report.topology);
+        else
+            cutBody(body, blades, context.report.topology);
 }
 
 void tearBodies(const StepContext& context, Scene& scene)
 {
     if (context.dt == 0.0) return;
     for (SoftBody& body : scene.soft)
-        if (body.model.dynamicTopology) tearBody(body, context.pool, context.report.topology);
+        if (!body.model.dynamicTopology)
+            continue;
+        else if (isRod(body.model))
+            findRodTears(body);
+        else
+            tearBody(body, context.pool, context.report.topology);
 }
 
 namespace {
@@ -257,6 +251,7 @@ namespace {
 void applyEditsOf(SoftBody& body, double period, Scene& scene, physics::TopologyReport& report)
 {
     BodyTopology& topology = body.topology;
+    if (isRod(body.model)) return applyRodCuts(body, scene, report);
     if (!topology.mesh || !topology.mesh->edited()) return;
     SoftModel& model = body.model;
     const frame::TopologyEdit edit = topology.mesh->takeEdit(model.id);
@@ -268,7 +263,7 @@ void applyEditsOf(SoftBody& body, double period, Scene& scene, physics::Topology
     const OwnSurfaceEdit surface = applyEdit(edit, period, body);
     std::vector<physics::LoosePiece> loose = loosePieces(edit, topology);
     model.pieces = findPieces(model, *topology.pieces);
-    addMasses(model, body.state, loose);
+    measure(model, body.state, loose);
     if (edit.boundary.empty()) return;
     editOwnCollision(surface, model, scene);
 
