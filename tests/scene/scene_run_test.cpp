@@ -2,6 +2,7 @@
 #include "filasofia/runtime/stepped_run.h"
 #include "filasofia/scene/scene_file.h"
 #include "scene_folder.h"
+#include "skip.h"
 
 #include <catch2/catch.hpp>
 
@@ -300,6 +301,7 @@ TEST_CASE("scenes: a command that cannot be is refused, or ends the commands and
 
 TEST_CASE("scenes: a scene's own cameras show it, and its lights light it")
 {
+    if (skipIf(!visual::hasBackend(visual::Backend::Headless), "this build draws nothing")) return;
     const SceneDef scene = loadScene(example("pull"));
     const auto red = [&](const std::function<void(SceneDef&)>& change) {
         SceneDef changed = scene;

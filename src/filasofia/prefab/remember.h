@@ -5,13 +5,13 @@
 #include <any>
 #include <memory>
 #include <string>
-#include <utility>
 
 namespace filasofia::prefab {
 
 /// Lets saved states have the members of a part that `kept()` ties together, as the tuple `Kept`. If the part has
 /// turns, they guard it; if it has publish(), other threads see what was restored.
-template <class Part> void remember(runtime::Simulation& simulation, std::string of, const std::shared_ptr<Part>& part)
+template <class Part>
+void remember(runtime::Simulation& simulation, const std::string& of, const std::shared_ptr<Part>& part)
 {
     using Kept = typename Part::Kept;
     const auto inTurn = [](Part& its, const auto& act) {
@@ -20,7 +20,7 @@ template <class Part> void remember(runtime::Simulation& simulation, std::string
         else
             act();
     };
-    simulation.remember({.of = std::move(of),
+    simulation.remember({.of = of,
                          .save =
                              [weak = std::weak_ptr(part), inTurn] {
                                  std::any copy;

@@ -26,9 +26,9 @@ template <class T> bool same(const T& a, const T& b)
     } else if constexpr (kIsOptional<T>) {
         return a.has_value() == b.has_value() && (!a || same(*a, *b));
     } else if constexpr (kIsVector<T> || kIsArray<T>) {
-        for (std::size_t i = 0; i < std::min(a.size(), b.size()); ++i)
-            if (typename T::value_type x = a[i], y = b[i]; !same(x, y)) return false;
-        return a.size() == b.size();
+        return a.size() == b.size() &&
+               std::equal(a.begin(), a.end(), b.begin(),
+                          [](const typename T::value_type& x, const typename T::value_type& y) { return same(x, y); });
     } else if constexpr (kIsVariant<T>) {
         return a.index() == b.index() && std::visit(
                                              [&]<class Held>(const Held& held) {
