@@ -94,7 +94,7 @@ def test_a_tip_bends_as_commanded_and_a_wire_stays_bent():
         sim.step()
     assert sim.frame[rod].positions[-1, 2] > 0.01
     sim.apply(fs.SetCurvature(id=rod))
-    for _ in range(600):
+    for _ in range(2500):  # the heavily damped tip comes back slowly
         sim.step()
     assert np.allclose(sim.frame[rod].positions[-1], (0.1, 0.05, 0), atol=1e-4)
     with pytest.raises(fs.Error, match="rod 'silk': sections\\[0\\].end must be at most 0.1 m"):
