@@ -87,13 +87,14 @@ struct SetFibreStress {
     int family = 0;      ///< [-], index in FemMaterial::fibres
     double stress = 0.0; ///< [Pa], in [0, 1e9]
 };
+inline constexpr double kMostTurnPerNode = 2.0; ///< [rad] by which a RodSection bends a rod at a node, at most
 /// A part of a rod that bends by itself, as the tip of a steerable catheter or of a flexible endoscope does.
 struct RodSection {
     double begin = 0.0; ///< [m], >= 0, along the rod at rest, from its first node on
     /// [m], > begin and at most the rod's length; infinite: to its end
     double end = std::numeric_limits<double>::infinity();
     /// [1/m] where it bends to: the part towards its directors, and that towards direction x director. A node turns the
-    /// rod by at most 2 rad
+    /// rod by at most kMostTurnPerNode
     std::array<double, 2> curvature = {};
 };
 /// Commands the curvature that parts of a rod have at rest, beside that which it was made with, and replaces all that

@@ -65,12 +65,12 @@ void checkKind(const SoftBodyDef& def, const std::string& object)
         fail(object, ": dynamicTopology must be false with a ShellMaterial: shells can be neither cut nor torn yet");
 }
 
+constexpr const char* kTouchesNothing = "a needle that touches nothing pierces nothing";
+
 void check(const PunctureDef& def, const SoftBodyDef& body, const std::string& object)
 {
     if (isShell(body)) fail(object, ": puncture must be none with a ShellMaterial: needles pierce tetrahedra only");
-    if (body.collision.empty())
-        fail(object,
-             ": collision must have an entry if puncture is given: a needle that touches nothing pierces nothing");
+    if (body.collision.empty()) fail(object, ": collision must have an entry if puncture is given: ", kTouchesNothing);
     if (!def.stiffness && !std::holds_alternative<FemMaterial>(body.material))
         fail(object, ": puncture.stiffness must be given with a MassSpringMaterial, which has no Young's modulus");
     if (def.staticFriction && *def.staticFriction < def.friction)
@@ -150,7 +150,7 @@ void check(const RigidBodyDef& def)
     if (std::ranges::none_of(def.collision,
                              [&](const CollisionDef& each) { return each.element == def.needle->element; }))
         fail(object, ": collision must have an entry of element ", def.needle->element,
-             ", which has the needle: a needle that touches nothing pierces nothing");
+             ", which has the needle: ", kTouchesNothing);
 }
 
 void check(const RodBodyDef& def)
@@ -160,8 +160,7 @@ void check(const RodBodyDef& def)
     if (def.breakForce < kNever && !def.dynamicTopology)
         fail(object, ": breakForce must be infinite without dynamicTopology, got ", def.breakForce, " N");
     if (def.needle && def.closed) fail(object, ": needle must be false if closed: a ring has no tip");
-    if (def.needle && !def.collision)
-        fail(object, ": collision must be given if needle is true: a needle that touches nothing pierces nothing");
+    if (def.needle && !def.collision) fail(object, ": collision must be given if needle is true: ", kTouchesNothing);
     static_cast<void>(centreLine(def));
 }
 

@@ -159,7 +159,7 @@ struct Registry::Check {
         const Body& body = find<RodBodyDef>(set.id, "must be a rod to have its curvature commanded");
         const std::string object = describeBody(*body.def);
         validate(set, object);
-        constexpr double kMostTurn = 2.0, kRounding = 1e-9;
+        constexpr double kRounding = 1e-9;
         for (std::size_t i = 0; i < set.sections.size(); ++i) {
             const RodSection& section = set.sections[i];
             const std::string name = text(object, ": sections[", i, "]");
@@ -173,9 +173,9 @@ struct Registry::Check {
             if (std::isfinite(section.end) && section.end > (1.0 + kRounding) * body.length)
                 fail(name, ".end must be at most ", body.length, " m, the rod's length, got ", section.end);
             const double size = std::hypot(section.curvature[0], section.curvature[1]);
-            if (!(size * body.longestBend <= kMostTurn))
-                fail(name, ".curvature must be at most ", kMostTurn / body.longestBend, " 1/m, ", kMostTurn,
-                     " rad per node, got ", size);
+            if (!(size * body.longestBend <= kMostTurnPerNode))
+                fail(name, ".curvature must be at most ", kMostTurnPerNode / body.longestBend, " 1/m, ",
+                     kMostTurnPerNode, " rad per node, got ", size);
         }
     }
     void operator()(const SetForces& set) const

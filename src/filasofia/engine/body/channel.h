@@ -3,6 +3,7 @@
 #include "filasofia/core/body_id.h"
 #include "filasofia/engine/body/attachment.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace filasofia::engine {
@@ -51,5 +52,9 @@ struct Channel {
     double travelled = 0.0;           ///< [m] how far the tip has come since the last point
     bool through = false;             ///< the tip has left the tissue; the last point is where
 };
+
+/// Parts a channel: its lines from number `line` on and its first `points` points, those at the entry, go into the
+/// channel that is returned.
+Channel takeBehind(std::ptrdiff_t line, std::ptrdiff_t points, Channel& channel);
 
 } // namespace filasofia::engine

@@ -110,7 +110,7 @@ namespace {
 /// Whether an edge beside a joint is cut: then it bears nothing.
 bool isBroken(const Rod& rod, std::size_t joint)
 {
-    return !rod.cut.empty() && (rod.cut[joint] || rod.cut[wrapped(joint + 1, rod.edges.size())]);
+    return isCut(rod, joint) || isCut(rod, wrapped(joint + 1, rod.edges.size()));
 }
 
 /// [m] The length of rod that bends at a joint.
@@ -142,7 +142,7 @@ namespace {
 RodCurvature restOf(const RodCurvature& rest, double length, const RodState& state, std::size_t index)
 {
     if (state.steering.empty()) return rest;
-    constexpr double kMostHalf = 1.0; // [rad] commands beyond it are refused
+    constexpr double kMostHalf = 0.5 * physics::kMostTurnPerNode; // [rad]
     const auto& [along, across] = state.steering[index].now;
     const double size = std::hypot(along, across);
     if (size == 0.0) return rest;

@@ -12,7 +12,7 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr int kPartSize = 512;     // pairs of elements
+constexpr int kCrossingsPerPart = 512; // pairs of elements
 constexpr double kOpposite = -0.5; // cosine between the faces by which an edge enters and leaves a wall, not a corner
 
 bool sharesVertex(const std::array<int, 2>& edge, const geometry::Triangle& triangle)
@@ -123,11 +123,12 @@ void findSurfaceCrossings(const SurfacePair& meeting, WorkerPool& pool, Proximit
     const auto hasFaces = [](const CollisionSurface* side) { return side->shape->triangleFaces; };
     if (std::ranges::none_of(meeting.sides, hasFaces)) return;
     collectElementPairs(*meeting.sides[0], *meeting.sides[1], scratch);
-    const int pairs = static_cast<int>(scratch.elementPairs.size()), parts = (pairs + kPartSize - 1) / kPartSize;
+    const int pairs = static_cast<int>(scratch.elementPairs.size()),
+              parts = (pairs + kCrossingsPerPart - 1) / kCrossingsPerPart;
     std::vector<std::vector<SurfaceCrossing>> ofPart(static_cast<std::size_t>(parts));
     pool.run(parts, [&](int i) {
-        const int end = std::min(pairs, (i + 1) * kPartSize);
-        for (int k = i * kPartSize; k < end; ++k)
+        const int end = std::min(pairs, (i + 1) * kCrossingsPerPart);
+        for (int k = i * kCrossingsPerPart; k < end; ++k)
             crossElements(meeting, scratch.elementPairs[k], ofPart[static_cast<std::size_t>(i)]);
     });
     std::vector<SurfaceCrossing> all;

@@ -31,19 +31,19 @@ const BodySmoother& CoupledSolve::smootherAt(int& point) const
 
 bool CoupledSolve::isExact(const ConstraintRow& row) const
 {
-    return together_ && std::ranges::all_of(constraints_->pointsOf(row),
-                                            [&](WeightedPoint each) { return smootherAt(each.point).isExact(); });
+    if (exact_ || !together_) return together_;
+    return std::ranges::all_of(constraints_->pointsOf(row),
+                               [&](WeightedPoint each) { return smootherAt(each.point).isExact(); });
 }
 
-double CoupledSolve::ownStiffness(const ConstraintRow& row) const
+double CoupledSolve::ownStiffness(const ConstraintRow& row)
 {
     double sum = 0.0;
-    std::vector<BlockColumns> columns;
     for (auto [point, weight] : constraints_->pointsOf(row)) {
         const BodySmoother& smoother = smootherAt(point);
-        columns.clear();
-        smoother.addColumns(point, columns);
-        for (const auto& [block, j] : columns)
+        columns_.clear();
+        smoother.addColumns(point, columns_);
+        for (const auto& [block, j] : columns_)
             sum += weight * weight * trace(j * smoother.block(block, block) * transpose(j));
     }
     return sum;

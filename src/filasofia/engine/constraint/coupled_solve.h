@@ -101,8 +101,8 @@ private:
     void chooseStiffness();
     /// The smoother of the body that a contact point is of; `point` becomes its number in the body.
     const BodySmoother& smootherAt(int& point) const;
-    [[nodiscard]] bool isExact(const ConstraintRow& row) const; ///< the filter is the inverse for what it acts on
-    [[nodiscard]] double ownStiffness(const ConstraintRow& row) const; ///< [kg] D of the blocks that a row acts on
+    [[nodiscard]] bool isExact(const ConstraintRow& row) const;  ///< the filter is the inverse for what it acts on
+    [[nodiscard]] double ownStiffness(const ConstraintRow& row); ///< [kg] D of the blocks that a row acts on
     void joinConstraints(); ///< filter and coarse levels know all of them together from now on
     void makeFilter();
     void applyFilter(); ///< `scratch` = M of the velocities in `scratch`
@@ -140,12 +140,13 @@ private:
     std::vector<Mat3> compliance_;    ///< [1/kg] per contact point
     std::vector<Mat3> ownCompliance_; ///< [1/kg] per point of a constraint: in its frame, times |weight|
     std::vector<Row> rows_;
-    std::vector<Mat3> filters_; ///< M, per constraint
-    ConstraintFilter filter_;   ///< M of all constraints together
-    bool together_ = false;     ///< it is used in place of those of single constraints
-    bool exact_ = false;        ///< D is A in all bodies
-    bool joined_ = false;       ///< the coarse levels know all constraints together, as far as they can
-    std::vector<Vec3> perRow_;  ///< scratch of the filter
+    std::vector<Mat3> filters_;         ///< M, per constraint
+    ConstraintFilter filter_;           ///< M of all constraints together
+    bool together_ = false;             ///< it is used in place of those of single constraints
+    bool exact_ = false;                ///< D is A in all bodies
+    bool joined_ = false;               ///< the coarse levels know all constraints together, as far as they can
+    std::vector<Vec3> perRow_;          ///< scratch of the filter
+    std::vector<BlockColumns> columns_; ///< scratch of ownStiffness()
     CoarseCorrection correction_;
     double energy_ = 0.0, smallest_ = 0.0;
 

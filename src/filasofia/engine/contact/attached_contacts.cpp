@@ -112,9 +112,7 @@ void leaveToAttachments(const Scene& scene, Coupling& coupling)
     std::vector<FixedPair> pairs;
     for (const Attachment& attachment : scene.attachments)
         if (attachment.to && attachment.stiffness == physics::kHard) pairs.push_back(fixedPairOf(attachment));
-    std::size_t kept = 0;
-    for (std::size_t c = 0; c < coupling.contactCount; ++c) {
-        Constraint& contact = coupling.constraints[c];
+    const auto isGone = [&](Constraint& contact) {
         const BodyId first = contact.contact.cached.first, second = contact.contact.cached.second;
         bool gone = false;
         for (const FixedPair& pair : pairs) {
@@ -123,12 +121,9 @@ void leaveToAttachments(const Scene& scene, Coupling& coupling)
             contact.bias.x = std::max(contact.bias.x, 0.0);
             gone = gone || leavesNoMotion(pair, turned, contact, coupling.rigid);
         }
-        if (gone) continue;
-        if (kept != c) coupling.constraints[kept] = contact;
-        ++kept;
-    }
-    coupling.constraints.resize(kept);
-    coupling.contactCount = kept;
+        return gone;
+    };
+    eraseContacts(isGone, coupling);
 }
 
 } // namespace filasofia::engine

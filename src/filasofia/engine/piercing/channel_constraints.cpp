@@ -104,17 +104,12 @@ void leaveToChannels(const Scene& scene, Coupling& coupling)
     for (const Channel& channel : scene.channels) {
         const Threading at(scene, channel);
         if (at.places.empty()) continue;
-        std::size_t kept = 0;
-        for (std::size_t c = 0; c < coupling.contactCount; ++c) {
-            Constraint& contact = coupling.constraints[c];
+        const auto isInside = [&](Constraint& contact) {
             const Beside beside = relation(at, contact, scene, coupling.rigid);
-            if (beside == Beside::Inside) continue;
             if (beside == Beside::Mouth) contact.bias.x = std::max(contact.bias.x, 0.0);
-            if (kept != c) coupling.constraints[kept] = contact;
-            ++kept;
-        }
-        coupling.constraints.resize(kept);
-        coupling.contactCount = kept;
+            return beside == Beside::Inside;
+        };
+        eraseContacts(isInside, coupling);
     }
 }
 

@@ -71,23 +71,18 @@ bool isTied(const Scene& scene, const ThreadedLine& front, const ThreadedLine& n
 std::optional<Channel> partBehind(const Scene& scene, std::ptrdiff_t index, Channel& channel)
 {
     const Threading now(scene, channel);
-    Channel behind = channel;
-    behind.lines.erase(behind.lines.begin(), behind.lines.begin() + index);
-    channel.lines.erase(channel.lines.begin() + index, channel.lines.end());
-    const double start = behind.lines.front().start;
+    const double start = channel.lines[static_cast<std::size_t>(index)].start;
     const auto isBehind = [&](double place) { return place >= start; };
     // From the entry on the places descend.
-    const std::ptrdiff_t first = std::ranges::find_if_not(now.places, isBehind) - now.places.begin();
+    const std::ptrdiff_t points = std::ranges::find_if_not(now.places, isBehind) - now.places.begin();
     const bool inFront =
         std::ranges::any_of(now.places, [&](double place) { return now.lines.occupied(place) && !isBehind(place); });
-    if (first == 0) return std::nullopt; // what is behind has not come so far
-    if (!inFront) {
-        channel = std::move(behind);
+    if (points > 0 && !inFront) { // what is in front has left
+        channel.lines.erase(channel.lines.begin(), channel.lines.begin() + index);
         return std::nullopt;
     }
-    channel.points.erase(channel.points.begin(), channel.points.begin() + first);
-    behind.points.resize(static_cast<std::size_t>(first));
-    behind.end = behind.points.back().nodes;
+    Channel behind = takeBehind(index, points, channel);
+    if (points == 0) return std::nullopt; // what is behind has not come so far
     behind.through = false;
     return behind;
 }

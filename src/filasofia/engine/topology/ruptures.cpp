@@ -224,25 +224,25 @@ void cutBodies(const StepContext& context, const RigidPlan& rigid, Scene& scene,
 {
     if (context.dt == 0.0) return;
     moveBlades(rigid, scene, blades);
-    for (SoftBody& body : scene.soft)
-        if (!body.model.dynamicTopology)
-            continue;
-        else if (isRod(body.model))
+    for (SoftBody& body : scene.soft) {
+        if (!body.model.dynamicTopology) continue;
+        if (isRod(body.model))
             findRodCuts(blades, body, context.report.topology);
         else
             cutBody(body, blades, context.report.topology);
+    }
 }
 
 void tearBodies(const StepContext& context, Scene& scene)
 {
     if (context.dt == 0.0) return;
-    for (SoftBody& body : scene.soft)
-        if (!body.model.dynamicTopology)
-            continue;
-        else if (isRod(body.model))
+    for (SoftBody& body : scene.soft) {
+        if (!body.model.dynamicTopology) continue;
+        if (isRod(body.model))
             findRodTears(body);
         else
             tearBody(body, context.pool, context.report.topology);
+    }
 }
 
 namespace {

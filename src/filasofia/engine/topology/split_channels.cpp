@@ -54,21 +54,17 @@ void splitChannels(const SoftBody& rod, int edge, double s, Scene& scene)
             channels.push_back(std::move(channel));
             continue;
         }
-        Channel front = channel, back = std::move(channel);
         const auto line = static_cast<std::ptrdiff_t>(split->line);
-        front.lines.erase(front.lines.begin() + line, front.lines.end());
-        if (split->front) front.lines.push_back(*split->front);
-        back.lines.erase(back.lines.begin(), back.lines.begin() + line + 1);
-        if (split->back) back.lines.insert(back.lines.begin(), *split->back);
+        auto at = channel.lines.erase(channel.lines.begin() + line);
+        if (split->back) at = channel.lines.insert(at, *split->back);
+        if (split->front) channel.lines.insert(at, *split->front);
         // Points lie from the entry on: what is farther behind the tip comes first.
         const auto isBehind = [&](const ChannelPoint& point) { return point.held > split->place; };
-        const auto border = std::ranges::find_if_not(back.points, isBehind) - back.points.begin();
-        front.points.erase(front.points.begin(), front.points.begin() + border);
-        back.points.erase(back.points.begin() + border, back.points.end());
+        const auto points = std::ranges::find_if_not(channel.points, isBehind) - channel.points.begin();
+        Channel back = takeBehind(line + (split->front ? 1 : 0), points, channel);
         back.through = true;
         back.travelled = 0.0;
-        if (!back.points.empty()) back.end = back.points.back().nodes;
-        for (Channel* each : {&front, &back})
+        for (Channel* each : {&channel, &back})
             if (!each->lines.empty() && !each->points.empty()) channels.push_back(std::move(*each));
     }
     scene.channels = std::move(channels);
