@@ -6,6 +6,8 @@ of the jaws; the pivot is the x axis. Jaws are modelled closed; a turn about +x 
 -x the lower one. Sizes: README.md beside this file."""
 import subprocess
 import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -112,6 +114,7 @@ Line(40) = {40, 41}; Line(41) = {41, 42}; Line(42) = {42, 40}; Curve Loop(40) = 
 ground() = Extrude {0, 0, 6.7} { Surface{40}; };
 BooleanDifference(50) = { Volume{30}; Delete; } { Volume{ground(1)}; Delete; };
 """
+BLADE_EDGE = ((0.0, -0.06, -1.0), (0.0, -0.06, -6.4))
 
 
 def solid(script, largest, around=20):
@@ -296,12 +299,52 @@ def shaft_collision(around=8):
                  for z in (-0.5, 4.0, 20.0, 80.0, TOOL_LENGTH)])
 
 
-def make(folder, report):
+BLADE_FOR_COLLISION = loft([[(0, -0.06, z), (0.36, -0.06, z), (0.36, h, z), (0, h, z)]
+                            for z, h in ((0.4, 0.4), (-1.0, 0.72), (-3.0, 0.72), (-5.2, 0.5), (-6.6, 0.06))])
+
+
+@dataclass
+class Mouth:
+    """Two jaws or blades, in the size of the tools of 5 Fr; `size` makes larger ones of their vertices."""
+    name: str
+    script: str                  # of the upper one; the lower one is the same, turned about the shaft
+    coarse: tuple                # the same for collision
+    reach: float                 # [mm] from the pivot to the tip
+    opening: float               # [degrees]
+    edge: tuple = ()             # the two ends of a blade's cutting edge
+    size: Callable = lambda vertices: vertices
+
+
+def mouth(save, shaft, made):
+    """Writes both jaws, and returns what instruments.json says of the tool."""
+    def sized(mesh):
+        return made.size(mesh[0]), mesh[1]
+
+    word, (upper, coarse) = "blade" if made.edge else "jaw", (sized(solid(made.script, 0.26, 16)), sized(made.coarse))
+    reach = -made.size(np.array([[0.0, 0.0, -made.reach]]))[0, 2]
+    tool = {"name": made.name, **shaft, "reach": float(metre(reach)), "pivot": [0.0, 0.0, 0.0], "jaws": []}
+    for side, half_turn, sign in (("upper", 0.0, 1.0), ("lower", np.pi, -1.0)):
+        file = f"{made.name.replace(' ', '_')}_{word}_{side}"
+        jaw = {"name": side,
+               "surface": save(f"{file}.obj", turned(upper, (0, 0, 1), half_turn), f"{side} {word} of the {made.name}, closed"),
+               "collision": save(f"{file}_collision.obj", turned(coarse, (0, 0, 1), half_turn), f"that {word} for collision"),
+               "axis": [sign, 0.0, 0.0], "opensBy": round(float(np.radians(made.opening)), 4)}
+        if made.edge:
+            jaw["edge"] = [metres(turned((made.size(np.array([p])), None), (0, 0, 1), half_turn)[0]) for p in made.edge]
+        tool["jaws"].append(jaw)
+    return tool
+
+
+def writer(folder, report):
     def save(name, mesh, note):
         write_obj(folder / name, *mesh, note=note)
         report.surface(name, *mesh)
         return name
+    return save
 
+
+def make(folder, report):
+    save = writer(folder, report)
     sheath = lengthened(*solid(SHEATH, 0.6, 24), PIVOT_BEHIND, SCOPE_LENGTH)
     save("hysteroscope_sheath.obj", sheath, "outer sheath of the hysteroscope")
     save("hysteroscope_optic.obj", solid(OPTIC_GLASS, 0.4, 24), "its lens")
@@ -311,28 +354,12 @@ def make(folder, report):
     save("tool_shaft.obj", end, "shaft of forceps, grasper and scissors")
     save("tool_shaft_collision.obj", shaft_collision(), "that shaft for collision")
 
-    z_axis = (0, 0, 1)
-    tools = []
-    for name, script, coarse, reach, opening, edge in (
-            ("forceps", CUP, half_rod([(-0.6, 0.6), (-1.2, 0.83), (-3.6, 0.83), (-4.3, 0.6), (-4.52, 0.25)]), 4.55, 45.0, None),
-            ("grasper", ALLIGATOR, half_rod([(-0.6, 0.6), (-1.2, 0.8), (-4.0, 0.65), (-6.6, 0.5), (-7.05, 0.2)]), 7.1, 40.0, None),
-            ("scissors", BLADE, loft([[(0, -0.06, z), (0.36, -0.06, z), (0.36, h, z), (0, h, z)]
-                                      for z, h in ((0.4, 0.4), (-1.0, 0.72), (-3.0, 0.72), (-5.2, 0.5), (-6.6, 0.06))]), 6.7, 35.0,
-             ((0.0, -0.06, -1.0), (0.0, -0.06, -6.4)))):
-        word = "blade" if edge else "jaw"
-        upper = solid(script, 0.26, 16)
-        tool = {"name": name, "shaft": "tool_shaft.obj", "shaftCollision": "tool_shaft_collision.obj", "radius": float(metre(TOOL_RADIUS)),
-                "length": float(metre(TOOL_LENGTH)), "reach": float(metre(reach)), "pivot": [0.0, 0.0, 0.0], "jaws": []}
-        for side, half_turn, sign in (("upper", 0.0, 1.0), ("lower", np.pi, -1.0)):
-            file = f"{name}_{word}_{side}"
-            jaw = {"name": side,
-                   "surface": save(f"{file}.obj", turned(upper, z_axis, half_turn), f"{side} {word} of the {name}, closed"),
-                   "collision": save(f"{file}_collision.obj", turned(coarse, z_axis, half_turn), f"that {word} for collision"),
-                   "axis": [sign, 0.0, 0.0], "opensBy": round(float(np.radians(opening)), 4)}
-            if edge:
-                jaw["edge"] = [metres(turned((np.array([p]), None), z_axis, half_turn)[0]) for p in edge]
-            tool["jaws"].append(jaw)
-        tools.append(tool)
+    shaft = {"shaft": "tool_shaft.obj", "shaftCollision": "tool_shaft_collision.obj", "radius": float(metre(TOOL_RADIUS)),
+             "length": float(metre(TOOL_LENGTH))}
+    tools = [mouth(save, shaft, Mouth(*each)) for each in (
+        ("forceps", CUP, half_rod([(-0.6, 0.6), (-1.2, 0.83), (-3.6, 0.83), (-4.3, 0.6), (-4.52, 0.25)]), 4.55, 45.0),
+        ("grasper", ALLIGATOR, half_rod([(-0.6, 0.6), (-1.2, 0.8), (-4.0, 0.65), (-6.6, 0.5), (-7.05, 0.2)]), 7.1, 40.0),
+        ("scissors", BLADE, BLADE_FOR_COLLISION, 6.7, 35.0, BLADE_EDGE))]
 
     look = [0.0, round(float(-np.sin(BEVEL)), 6), round(float(-np.cos(BEVEL)), 6)]
     write_json(folder / "instruments.json", {

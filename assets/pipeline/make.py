@@ -1,4 +1,4 @@
-"""Makes assets/meshes/hysteroscopy and report.txt again. See README.md."""
+"""Makes the meshes of hysteroscopy and suturing, and report.txt, again. See README.md."""
 import argparse
 import json
 from pathlib import Path
@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import instruments
+import suturing
 import uterus
 from implicit import gradient, project
 from output import metre, metres, write_json, write_msh, write_obj
@@ -267,16 +268,21 @@ def make_polyps(folder, report):
         "root": float(metre(ROOT)), "polyps": entries})
 
 
+# Each part: its name, its folder, what makes it.
+PARTS = (("uterus", "hysteroscopy", make_uterus), ("polyps", "hysteroscopy", make_polyps),
+         ("instruments", "hysteroscopy", instruments.make), ("suturing", "suturing", suturing.make))
+
+
 def main():
     words = argparse.ArgumentParser(description=__doc__)
-    words.add_argument("--into", type=Path, default=HERE.parent / "meshes" / "hysteroscopy", help="folder for the meshes")
-    words.add_argument("--only", choices=("uterus", "polyps", "instruments"), help="make only these, and no report")
+    words.add_argument("--into", type=Path, default=HERE.parent / "meshes", help="folder with those of the meshes")
+    words.add_argument("--only", choices=[name for name, _, _ in PARTS], help="make only these, and no report")
     given = words.parse_args()
-    given.into.mkdir(parents=True, exist_ok=True)
     report = Report()
-    for name, make in (("uterus", make_uterus), ("polyps", make_polyps), ("instruments", instruments.make)):
+    for name, folder, make in PARTS:
         if given.only in (None, name):
-            make(given.into, report)
+            (given.into / folder).mkdir(parents=True, exist_ok=True)
+            make(given.into / folder, report)
     if given.only is None:
         (HERE / "report.txt").write_text("\n".join(report.rows + [""]))
 

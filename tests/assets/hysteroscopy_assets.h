@@ -13,24 +13,25 @@
 
 namespace filasofia {
 
-inline std::filesystem::path hysteroscopyFolder()
+inline std::filesystem::path meshFolder(const std::string& name)
 {
-    return std::filesystem::path(FILASOFIA_SOURCE_DIR) / "assets/meshes/hysteroscopy";
+    return std::filesystem::path(FILASOFIA_SOURCE_DIR) / "assets/meshes" / name;
 }
+inline std::filesystem::path hysteroscopyFolder() { return meshFolder("hysteroscopy"); }
 
 inline geometry::TetMesh tets(const std::string& name)
 {
     return geometry::loadTetMesh(hysteroscopyFolder() / (name + ".msh"));
 }
 
-inline geometry::TriangleMesh triangles(const std::string& file)
+inline geometry::TriangleMesh triangles(const std::string& file, const std::string& folder = "hysteroscopy")
 {
-    return geometry::loadTriangleMesh(hysteroscopyFolder() / file);
+    return geometry::loadTriangleMesh(meshFolder(folder) / file);
 }
 
-inline nlohmann::json facts(const std::string& file)
+inline nlohmann::json facts(const std::string& file, const std::string& folder = "hysteroscopy")
 {
-    return nlohmann::json::parse(std::ifstream(hysteroscopyFolder() / file));
+    return nlohmann::json::parse(std::ifstream(meshFolder(folder) / file));
 }
 
 /// A list of such a file, by value: a loop over facts()[key] would use a destroyed temporary.

@@ -105,7 +105,8 @@ TEST_CASE("a grasp breaks beyond its break force, and holds again only after it 
 
 TEST_CASE("closed jaws with nothing between them touch and hold nothing")
 {
-    for (const auto kind : {InstrumentKind::Forceps, InstrumentKind::Grasper, InstrumentKind::Scissors}) {
+    for (const auto kind : {InstrumentKind::Forceps, InstrumentKind::Grasper, InstrumentKind::Scissors,
+                            InstrumentKind::NeedleDriver, InstrumentKind::PickUps, InstrumentKind::SutureScissors}) {
         Simulation sim(weightless());
         ArticulatedInstrument tool(sim, {.kind = kind, .opening = 0.5});
         tool.close();

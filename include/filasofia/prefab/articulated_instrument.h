@@ -14,14 +14,20 @@
 
 namespace filasofia::prefab {
 
-/// Which meshes, jaws and opening angles an instrument has if its Def does not give them.
+/// Which meshes, jaws, opening angles and closing torque an instrument has if its Def does not give them.
 enum class InstrumentKind {
-    Forceps,  ///< short cups
-    Grasper,  ///< long jaws with teeth
-    Scissors, ///< two blades: they cut and hold nothing
+    Forceps,        ///< of 5 Fr (1.7 mm), for hysteroscopy: short cups; 0.5 mN m
+    Grasper,        ///< of 5 Fr: long jaws with teeth; 0.5 mN m
+    Scissors,       ///< of 5 Fr: two blades, which cut and hold nothing; 0.5 mN m
+    NeedleDriver,   ///< of 5 mm, for laparoscopy: short, stout, flat jaws that press with some 15 N; 0.15 N m
+    PickUps,        ///< of 5 mm: long, pointed jaws; 10 mN m
+    SutureScissors, ///< of 5 mm: two short blades, which cut and hold nothing; 50 mN m
 };
 /// The values' names in files, in order.
-constexpr std::array<std::string_view, 3> names(const InstrumentKind*) { return {"forceps", "grasper", "scissors"}; }
+constexpr std::array<std::string_view, 6> names(const InstrumentKind*)
+{
+    return {"forceps", "grasper", "scissors", "needleDriver", "pickUps", "sutureScissors"};
+}
 
 /// One side of the instrument's mouth, closed, in the coordinates of the pivot.
 struct JawDef {
@@ -54,11 +60,11 @@ struct ArticulatedInstrumentDef {
     std::vector<JawDef> jaws = {};                   ///< at most two, at least one that moves; empty: the kind's
     std::vector<int> groups = {0};                   ///< collision groups of its models; empty: it touches nothing
     double opening = 0.0;                            ///< [-], in [0, 1], opening at the start
-    double closingTorque = 0.5e-3;                   ///< [N m], > 0, with which close() presses each jaw
+    std::optional<double> closingTorque = {};        ///< [N m], > 0, of each jaw at close(); not given: the kind's
     double speed = 1.5;                              ///< [rad/s], > 0, largest speed of a jaw
     double proximity = 0.1e-3;                       ///< [m], >= 0, distance at which contacts are found
     double friction = 0.8;                           ///< [-], >= 0, coefficient of friction
-    bool grasps = true;      ///< whether its closed jaws can hold tissue; those of scissors never do
+    bool grasps = true;      ///< whether its closed jaws can hold something; those of scissors never do
     double gripForce = 0.02; ///< [N], > 0, force on each side of the mouth at which tissue counts as grasped
     double gripStiffness = physics::kHard; ///< [N/m], in (0, inf], stiffness of each held point
     double breakForce = physics::kNever;   ///< [N], in (0, inf], force beyond which the tissue slips out
@@ -77,11 +83,12 @@ constexpr auto fields(const ArticulatedInstrumentDef*)
         field("shaftCollision", &T::shaftCollision, "collision mesh of the shaft"),
         field("jaws", &T::jaws, "one or two"), field("groups", &T::groups, "collision groups of its models"),
         field("opening", &T::opening, "-", closed(0, 1), "opening at the start"),
-        field("closingTorque", &T::closingTorque, "N m", positive(), "torque that closes each jaw"),
+        field("closingTorque", &T::closingTorque, "N m", positive(),
+              "torque that closes each jaw; not given: the kind's"),
         field("speed", &T::speed, "rad/s", positive(), "largest speed of a jaw"),
         field("proximity", &T::proximity, "m", nonNegative(), "distance at which contacts are found"),
         field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"),
-        field("grasps", &T::grasps, "whether its jaws can hold tissue"),
+        field("grasps", &T::grasps, "whether its jaws can hold something"),
         field("gripForce", &T::gripForce, "N", positive(), "force on each side at which tissue is grasped"),
         field("gripStiffness", &T::gripStiffness, "N/m", positiveOrInfinite(), "stiffness of each held point"),
         field("breakForce", &T::breakForce, "N", positiveOrInfinite(), "force beyond which tissue slips out"),
@@ -92,9 +99,11 @@ constexpr auto fields(const ArticulatedInstrumentDef*)
 ///
 /// Closing presses with a torque, so tissue between the jaws stops them. If a soft body pushes both sides of the mouth
 /// with `gripForce` or more, it is grasped: it is attached to the jaws, which then keep their angle (a ratchet), until
-/// open() or until `breakForce` is exceeded. A reset of the simulation does not release it: call open() before. A saved
-/// state knows what it holds; onGrasp is not called when such a state is restored. Every function may be called from
-/// any thread and takes effect at the next step.
+/// open() or until `breakForce` is exceeded. So is a dynamic rigid body without joints, a needle for example, until the
+/// force exceeds what friction bears, too: 2 mu times the closing torque over the distance from the pivot. A reset of
+/// the simulation does not release what is held: call open() before. A saved state knows what it holds; onGrasp is not
+/// called when such a state is restored. Every function may be called from any thread and takes effect at the next
+/// step.
 class ArticulatedInstrument {
 public:
     static constexpr int kShaft = 0; ///< element of the body; moving jaws follow from 1 on

@@ -2,11 +2,10 @@
 
 #include "filasofia/core/published.h"
 #include "filasofia/core/text.h"
-#include "filasofia/core/validate.h"
 #include "filasofia/math/rounded.h"
+#include "filasofia/prefab/instrument_kind.h"
 #include "filasofia/prefab/remember.h"
 #include "filasofia/prefab/turns.h"
-#include "filasofia/runtime/assets.h"
 
 #include <algorithm>
 #include <tuple>
@@ -17,59 +16,6 @@ namespace {
 using physics::JointDef;
 using physics::JointForce;
 using physics::JointPosition;
-
-std::string part(std::string_view name) { return runtime::asset(text("meshes/hysteroscopy/", name)); }
-
-bool isEmpty(const physics::TriangleMeshSource& source)
-{
-    const auto* file = std::get_if<std::string>(&source);
-    return file != nullptr && file->empty();
-}
-
-/// The jaws that come with Filasofia (assets/meshes/hysteroscopy/instruments.json).
-std::vector<JawDef> jawsOf(InstrumentKind kind)
-{
-    constexpr double degree = std::numbers::pi / 180.0;
-    std::vector<JawDef> jaws;
-    for (const bool upper : {true, false}) {
-        const std::string_view side = upper ? "upper" : "lower";
-        JawDef jaw{.axis = {upper ? 1.0 : -1.0, 0.0, 0.0}};
-        if (kind == InstrumentKind::Scissors) {
-            // A collision mesh of the blade would push away what its edge has to cut, so only the edge touches tissue.
-            const double y = upper ? -0.06e-3 : 0.06e-3;
-            jaw.edge = {{{0.0, y, -1.0e-3}, {0.0, y, -6.4e-3}}};
-            jaw.opensBy = 35.0 * degree;
-            jaw.surface = part(text("scissors_blade_", side, ".obj"));
-        } else {
-            const std::string_view name = kind == InstrumentKind::Forceps ? "forceps" : "grasper";
-            jaw.opensBy = (kind == InstrumentKind::Forceps ? 45.0 : 40.0) * degree;
-            jaw.surface = part(text(name, "_jaw_", side, ".obj"));
-            jaw.collision = part(text(name, "_jaw_", side, "_collision.obj"));
-        }
-        jaws.push_back(jaw);
-    }
-    return jaws;
-}
-
-ArticulatedInstrumentDef completed(ArticulatedInstrumentDef def)
-{
-    const std::string object = text("instrument '", def.name, "'");
-    validate(def, object);
-    def.pose = physics::unitPose(def.pose, text(object, ": pose"));
-    if (def.jaws.empty()) def.jaws = jawsOf(def.kind);
-    if (def.jaws.size() > 2) fail(object, ": jaws must have one or two entries, got ", def.jaws.size());
-    if (std::ranges::none_of(def.jaws, [](const JawDef& jaw) { return jaw.opensBy > 0.0; }))
-        fail(object, ": jaws: at least one must have opensBy > 0 rad, got none");
-    for (std::size_t i = 0; i < def.jaws.size(); ++i) {
-        if (length(def.jaws[i].axis) == 0.0) fail(object, ": jaws[", i, "].axis must have a length > 0, got 0 0 0");
-        if (const auto& edge = def.jaws[i].edge; edge && distance((*edge)[0], (*edge)[1]) == 0.0)
-            fail(object, ": jaws[", i, "].edge must have a length > 0 m, got 0");
-    }
-    if (isEmpty(def.shaft)) def.shaft = part("tool_shaft.obj");
-    if (isEmpty(def.shaftCollision)) def.shaftCollision = part("tool_shaft_collision.obj");
-    if (def.kind == InstrumentKind::Scissors) def.grasps = false;
-    return def;
-}
 
 /// A cutting edge as a surface, because collision models are surfaces: a strip a tenth as wide as it is long, whose rim
 /// cuts.
@@ -84,7 +30,7 @@ std::shared_ptr<const geometry::TriangleMesh> blade(const JawDef& jaw)
 /// A position-controlled joint that under the closing torque moves at `speed`, which it reaches in 20 ms.
 JointDef jointOf(const ArticulatedInstrumentDef& def, const JawDef& jaw, int link)
 {
-    const double damping = def.closingTorque / def.speed;
+    const double damping = *def.closingTorque / def.speed;
     JointDef joint{.axis = jaw.axis, .child = link, .lower = 0.0, .upper = jaw.opensBy};
     joint.start = def.opening * jaw.opensBy;
     joint.command = JointPosition{joint.start};
@@ -230,25 +176,72 @@ struct ArticulatedInstrument::Impl {
         return widestFraction;
     }
 
-    /// Looks for tissue between the jaws. The ids of soft bodies ascend: the first squeezed body is held.
+    /// Tissue and threads, and rigid bodies that nobody else moves.
+    [[nodiscard]] bool canBeHeld(BodyId id) const
+    {
+        const auto* rigid = std::get_if<physics::RigidBodyDef>(simulation.physics().def(id).get());
+        return rigid == nullptr || (rigid->dynamic && rigid->articulation.joints.empty());
+    }
+
+    /// Contacts are points, and a jaw on a needle is not: the needle is fixed to a jaw, in any orientation, as long as
+    /// friction would bear the force. Both jaws press with the closing torque at the contacts' mean distance from the
+    /// pivot.
+    [[nodiscard]] physics::RigidAttachmentDef rigidGrip(const frame::Frame& frame,
+                                                        const frame::RigidBodyFrame& now) const
+    {
+        const Pose& pivot = now.poses.front();
+        double lever = 0.0, all = 0.0;
+        Vec3 middle;
+        for (const frame::Contact& contact : frame.contacts) {
+            if (!(contact.first == body && contact.second == held) &&
+                !(contact.second == body && contact.first == held))
+                continue;
+            lever += contact.normalForce * distance(contact.point, pivot.position);
+            middle += contact.normalForce * contact.point;
+            all += contact.normalForce;
+        }
+        const auto& poses = frame.rigidBody(held)->poses;
+        const auto near = std::ranges::min_element(
+            poses, {}, [&](const Pose& each) { return distance(each.position, 1.0 / all * middle); });
+        const double other = std::get<physics::RigidBodyDef>(*simulation.physics().def(held)).friction;
+        const double most = 2.0 * std::sqrt(def.friction * other) * torque * all / lever;
+        return {.element = static_cast<int>(near - poses.begin()),
+                .stiffness = def.gripStiffness,
+                .to = body,
+                .toElement = elementOf(0),
+                .breakForce = std::min(def.breakForce, most)};
+    }
+
+    /// The first of these bodies (their ids ascend) that both sides of the mouth press with `gripForce`; 0 if none.
+    template <class Bodies> [[nodiscard]] BodyId between(const frame::Frame& frame, const frame::RigidBodyFrame& now,
+                                                         const Bodies& bodies) const
+    {
+        const Vec3 opens =
+            rotate(now.poses.front().orientation, normalized(cross(def.jaws.front().axis, Vec3{0.0, 0.0, -1.0})));
+        const auto isPressed = [&](const auto& each) {
+            const auto sides = squeezed(frame, body, each.id, opens);
+            return sides[0] >= def.gripForce && sides[1] >= def.gripForce && canBeHeld(each.id);
+        };
+        const auto found = std::ranges::find_if(bodies, isPressed);
+        return found == bodies.end() ? BodyId{} : found->id;
+    }
+
+    /// Looks for a body between the jaws and asks for a grasp. A rigid one comes first: a needle, with tissue around
+    /// it.
     void seek(const frame::Frame& frame, const frame::RigidBodyFrame& now)
     {
-        const JawDef& jaw = def.jaws.front();
-        const Vec3 opens = rotate(now.poses.front().orientation, normalized(cross(jaw.axis, Vec3{0.0, 0.0, -1.0})));
-        for (const frame::SoftBodyFrame& soft : frame.softBodies) {
-            const auto sides = squeezed(frame, body, soft.id, opens);
-            if (sides[0] < def.gripForce || sides[1] < def.gripForce) continue;
-            grip = simulation.physics().grasp(body, soft.id,
-                                              {.stiffness = def.gripStiffness, .breakForce = def.breakForce});
-            commandJaws([&](std::size_t joint, const JawDef& each) {
-                const double position = std::clamp(now.joints[joint].position, 0.0, each.opensBy);
-                return physics::JointCommand(JointPosition{position});
-            });
-            held = soft.id;
-            requestedAt = frame.step;
-            state = State::Requested;
-            return;
-        }
+        held = between(frame, now, frame.rigidBodies);
+        if (!held) held = between(frame, now, frame.softBodies);
+        if (!held) return;
+        grip = frame.rigidBody(held) ? simulation.physics().attach(held, rigidGrip(frame, now))
+                                     : simulation.physics().grasp(
+                                           body, held, {.stiffness = def.gripStiffness, .breakForce = def.breakForce});
+        commandJaws([&](std::size_t joint, const JawDef& each) {
+            const double position = std::clamp(now.joints[joint].position, 0.0, each.opensBy);
+            return physics::JointCommand(JointPosition{position});
+        });
+        requestedAt = frame.step;
+        state = State::Requested;
     }
 
     /// Checks whether the grasp has been made and still holds.
@@ -332,7 +325,7 @@ void ArticulatedInstrument::close(std::optional<double> torque)
     if (torque && !(*torque > 0.0 && std::isfinite(*torque)))
         fail("instrument '", impl_->def.name, "': close: torque must be > 0 N m, got ", *torque);
     impl_->act([torque](Impl& impl) {
-        impl.torque = torque.value_or(impl.def.closingTorque);
+        impl.torque = torque.value_or(*impl.def.closingTorque);
         if (impl.state == Impl::State::Requested || impl.state == Impl::State::Holding) return; // it is closed already
         if (impl.state == Impl::State::Open) impl.state = Impl::State::Closing;
         impl.press();

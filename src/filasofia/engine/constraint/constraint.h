@@ -70,7 +70,9 @@ struct Constraint {
     double friction = 0.0;          ///< [-] Coulomb's mu; unilateral constraints only
     double tolerance = 0.0;         ///< [m/s] how far a rigid constraint may miss C = 0 (or C >= 0)
     double softness = 0.0;          ///< [kg] impulse per velocity of a spring; 0 if the constraint is rigid
-    double yielding = 1.0;          ///< [-] factor on the penalty of a rigid constraint, in (0, 1]
+    /// If only one side can move along the normal, as between a body and a kinematic one: the factor on the penalty, in
+    /// (0, 1], and the fraction that the carried normal impulse loses.
+    double yielding = 1.0, loss = 0.0;
     /// [N s] Bound on the impulse along the normal. The constraint yields beyond it.
     double maxImpulse = std::numeric_limits<double>::infinity();
     /// [N s] in the frame, on the first side. In: the last step's impulse; out: the impulse that acted in this step

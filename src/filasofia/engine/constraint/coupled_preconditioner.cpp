@@ -58,26 +58,32 @@ void CoupledSolve::chooseStiffness()
         const ConstraintRow& row = constraints_->list[c];
         const Constraint& each = *row.constraint;
         const Mat3 turn = asMatrix(each.frame);
-        double compliance = 0.0, anyDirection = 0.0;
+        std::array<double, 2> ofSides = {}, anyDirection = {};
         for (int k = row.first; k < row.first + row.count; ++k) {
             const WeightedPoint& at = constraints_->points[static_cast<std::size_t>(k)];
             const Mat3 own = turn * compliance_[static_cast<std::size_t>(at.point)] * transpose(turn);
-            compliance += at.weight * at.weight * own[0].x;
-            anyDirection += at.weight * at.weight * trace(own);
+            const std::size_t side = at.weight < 0.0 ? 1 : 0;
+            ofSides[side] += at.weight * at.weight * own[0].x;
+            anyDirection[side] += at.weight * at.weight * trace(own);
             ownCompliance_[static_cast<std::size_t>(k)] = std::abs(at.weight) * own;
         }
-        if (!each.bilateral() && !(compliance > kStiff * anyDirection)) compliance = 0.0;
+        double compliance = ofSides[0] + ofSides[1];
+        const bool bothMove = ofSides[0] > kStiff * anyDirection[0] && ofSides[1] > kStiff * anyDirection[1];
+        if (!each.bilateral() && !(compliance > kStiff * (anyDirection[0] + anyDirection[1]))) compliance = 0.0;
         const bool spring = each.softness > 0.0;
         const bool exact = isExact(row);
         const Kappa& kappas = exact ? limits_->exactKappa : limits_->kappa;
         const double kappa = each.bilateral() ? kappas.holding : kappas.contact;
-        double rigid = each.yielding * kappa / compliance;
+        double rigid = (bothMove ? 1.0 : each.yielding) * kappa / compliance;
         if (exact && each.bilateral()) rigid = std::max(rigid, std::min(ownStiffness(row), kExact / compliance));
-        rigid = compliance > 0.0 ? std::max(rigid, limits_->bearing * heaviest) : 0.0;
+        // A link's drive has inertia that its mass does not show.
+        const double heavier = bothMove ? std::max(heaviest, 1.0 / std::min(ofSides[0], ofSides[1])) : heaviest;
+        rigid = compliance > 0.0 ? std::max(rigid, limits_->bearing * heavier) : 0.0;
         const double normal = spring ? each.softness : rigid;
         const double tangential = spring && each.bilateral() ? each.softness : rigid;
         rows_[c].stiffness = {normal, tangential, tangential};
         rows_[c].u = inFrame(each.frame, each.sides[0].velocity - each.sides[1].velocity);
+        if (!bothMove) row.constraint->impulse.x *= 1.0 - each.loss;
         if (compliance == 0.0) row.constraint->impulse = {}; // no body can move along the normal
     }
 }

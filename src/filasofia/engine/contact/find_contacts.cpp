@@ -20,9 +20,10 @@ namespace {
 // mass that it moves.
 constexpr double kRecovery = 0.2, kSkinRecovery = 0.05;
 constexpr double kRecoverySpeed = 0.1; ///< [m/s]
-// A rigid body may have no room between kinematic bodies: the carried impulse would grow without bound. It therefore
-// loses this fraction per step, and more if the bodies overlap deeper than at rest. This makes a body sink in by
-// micrometres: its penalty bears 99 % of its weight.
+// A rigid body may have no room between kinematic bodies: the carried impulse would grow without bound. Where it
+// presses against them, it therefore loses this fraction per step, and more if the bodies overlap deeper than at rest.
+// This makes a body sink in by micrometres: its penalty bears 99 % of its weight. Between bodies that both can move,
+// impulses are in balance with what presses from outside, and lose nothing: else a needle would slip out of the jaws.
 constexpr double kRigidLoss = 0.02, kDeepRigidLoss = 0.2;
 // The force that is left is proportional to the penalty. Between rigid bodies at rest the penalty is so large that they
 // stand like one body, which would be hundreds of kilonewtons for half a millimetre too little room: the penalty falls
@@ -158,9 +159,11 @@ void setLaw(const physics::ContactMethod& method, double dt, Constraint& constra
     const auto isSoft = [](const BodyPoint& point) { return point.of == BodyPoint::Of::Soft; };
     const bool anySoft = std::ranges::any_of(constraint.sides, isSoft);
     const double depth = contact.skin > 0.0 ? std::clamp(-gap / contact.skin, 0.0, 1.0) : 0.0; // in skins
-    const double loss = anySoft ? 0.0 : kRigidLoss + depth * (kDeepRigidLoss - kRigidLoss);
-    if (!anySoft) constraint.yielding = 1.0 / (1.0 + depth * (1.0 / kDeepPenalty - 1.0));
-    constraint.impulse.x = std::max(0.0, (1.0 - loss) * constraint.impulse.x);
+    if (!anySoft) {
+        constraint.loss = kRigidLoss + depth * (kDeepRigidLoss - kRigidLoss);
+        constraint.yielding = 1.0 / (1.0 + depth * (1.0 / kDeepPenalty - 1.0));
+    }
+    constraint.impulse.x = std::max(0.0, constraint.impulse.x);
     // A contact that pushed in the last step may rest within the skin; all others may approach up to the skin.
     const double resting = constraint.impulse.x > 0.0 ? contact.skin : 0.0;
     const double shallow = std::clamp(gap, -contact.skin, resting), deep = std::min(0.0, gap + contact.skin);
