@@ -6,6 +6,7 @@
 #include "apps/filasofia/rupture_scenes.h"
 #include "apps/filasofia/scene_reload.h"
 #include "filasofia/core/log.h"
+#include "filasofia/runtime/assets.h"
 #include "filasofia/runtime/keys.h"
 #include "filasofia/scene/import.h"
 
@@ -43,6 +44,9 @@ const Scene kScenes[] = {
     {"haptics", kHapticsRoom, [](Simulation& sim, const BunnyDef& def) { addHaptics(sim, def.subdivision); }},
 };
 
+/// Scene files that come with Filasofia and can be run by their names (assets/scenes).
+constexpr std::array<std::string_view, 1> kSceneFiles = {"suture"};
+
 const Scene& sceneOf(const RunCommandOptions& options)
 {
     std::string names;
@@ -53,6 +57,7 @@ const Scene& sceneOf(const RunCommandOptions& options)
     if (options.scene.find_first_of("./") != std::string::npos)
         fail("run: a scene file has a name that ends in .json, .urdf, .xml or .mjcf, got '", shortened(options.scene),
              "'");
+    for (const std::string_view file : kSceneFiles) names += text(", ", file);
     fail("run: unknown scene '", shortened(options.scene), "'; known are ", names,
          ", and scene files (.json, .urdf, .xml)");
 }
@@ -171,6 +176,8 @@ int runFile(const RunCommandOptions& options)
 int runScene(RunCommandOptions& options)
 {
     if (options.run.headless && options.run.steps == 0) options.run.steps = 1000; // it would never end otherwise
+    if (std::ranges::find(kSceneFiles, options.scene) != kSceneFiles.end())
+        options.scene = runtime::asset(text("scenes/", options.scene, ".json"));
     if (scene::isSceneFile(options.scene)) return runFile(options);
     const Scene& scene = sceneOf(options);
     const char* fileOnly = options.anyFolder           ? "--any-folder"
@@ -200,7 +207,7 @@ Option bounded(std::string name, OptionTarget target, Bound bound, std::string m
 
 constexpr const char* kSceneMeaning =
     "a scene file (.json, .urdf, MuJoCo's .xml), or bunny (pinned at the head, hanging by its own weight), poke, "
-    "grasp, friction, cut, tear or haptics";
+    "grasp, friction, cut, tear, haptics or suture (a stitch with the mouse)";
 
 std::vector<Option> optionsOf(RunCommandOptions& o)
 {

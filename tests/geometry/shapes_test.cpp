@@ -67,6 +67,32 @@ TEST_CASE("a tube is closed, faces outwards, has the volume of its line times it
                       "tube: the line must turn by less than 174 degrees at points[1]");
 }
 
+TEST_CASE("a vessel is hollow, open at both ends, of good tetrahedra that fit together, and as large as its wall")
+{
+    const double inner = 4e-3, wall = 1e-3, radius = 0.03;
+    const auto line = shapes::arc(radius, 0.0, 0.5 * kPi, 24);
+    CHECK(line.size() == 25);
+    CHECK(distance(line.back(), {0.0, radius, 0.0}) < 1e-15);
+    const auto vessel = shapes::vessel(line, inner, wall, {48, 2});
+    CHECK_NOTHROW(check(*vessel, "vessel"));
+    CHECK(vessel->nodes.size() == 25u * 48 * 3);
+    CHECK(vessel->tetrahedra.size() == 24u * 48 * 2 * 6);
+    double volume = 0.0;
+    for (int t = 0; t < static_cast<int>(vessel->tetrahedra.size()); ++t) volume += signedVolume(*vessel, t);
+    const double section = kPi * ((inner + wall) * (inner + wall) - inner * inner);
+    CHECK(volume == Approx(section * 0.5 * kPi * radius).epsilon(6e-3));
+    // Its boundary is closed, and has the topology of a torus: inside, outside and two rims.
+    const auto skin = boundary(*vessel);
+    CHECK(skin.size() == 2u * 2 * 48 * 24 + 2u * 2 * 48 * 2);
+    CHECK_THROWS_WITH(shapes::vessel(line, 4e-3, 0.0), "vessel: wall must be > 0 m, got 0");
+    CHECK_THROWS_WITH(shapes::vessel(line, 4e-3, 1e-3, {7, 1}), "vessel: cells[0] must be even, got 7");
+    CHECK_THROWS_WITH(shapes::vessel(line, 4e-3, 1e-3, {8, 0}), "vessel: cells[1] must be in [1, 100], got 0");
+    CHECK_THROWS_WITH(shapes::vessel(shapes::arc(3e-3, 0, 1, 8), 4e-3, 1e-3),
+                      "vessel: the line turns too sharply at points[0] or points[1] for a vessel that is 0.005 m in "
+                      "radius");
+    CHECK_THROWS_WITH(shapes::arc(0.0, 0, 1), "arc: radius must be > 0 m, got 0");
+}
+
 TEST_CASE("round shapes are closed, face outwards, and come as near to their volume as they are fine")
 {
     const double r = 0.01, l = 0.04;

@@ -44,6 +44,21 @@ TEST_CASE("the mouse moves the hand while its right button is held, and only the
     CHECK_FALSE(reader.read(move));
 }
 
+TEST_CASE("with Ctrl the mouse turns the hand: its tip goes where the mouse goes")
+{
+    PersonInputReader reader;
+    const auto withControl = [](auto event) {
+        event.modifiers.control = true;
+        return event;
+    };
+    CHECK(reader.read(button(MouseButton::Right, true)));
+    const auto move = reader.read(withControl(with<MouseMoveEvent>([](MouseMoveEvent& e) { e.dx = 3, e.dy = -4; })));
+    CHECK(move->turned == Vec3{4, -3, 0}); // about x: -z goes up; about -y: to the right
+    CHECK(move->moved == Vec3{});
+    const auto wheel = reader.read(withControl(with<MouseWheelEvent>([](MouseWheelEvent& e) { e.dy = 2; })));
+    CHECK(wheel->turned == Vec3{0, 0, 20});
+}
+
 TEST_CASE("keys push as long as they are held, and a window that is left lets go")
 {
     PersonInputReader reader;

@@ -262,6 +262,8 @@ TEST_CASE("scenes: instruments, tasks and measures that are wrong are refused wi
                Contains("must name two bodies, got rigid body 'ball' twice"));
     CHECK_THAT(step(R"({"type": "Touched", "first": "ball", "second": "ball"})"), Contains("must name two bodies"));
     CHECK_THAT(step(R"({"type": "Held", "body": "ball", "by": "ball"})"), Contains("must name two bodies"));
+    CHECK_THAT(step(R"({"type": "Pierced", "body": "ball"})"),
+               Contains("must be a soft body with a puncture, got rigid body 'ball'"));
     CHECK_THAT(step(R"({"type": "Parted", "body": "ball"})"),
                Contains("must be a soft body or a rod with dynamicTopology, got rigid body 'ball'"));
     CHECK_THAT(

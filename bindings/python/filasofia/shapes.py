@@ -1,5 +1,5 @@
 """Simple bodies without files, centred on the origin."""
 
-from ._core import block, box, capsule, cylinder, ellipsoid, sheet, sphere, tube
+from ._core import arc, block, box, capsule, cylinder, ellipsoid, sheet, sphere, tube, vessel
 
-__all__ = ["block", "box", "capsule", "cylinder", "ellipsoid", "sheet", "sphere", "tube"]
+__all__ = ["arc", "block", "box", "capsule", "cylinder", "ellipsoid", "sheet", "sphere", "tube", "vessel"]

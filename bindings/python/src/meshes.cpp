@@ -235,6 +235,20 @@ void bindClosedShapes(nb::module_& module)
         nb::sig("def tube(points: collections.abc.Sequence[collections.abc.Sequence[float]], radius: float, "
                 "sides: int = 8, sharp: bool = False) -> TriangleMesh"),
         "A round tube of `radius` [m] along a line through `points` [m]; with `sharp`, its first end is a point.");
+    module.def(
+        "arc",
+        [](double radius, double from, double to, int edges) {
+            nb::list points;
+            for (const Vec3& p : geometry::shapes::arc(radius, from, to, edges))
+                points.append(nb::make_tuple(p.x, p.y, p.z));
+            return points;
+        },
+        nb::arg("radius"), nb::arg("start"), nb::arg("end"), nb::arg("edges") = 16,
+        nb::sig("def arc(radius: float, start: float, end: float, edges: int = 16) -> "
+                "list[tuple[float, float, float]]"),
+        "Points [m] on a circle of `radius` [m] about the z axis, from one angle [rad] to another: the line of a "
+        "curved "
+        "needle.");
 }
 
 void bindFlatAndSolidShapes(nb::module_& module)
@@ -257,6 +271,17 @@ void bindFlatAndSolidShapes(nb::module_& module)
         nb::sig("def block(size: collections.abc.Sequence[float], cells: collections.abc.Sequence[int] = (4, 4, 4)) -> "
                 "TetMesh"),
         "A solid box of tetrahedra, six per cell.");
+    module.def(
+        "vessel",
+        [](nb::handle points, double radius, double wall, std::array<int, 2> cells) {
+            return Tetrahedra{geometry::shapes::vessel(readArgument<std::vector<Vec3>>(points, "vessel", "points"),
+                                                       radius, wall, cells)};
+        },
+        nb::arg("points").none(), nb::arg("radius"), nb::arg("wall"), nb::arg("cells") = std::array<int, 2>{12, 2},
+        nb::sig("def vessel(points: collections.abc.Sequence[collections.abc.Sequence[float]], radius: float, "
+                "wall: float, cells: collections.abc.Sequence[int] = (12, 2)) -> TetMesh"),
+        "A hollow vessel of tetrahedra along a line through `points` [m]: inside its `radius`, around that its `wall` "
+        "[m]; `cells` around it and through its wall.");
 }
 
 void bindFiles(nb::module_& module)

@@ -11,10 +11,13 @@
 /// The input and haptic devices that have drivers, and the Defs that select them.
 namespace filasofia::device {
 
-/// The mouse with its right button held down, and the keys: the user's input in the window (PointerInput). No force.
+/// The mouse with its right button held down, and the keys: the user's input in the window (PointerInput). With Ctrl it
+/// turns the hand: sideways, up and down, and with the wheel about the hand's own z axis, the shaft of an instrument.
+/// No force.
 struct MouseDevice {
     double reach = 2e-4; ///< [m], > 0, displacement of the device per pixel
     double speed = 0.05; ///< [m/s], > 0, while a key is held
+    double turn = 5e-3;  ///< [rad], > 0, by which it turns per pixel
 };
 /// A game controller: the left stick moves sideways and in depth, the right one up and down and around; deflection sets
 /// the speed.
@@ -47,8 +50,10 @@ constexpr auto fields(const MouseDevice*)
 {
     return describe("MouseDevice",
                     field("reach", &MouseDevice::reach, "m", positive(), "displacement of the device per pixel"),
-                    field("speed", &MouseDevice::speed, "m/s", positive(), "speed while a key is held"));
+                    field("speed", &MouseDevice::speed, "m/s", positive(), "speed while a key is held"),
+                    field("turn", &MouseDevice::turn, "rad", positive(), "angle per pixel, with Ctrl"));
 }
+constexpr std::size_t addedFields(const MouseDevice*) { return 1; }
 constexpr auto fields(const GamepadDevice*)
 {
     return describe(
@@ -87,15 +92,22 @@ std::string nameOf(const DeviceDef& def);
 /// The user's input as plain data, to be passed on to a PersonDevice.
 struct PersonInput {
     Vec3 moved = {}; ///< [px] mouse displacement to the right, up, towards the user (10 per notch of the wheel)
+    /// [px] the same, turning the hand about the device's x and y axes and about its own z axis
+    Vec3 turned = {};
     std::optional<Vec3> push = {};             ///< [-], each in [-1, 1]: keys or sticks held, or the cap's displacement
     std::optional<Vec3> twist = {};            ///< [-], each in [-1, 1]: the same for rotation
     std::optional<std::uint32_t> buttons = {}; ///< one bit per pressed button
 };
 
-/// A device moved by the user's input: its position follows the input smoothly, so that it has a velocity.
+/// A device moved by the user's input: its pose follows the input smoothly, so that it has a velocity.
 class PersonDevice final : public HapticDevice {
 public:
-    PersonDevice(std::string name, double reach, double speed, double turnSpeed);
+    /// Metres and radians per pixel, and speeds at full deflection.
+    struct Rates {
+        double reach = 0.0, turn = 0.0;      ///< [m/px], [rad/px]
+        double speed = 0.0, turnSpeed = 0.0; ///< [m/s], [rad/s]
+    };
+    PersonDevice(std::string name, const Rates& rates);
 
     void feed(const PersonInput& input); ///< any thread
 
@@ -104,18 +116,20 @@ public:
     void close() noexcept override {}
     [[nodiscard]] Capabilities capabilities() const override
     {
-        return {.orientation = turnSpeed_ > 0.0, .buttons = 32};
+        return {.orientation = rates_.turnSpeed > 0.0 || rates_.turn > 0.0, .buttons = 32};
     }
     DeviceSample read(double time) noexcept override;
     bool write(const CouplingForce&) noexcept override { return true; }
 
 private:
     const std::string name_;
-    const double reach_, speed_, turnSpeed_;
+    const Rates rates_;
     std::mutex mutex_;
     PersonInput input_;          ///< what is held down, and the pixels that are not read yet
     MotionState hand_;           ///< current position, on its way to the target
     Vec3 wanted_;                ///< [m] target position
+    Vec3 toTurn_, turning_;      ///< [rad] what is left of the mouse's turn, [rad/s] its velocity
+    Vec3 twisting_;              ///< [rad/s] velocity of a stick's turn
     std::optional<double> last_; ///< [s]
 };
 

@@ -5,9 +5,9 @@
 
 #include <memory>
 
-/// Simple bodies without files. All are centred on the origin; surfaces are closed, but for the sheet, and face
-/// outwards, and the vertices of round shapes lie on the exact surface. Each function throws an Error naming the shape,
-/// the argument, its bound and its value.
+/// Simple bodies without files. All are centred on the origin or follow a line; surfaces are closed, but for the sheet,
+/// and face outwards, and the vertices of round shapes lie on the exact surface. Each function throws an Error naming
+/// the shape, the argument, its bound and its value.
 namespace filasofia::geometry::shapes {
 
 /// A box of edges `size` [m], each > 0; every face has the given number of cells, in [1, 500], along its axes, two
@@ -41,5 +41,15 @@ std::shared_ptr<const TriangleMesh> sheet(double width, double depth, std::array
 /// A solid box of edges `size` [m], each > 0, with the given number of cells, in [1, 200], along each axis and six
 /// tetrahedra per cell. Neighbouring cells mirror each other, so an even number of cells has no preferred direction.
 std::shared_ptr<const TetMesh> block(Vec3 size, std::array<int, 3> cells = {4, 4, 4});
+
+/// A hollow vessel along the line through `points` [m], at least two: inside, its `radius` [m], > 0, and around that a
+/// `wall` [m], > 0. Its `cells` are those around it, an even number in [4, 500], and through its wall, in [1, 100];
+/// along it there is one per edge of the line. Both ends are open.
+std::shared_ptr<const TetMesh> vessel(const std::vector<Vec3>& points, double radius, double wall,
+                                      std::array<int, 2> cells = {12, 2});
+
+/// Points on a circle of `radius` [m], > 0, about the z axis, from one angle [rad] against the x axis to another, with
+/// `edges` in [1, 100000] between them: the line of a curved needle, for a tube or a vessel.
+std::vector<Vec3> arc(double radius, double from, double to, int edges = 16);
 
 } // namespace filasofia::geometry::shapes

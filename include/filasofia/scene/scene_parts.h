@@ -81,11 +81,17 @@ struct Parted {
     double area = 0.0; ///< [m^2], >= 0, opened in all since the run began, of one of the two sides
     int pieces = 0;    ///< [-], >= 0, that must have come loose
 };
+/// A needle, or a thread behind it, is in tissue.
+struct Pierced {
+    BodyId body = {};    ///< the tissue
+    BodyId by = {};      ///< the needle or thread at the entry; none: any
+    bool through = true; ///< whether the needle must have come out again
+};
 /// So much time has gone by since the step began.
 struct Waited {
     double seconds = 1.0; ///< [s], > 0
 };
-using Condition = std::variant<Reached, Touched, Held, Parted, Waited>;
+using Condition = std::variant<Reached, Touched, Held, Parted, Pierced, Waited>;
 
 constexpr auto fields(const Reached*)
 {
@@ -114,6 +120,13 @@ constexpr auto fields(const Parted*)
     return describe("Parted", field("body", &T::body, "the body that is cut or torn"),
                     field("area", &T::area, "m^2", nonNegative(), "area that must be opened"),
                     field("pieces", &T::pieces, "-", nonNegative(), "pieces that must have come loose"));
+}
+constexpr auto fields(const Pierced*)
+{
+    using T = Pierced;
+    return describe("Pierced", field("body", &T::body, "the tissue"),
+                    field("by", &T::by, "the needle or thread at the entry; none: any"),
+                    field("through", &T::through, "whether the needle must have come out again"));
 }
 constexpr auto fields(const Waited*)
 {

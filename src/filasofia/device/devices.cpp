@@ -21,15 +21,18 @@ struct Make {
 
     std::unique_ptr<HapticDevice> operator()(const MouseDevice& def) const
     {
-        return std::make_unique<PersonDevice>("mouse", def.reach, def.speed, 0.0);
+        return std::make_unique<PersonDevice>(
+            "mouse", PersonDevice::Rates{.reach = def.reach, .turn = def.turn, .speed = def.speed});
     }
     std::unique_ptr<HapticDevice> operator()(const GamepadDevice& def) const
     {
-        return std::make_unique<PersonDevice>("gamepad", 0.0, def.speed, def.turnSpeed);
+        return std::make_unique<PersonDevice>("gamepad",
+                                              PersonDevice::Rates{.speed = def.speed, .turnSpeed = def.turnSpeed});
     }
     std::unique_ptr<HapticDevice> operator()(const SpaceMouseDevice& def) const
     {
-        return std::make_unique<PersonDevice>("spacemouse", 0.0, def.speed, def.turnSpeed);
+        return std::make_unique<PersonDevice>("spacemouse",
+                                              PersonDevice::Rates{.speed = def.speed, .turnSpeed = def.turnSpeed});
     }
     std::unique_ptr<HapticDevice> operator()(const ScriptedDevice& def) const { return makeScripted(def); }
     std::unique_ptr<HapticDevice> operator()(const ForceDimensionDevice& def) const

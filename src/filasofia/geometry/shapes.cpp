@@ -1,6 +1,7 @@
 #include "filasofia/geometry/shapes.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/geometry/kuhn.h"
 
 #include <algorithm>
 #include <cmath>
@@ -203,26 +204,9 @@ std::shared_ptr<const TetMesh> block(Vec3 size, std::array<int, 3> cells)
     for (int i = 0; i <= cells[0]; ++i)
         for (int j = 0; j <= cells[1]; ++j)
             for (int k = 0; k <= cells[2]; ++k) mesh.nodes.push_back(placeOf({i, j, k}, size, cells));
-    // Kuhn's six: each goes from one corner of the cell to the opposite one, along the axes in a different order. In a
-    // cell of odd index along an axis the path runs backwards along it, so neighbouring cells are mirror images.
-    const auto cell = [&](const GridPoint& low) {
-        std::array<std::size_t, 3> axes{0, 1, 2};
-        do {
-            GridPoint at{};
-            for (std::size_t axis = 0; axis < 3; ++axis) at[axis] = low[axis] + low[axis] % 2;
-            Tetrahedron t{node(at)};
-            for (std::size_t step = 0; step < 3; ++step) {
-                at[axes[step]] += low[axes[step]] % 2 == 0 ? 1 : -1;
-                t[step + 1] = node(at);
-            }
-            mesh.tetrahedra.push_back(t);
-            if (signedVolume(mesh, static_cast<int>(mesh.tetrahedra.size()) - 1) < 0.0)
-                std::swap(mesh.tetrahedra.back()[2], mesh.tetrahedra.back()[3]);
-        } while (std::next_permutation(axes.begin(), axes.end()));
-    };
     for (int i = 0; i < cells[0]; ++i)
         for (int j = 0; j < cells[1]; ++j)
-            for (int k = 0; k < cells[2]; ++k) cell({i, j, k});
+            for (int k = 0; k < cells[2]; ++k) addKuhnCell(mesh, {i, j, k}, node);
     return std::make_shared<const TetMesh>(std::move(mesh));
 }
 

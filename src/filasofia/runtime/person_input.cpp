@@ -47,9 +47,11 @@ std::optional<device::PersonInput> PersonInputReader::read(const event::Event& e
         return device::PersonInput{.buttons = buttons_};
     }
     if (const auto* move = dynamic_cast<const event::MouseMoveEvent*>(&event); move && held_)
-        return device::PersonInput{.moved = {move->dx, -move->dy, 0.0}};
+        return move->modifiers.control ? device::PersonInput{.turned = {-move->dy, -move->dx, 0.0}}
+                                       : device::PersonInput{.moved = {move->dx, -move->dy, 0.0}};
     if (const auto* wheel = dynamic_cast<const event::MouseWheelEvent*>(&event); wheel && held_)
-        return device::PersonInput{.moved = {0.0, 0.0, -kNotch * wheel->dy}};
+        return wheel->modifiers.control ? device::PersonInput{.turned = {0.0, 0.0, kNotch * wheel->dy}}
+                                        : device::PersonInput{.moved = {0.0, 0.0, -kNotch * wheel->dy}};
     if (const auto* window = dynamic_cast<const event::WindowEvent*>(&event);
         window &&
         window->kind == event::WindowEvent::Kind::FocusLost) { // a release in another window does not reach us

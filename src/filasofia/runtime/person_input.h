@@ -8,8 +8,8 @@
 namespace filasofia::runtime {
 
 /// Turns mouse and keys of the window into the input of devices that have no driver of their own. The mouse moves the
-/// hand while its right button is held; the wheel then moves it towards the screen and back. The arrow keys, Page Up
-/// and Page Down move it too.
+/// hand while its right button is held; the wheel then moves it towards the screen and back. With Ctrl both turn it.
+/// The arrow keys, Page Up and Page Down move it too.
 class PersonInputReader {
 public:
     /// Nothing if the event is not meant for a device.

@@ -70,7 +70,7 @@ template <class T> std::vector<std::string_view> required()
         return {"camera"};
     else if constexpr (std::is_same_v<T, TimedCommand>)
         return {"time", "type"};
-    else if constexpr (IsAnyOf<T, physics::Attach, physics::AttachRigid, SceneFollow, Reached, Held, Parted,
+    else if constexpr (IsAnyOf<T, physics::Attach, physics::AttachRigid, SceneFollow, Reached, Held, Parted, Pierced,
                                prefab::TrackedBody>)
         return {"body"};
     else if constexpr (std::is_same_v<T, Touched>)

@@ -62,6 +62,13 @@ struct BlockShape {
     std::array<int, 3> cells = {4, 4, 4};
     [[nodiscard]] TetPtr make() const { return geometry::shapes::block(size, cells); }
 };
+struct VesselShape {
+    std::vector<Vec3> points = {};
+    double radius = 0.0;
+    double wall = 0.0;
+    std::array<int, 2> cells = {12, 2};
+    [[nodiscard]] TetPtr make() const { return geometry::shapes::vessel(points, radius, wall, cells); }
+};
 /// A surface file in another unit than metres.
 struct ScaledSurface {
     std::string file = {};
@@ -84,8 +91,8 @@ struct ScaledTetrahedra {
 /// What a surface may be made of, and what a soft body may.
 using SurfaceShape = std::variant<BoxShape, SphereShape, EllipsoidShape, CapsuleShape, CylinderShape, TubeShape,
                                   SheetShape, ScaledSurface>;
-using SoftShape = std::variant<BlockShape, ScaledTetrahedra, SheetShape, BoxShape, SphereShape, EllipsoidShape,
-                               CapsuleShape, CylinderShape, TubeShape, ScaledSurface>;
+using SoftShape = std::variant<BlockShape, VesselShape, ScaledTetrahedra, SheetShape, BoxShape, SphereShape,
+                               EllipsoidShape, CapsuleShape, CylinderShape, TubeShape, ScaledSurface>;
 
 constexpr auto fields(const BoxShape*)
 {
@@ -137,6 +144,14 @@ constexpr auto fields(const BlockShape*)
 {
     return describe("block", field("size", &BlockShape::size, "m", positive(), "edges"),
                     field("cells", &BlockShape::cells, "-", closed(1, 200), "cells along each edge"));
+}
+constexpr auto fields(const VesselShape*)
+{
+    using T = VesselShape;
+    return describe("vessel", field("points", &T::points, "m", finite(), "the line along its middle"),
+                    field("radius", &T::radius, "m", positive(), "radius inside"),
+                    field("wall", &T::wall, "m", positive(), "thickness of its wall"),
+                    field("cells", &T::cells, "-", closed(1, 500), "cells around it, an even number, and through it"));
 }
 constexpr auto fields(const ScaledSurface*)
 {

@@ -82,6 +82,7 @@ public:
         if (const auto* touched = std::get_if<Touched>(&condition_)) return middleOf(frame, touched->second);
         if (const auto* held = std::get_if<Held>(&condition_)) return middleOf(frame, held->body);
         if (const auto* parted = std::get_if<Parted>(&condition_)) return middleOf(frame, parted->body);
+        if (const auto* pierced = std::get_if<Pierced>(&condition_)) return middleOf(frame, pierced->body);
         return {};
     }
 
@@ -118,6 +119,13 @@ private:
             if (each.broken || each.points == 0 || !each.to) return false;
             const BodyId other = each.body == held.body ? each.to : each.to == held.body ? each.body : BodyId{};
             return other && (!held.by || other == held.by);
+        });
+    }
+    static bool holds(const Frame& frame, const Pierced& pierced)
+    {
+        return std::ranges::any_of(frame.channels, [&](const frame::Channel& each) {
+            return each.tissue == pierced.body && (!pierced.by || each.inside == pierced.by) &&
+                   (each.through || !pierced.through);
         });
     }
     [[nodiscard]] bool holds(const Frame&, const Parted& parted) const { return partings_->reached(parted); }
@@ -159,6 +167,14 @@ public:
         const auto* rod = std::get_if<physics::RodBodyDef>(&def);
         if (!(soft && soft->dynamicTopology) && !(rod && rod->dynamicTopology))
             fail(path_, ".body must be a soft body or a rod with dynamicTopology, got ", physics::describeBody(def));
+    }
+    void operator()(const Pierced& c) const
+    {
+        const physics::BodyDef& def = *server_.def(c.body);
+        const auto* soft = std::get_if<physics::SoftBodyDef>(&def);
+        if (!soft || !soft->puncture)
+            fail(path_, ".body must be a soft body with a puncture, got ", physics::describeBody(def));
+        differ(c.body, c.by);
     }
     void operator()(const Waited&) const {}
 
