@@ -1,4 +1,4 @@
-"""Environments for gymnasium (docs/guide/environments.md): importing this module registers "filasofia/Reach-v0" and nine more."""
+"""Environments for gymnasium (docs/guide/environments.md): importing this module registers "filasofia/Reach-v0" and thirteen more."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ try:
 except ImportError:
     raise ImportError("filasofia.gym needs gymnasium: pip install filasofia[gym]") from None
 
-from .environment import Judgement, SurgicalEnv, Tool
+from .environment import Judgement, SurgicalEnv
+from .stitches import LigatingLoop, Suture
 from .tasks import (
     BimanualTissueManipulation,
     DeflectSpheres,
@@ -20,6 +21,8 @@ from .tasks import (
     TissueManipulation,
     TissueRetraction,
 )
+from .threads import RopeThreading, ThreadInHole
+from .tool import Joint, Tool
 from .vector import VectorEnv
 
 TASKS = (
@@ -33,6 +36,10 @@ TASKS = (
     PickAndPlace,
     GraspLift,
     PolypRemoval,
+    ThreadInHole,
+    RopeThreading,
+    LigatingLoop,
+    Suture,
 )
 
 # Name by name, because type checkers read no more than that.
@@ -41,13 +48,18 @@ __all__ = [
     "BimanualTissueManipulation",
     "DeflectSpheres",
     "GraspLift",
+    "Joint",
     "Judgement",
+    "LigatingLoop",
     "PickAndPlace",
     "PolypRemoval",
     "PrecisionCutting",
     "Reach",
+    "RopeThreading",
     "SearchForPoint",
+    "Suture",
     "SurgicalEnv",
+    "ThreadInHole",
     "TissueManipulation",
     "TissueRetraction",
     "Tool",
