@@ -154,9 +154,13 @@ def _both(env: SurgicalEnv, hand: int, steps: typing.Iterable[Array]) -> Moves:
 def _to(
     env: SurgicalEnv, tool: Tool, place: typing.Any, grip: float = 0.0, joints: typing.Any = None, slow: float = 1.0
 ) -> typing.Iterator[Array]:
-    """The steps of one tool until it is at a place, or does not come nearer."""
+    """The steps of one tool until it is at a place, or stands still."""
+    before = None
     for _ in range(150):
         there = place() if callable(place) else np.asarray(place)
+        if before is not None and np.array_equal(before, np.append(tool.place, tool.values)):
+            return
+        before = np.append(tool.place, tool.values)
         steady = joints is None or np.abs(_command(env, tool, there, joints)[3 : 3 + len(tool.joints)]).max() < 0.5
         if np.linalg.norm(np.clip(there, tool.low, tool.high) - tool.place) < 5e-4 and steady:
             return
@@ -172,9 +176,9 @@ def _thread(env: threads.RopeThreading) -> Moves:
         yield from _both(env, 1, _take(env, middle, axis))
         yield from _both(env, 0, [np.array([0, 0, 0, 0, -1.0])])
         first, second = env.tools
-        more = 0.03 if i + 1 == len(env.eyelets) else 0.026
-        yield from _both(env, 1, _to(env, second, second.place + more * axis + (0, 0.004, 0), slow=0.6))
-        if i + 1 < len(env.eyelets):
+        last = i + 1 == len(env.eyelets)
+        yield from _both(env, 1, _to(env, second, second.place + (0.03 if last else 0.025) * axis + (0, 0.004, 0), slow=0.6))
+        if not last:
             yield from _both(env, 0, _hand_back(env, i))
             yield from _both(env, 1, _to(env, second, second.place + (0.006, 0.02, 0), -1.0))
     yield from _stay(10)
@@ -187,7 +191,8 @@ def _end(env: threads.RopeThreading) -> Array:
 def _push(env: threads.RopeThreading, middle: Array, axis: Array) -> typing.Iterator[Array]:
     """The first hand brings the end before an eyelet, and as far through it as it can."""
     tool = env.tools[0]
-    for ahead, slow in ((-0.006, 0.6), (0.012, 0.4)):
+    for ahead, slow in ((-0.006, 1.0), (0.012, 0.5)):
+        before = tool.place + 1.0
         for _ in range(120):
             end, next_ = env.sim.frame[env.rope].positions[:2]
             heading = end - next_
@@ -197,14 +202,15 @@ def _push(env: threads.RopeThreading, middle: Array, axis: Array) -> typing.Iter
                 along = error @ axis
                 error = error + (0.0 if np.linalg.norm(error - along * axis) < 0.6 * env.ring else -along) * axis
             yield slow * _command(env, tool, tool.place + 0.5 * error, tool.values + 0.3 * turn)
-            if np.linalg.norm(error) < 0.0012 or (tool.place - middle) @ axis > -0.0042:
-                break
+            if np.linalg.norm(error) < 0.0012 or np.array_equal(tool.place, before):
+                break  # there, or as near to the eyelet as the hand comes
+            before = tool.place
 
 
 def _take(env: threads.RopeThreading, middle: Array, axis: Array) -> typing.Iterator[Array]:
     """The second hand takes the end on the other side."""
     tool = env.tools[1]
-    yield from _to(env, tool, lambda: _end(env) + 0.02 * axis + (0, 0.012, 0), -1.0)
+    yield from _to(env, tool, lambda: _end(env) + 0.008 * axis + (0, 0.015, 0), -1.0)
     yield from _to(env, tool, lambda: _end(env) + (0, 0.001, 0), -1.0)
     yield np.array([0, 0, 0, 0, 1.0])
     yield np.zeros(5)

@@ -10,7 +10,7 @@ import filasofia as fs
 
 from . import bodies
 from .environment import Judgement
-from .threads import DRAPE, GREEN, ThreadEnv, plain
+from .threads import BLUE, GREEN, STEEL, ThreadEnv, plain
 from .tool import Array, Joint, Tool, aim, posed, times, turned
 
 
@@ -26,15 +26,15 @@ class LigatingLoop(ThreadEnv):
     what the constriction lacks, +10 for success.
     """
 
-    eye, looks_at = (0.06, 0.1, 0.11), (0.0, 0.03, 0.004)
-    lens = fs.CameraDef(vertical_field_of_view=0.62, near=0.001, exposure=10.2)
+    eye, looks_at = (0.07, 0.12, 0.07), (0.0, 0.026, 0.004)
+    lens = fs.CameraDef(vertical_field_of_view=0.55, near=0.001, exposure=10.5)
     radius, layer = 0.006, 0.0025  # of the vessel, and of its elements
 
     def build(self) -> list[Tool]:
         self.table(top=-0.003)
         self.vessel = self.soft(
             "vessel",
-            bodies.soft_pipe(0.003, self.radius, 0.045, (16, 18, 1)),
+            bodies.soft_pipe(0.003, self.radius, 0.045, (12, 18, 1)),
             material=fs.FemMaterial(young_modulus=20e3, poisson_ratio=0.4),
             attachments=[fs.AttachmentDef(box=fs.Box((-1, -1, -1), (1, 1e-4, 1)))],
             collision=[fs.CollisionDef(proximity=0.5e-3)],
@@ -184,8 +184,8 @@ class Suture(ThreadEnv):
     """
 
     rate = 1000  # at 500 Hz the tip may slip into the second edge without piercing it
-    eye, looks_at = (0.0, 0.06, 0.055), (0.0, 0.0, 0.0)
-    lens = fs.CameraDef(vertical_field_of_view=0.62, near=0.001, exposure=10.2)
+    eye, looks_at = (0.026, 0.06, 0.044), (0.0, 0.0, 0.0)
+    lens = fs.CameraDef(vertical_field_of_view=0.62, near=0.001, exposure=11.2)
     gap, bite, radius, thick = 0.003, 0.0066, 0.008, 0.0004  # of the wound, the stitch, the needle
     port = (0.0, 0.03, 0.16)
     size = (0.016, 0.008, 0.024)  # of an edge
@@ -218,7 +218,7 @@ class Suture(ThreadEnv):
             attachments=[fs.AttachmentDef(nodes=[0], to=self.needle)],
         )
         self.forceps = forceps
-        self.marked = [self.marker(f"mark {i}", color, 0.0007) for i, color in enumerate(((0.1, 0.4, 1.0), GREEN))]
+        self.marked = [self.marker(f"mark {i}", color, 0.0007) for i, color in enumerate((BLUE, GREEN))]
         return [tool]
 
     def _edge(self, name: str, side: int) -> fs.BodyId:
@@ -229,14 +229,14 @@ class Suture(ThreadEnv):
         return self.block(
             name,
             self.size,
-            (8, 4, 8),
+            (6, 3, 6),
             pose=(x, -self.size[1] / 2, 0),
             material=fs.FemMaterial(young_modulus=120e3, poisson_ratio=0.45),
             gravity=False,
             collision=[fs.CollisionDef(proximity=0.3e-3)],
             attachments=[fs.AttachmentDef(box=outer)],
             puncture=fs.PunctureDef(force=0.08, cutting=0.04, friction=4),
-            look=fs.TissueMaterial(base_color=(0.85, 0.55, 0.45)),
+            look=fs.TissueMaterial(base_color=(0.75, 0.4, 0.32), wetness=0.3),
         )
 
     def _hold(self, tool: Tool) -> tuple[Array, Array]:
@@ -262,7 +262,7 @@ class Suture(ThreadEnv):
                 needle=fs.NeedleDef(line=self.line, radius=self.thick),
             )
         )
-        self.sim.show(body, material=fs.MetalMaterial())
+        self.sim.show(body, material=STEEL)
         return body
 
     def prepare(self) -> None:

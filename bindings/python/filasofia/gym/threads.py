@@ -12,13 +12,18 @@ from . import bodies
 from .environment import Judgement, SurgicalEnv
 from .tool import Array, Joint, Tool, aim, posed, turned
 
-GREEN, DIM = (0.1, 1.0, 0.2), (0.25, 0.3, 0.25)
-DRAPE = fs.TissueMaterial(base_color=(0.08, 0.26, 0.3), wetness=0, vessels=0, mottling=0.3)
+GREEN, BLUE = (0.0, 0.75, 0.1), (0.0, 0.1, 0.9)
+DRAPE = fs.TissueMaterial(
+    base_color=(0.015, 0.13, 0.14), wetness=0, vessels=0, mottling=0.1, bump=0.2, subsurface_color=(0.01, 0.1, 0.1)
+)
+STEEL = fs.MetalMaterial(base_color=(0.85, 0.87, 0.9), roughness=0.55)
 
 
 def plain(color: typing.Any, wetness: float = 0.0) -> fs.TissueMaterial:
-    """A material without vessels."""
-    return fs.TissueMaterial(base_color=color, wetness=wetness, vessels=0, mottling=0)
+    """Plastic: a material without vessels and relief."""
+    return fs.TissueMaterial(
+        base_color=color, subsurface_color=color, wetness=wetness, vessels=0, mottling=0, bump=0
+    )
 
 
 class ThreadEnv(SurgicalEnv):
@@ -30,7 +35,7 @@ class ThreadEnv(SurgicalEnv):
 
     reach = 0.003  #: [m]
 
-    def table(self, size: typing.Any = (0.4, 0.01, 0.3), top: float = 0.0) -> fs.BodyId:
+    def table(self, size: typing.Any = (0.6, 0.01, 0.6), top: float = 0.0) -> fs.BodyId:
         """Adds a table; `top` is its height [m]."""
         body = self.sim.add(
             fs.RigidBodyDef(
@@ -48,11 +53,11 @@ class ThreadEnv(SurgicalEnv):
         """Adds an instrument with two jaws, whose middle is its tip; it collides with nothing."""
         pose = posed(start, aim(start, port))
         body = self.sim.add(fs.RigidBodyDef(name=name, elements=[pose], mesh=fs.shapes.sphere(0.002)))
-        shaft = bodies.moved(fs.shapes.cylinder(0.0025, 0.16), (0, 0.091, 0))
-        jaw = fs.shapes.box((0.0012, 0.015, 0.003))
-        jaws = bodies.joined(*(bodies.moved(jaw, (x, 0.0045, 0)) for x in (-0.0016, 0.0016)))
+        shaft = bodies.moved(fs.shapes.cylinder(0.002, 0.16), (0, 0.09, 0))
+        jaw = fs.shapes.box((0.0008, 0.012, 0.002))
+        jaws = bodies.joined(*(bodies.moved(jaw, (x, 0.0045, 0)) for x in (-0.001, 0.001)))
         for surface in (shaft, jaws):
-            self.sim.show(body, surface=surface, material=fs.MetalMaterial(), cast_shadows=False)
+            self.sim.show(body, surface=surface, material=STEEL, cast_shadows=False)
         return body
 
     def thread(self, name: str, points: typing.Any, color: typing.Any, **fields: typing.Any) -> fs.BodyId:
@@ -83,8 +88,8 @@ class ThreadInHole(ThreadEnv):
     +10 for success.
     """
 
-    eye, looks_at = (0.03, 0.13, 0.17), (0.0, 0.045, 0.0)
-    lens = fs.CameraDef(vertical_field_of_view=0.62, near=0.001, exposure=10.2)
+    eye, looks_at = (0.05, 0.18, 0.15), (0.0, 0.05, 0.0)
+    lens = fs.CameraDef(vertical_field_of_view=0.6, near=0.001, exposure=10.5)
     height, port = 0.03, (0.0, 0.2, 0.08)
 
     def build(self) -> list[Tool]:
@@ -205,8 +210,8 @@ class RopeThreading(ThreadEnv):
     times the length that is not yet through the last one [m], +10 for success.
     """
 
-    eye, looks_at = (0.01, 0.14, 0.17), (0.005, 0.022, 0.0)
-    lens = fs.CameraDef(vertical_field_of_view=0.68, near=0.001, exposure=10.2)
+    eye, looks_at = (0.02, 0.17, 0.15), (0.005, 0.03, 0.0)
+    lens = fs.CameraDef(vertical_field_of_view=0.7, near=0.001, exposure=10.5)
     ports = ((-0.08, 0.22, 0.1), (0.09, 0.22, 0.1))
     wire, clearance = 0.0012, 0.0035
 
@@ -214,15 +219,15 @@ class RopeThreading(ThreadEnv):
         self.ring = (0.007, 0.005, 0.006)[self.difficulty]
         self.wanted = (0.008, 0.03, 0.03)[self.difficulty]
         self.table()
-        count = 2 if self.difficulty == 2 else 1
-        self.eyelets = [self._eyelet(f"eyelet {i}", (0.04 * i, 0.0, 0.0)) for i in range(count)]
+        self.rows = np.array([-0.015, 0.04] if self.difficulty == 2 else [0.0])
+        self.eyelets = [self._eyelet(f"eyelet {i}", (x, 0.03, 0.0)) for i, x in enumerate(self.rows)]
         joint = Joint(-1.5, 1.5, 2.0, (0, 1, 0))
-        starts = ((-0.045, 0.05, 0.0), (0.06, 0.05, 0.0))
+        starts = ((-0.045, 0.05, 0.0), (0.07, 0.05, 0.0))
         tools = [
-            Tool(self.grasper(name, at, port), at, (-0.07, 0.006, -0.05), (0.1, 0.08, 0.05), port=port, joints=(joint,))
+            Tool(self.grasper(name, at, port), at, (-0.07, 0.006, -0.05), (0.11, 0.08, 0.05), port=port, joints=(joint,))
             for name, at, port in zip(("left grasper", "right grasper"), starts, self.ports)
         ]
-        end, length = -0.031, (0.1, 0.1, 0.14)[self.difficulty]
+        end, length = -0.031, (0.1, 0.1, 0.15)[self.difficulty]
         self.rope = self.thread(
             "rope",
             [(end, 0.05, 0), (end - length, 0.05, 0)],
@@ -242,17 +247,17 @@ class RopeThreading(ThreadEnv):
         body = self.sim.add(
             fs.RigidBodyDef(
                 name=name,
-                elements=[np.array(place) + (0, 0.03, 0)],
+                elements=[place],
                 mesh=surface,
                 collision=[fs.CollisionDef(proximity=0.5e-3)],
                 friction=0.2,
             )
         )
-        self.sim.show(body, material=fs.MetalMaterial(base_color=(0.95, 0.6, 0.25)))
+        self.sim.show(body, material=plain((0.9, 0.3, 0.05), 0.3))
         return body
 
     def prepare(self) -> None:
-        self.places = [np.array([0.04 * i, 0.03, 0.0]) for i in range(len(self.eyelets))]
+        self.places = [np.array([x, 0.03, 0.0]) for x in self.rows]
         self.angles = np.zeros(len(self.eyelets))
         first = self.tools[0]
         self.held = self.sim.attach(self.rope, fs.AttachmentDef(nodes=[3, 4], to=first.body))
@@ -261,8 +266,8 @@ class RopeThreading(ThreadEnv):
     def arrange(self) -> None:
         self.tools[0].grasp = self.held
         count = len(self.eyelets)
-        away = self.np_random.uniform((-0.006, -0.003, -0.012), (0.006, 0.006, 0.012), (count, 3))
-        self.places = [np.array([0.04 * i, 0.03, 0.0]) + (each[0], 0, each[2]) for i, each in enumerate(away)]
+        away = self.np_random.uniform((-0.006, -0.012), (0.006, 0.012), (count, 2))
+        self.places = [np.array([row + x, 0.03, z]) for row, (x, z) in zip(self.rows, away)]
         self.angles = self.np_random.uniform(-0.4, 0.4, count)
         self.carry(self.tools, (-0.006, 0, -0.006), (0.006, 0.006, 0.006))
 
