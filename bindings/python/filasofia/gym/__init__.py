@@ -7,6 +7,7 @@ try:
 except ImportError:
     raise ImportError("filasofia.gym needs gymnasium: pip install filasofia[gym]") from None
 
+from .cuts import PolypRemoval, PrecisionCutting
 from .environment import Judgement, SurgicalEnv
 from .stitches import LigatingLoop, Suture
 from .tasks import (
@@ -14,8 +15,6 @@ from .tasks import (
     DeflectSpheres,
     GraspLift,
     PickAndPlace,
-    PolypRemoval,
-    PrecisionCutting,
     Reach,
     SearchForPoint,
     TissueManipulation,

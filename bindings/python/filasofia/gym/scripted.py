@@ -6,7 +6,7 @@ import typing
 
 import numpy as np
 
-from . import stitches, tasks, threads
+from . import cuts, stitches, tasks, threads
 from .environment import SurgicalEnv
 from .tool import Array, Tool, turned
 
@@ -93,7 +93,7 @@ def _retract(env: tasks.TissueRetraction) -> Moves:
     yield from _stay(4, 1.0)
 
 
-def _cut(env: tasks.PrecisionCutting) -> Moves:
+def _cut(env: cuts.PrecisionCutting) -> Moves:
     yield from _go(env, (env.x, 0.0, 0.045))
     yield from _go(env, (env.x, 0.0, env.end + 0.002))
     yield from _stay(3)
@@ -117,7 +117,7 @@ def _lift(env: tasks.GraspLift) -> Moves:
     yield from _stay(4, 1.0)
 
 
-def _resect(env: tasks.PolypRemoval) -> Moves:
+def _resect(env: cuts.PolypRemoval) -> Moves:
     yield from _go(env, (0, 0.0065, 0.012))
     yield from _go(env, (0, 0.0065, -0.012))
     yield from _stay(3)
@@ -288,10 +288,10 @@ POLICIES: dict[type[SurgicalEnv], typing.Callable[[typing.Any], Moves]] = {
     tasks.TissueManipulation: _manipulate,
     tasks.TissueRetraction: _retract,
     tasks.BimanualTissueManipulation: _manipulate,
-    tasks.PrecisionCutting: _cut,
+    cuts.PrecisionCutting: _cut,
     tasks.PickAndPlace: _place,
     tasks.GraspLift: _lift,
-    tasks.PolypRemoval: _resect,
+    cuts.PolypRemoval: _resect,
     threads.ThreadInHole: _insert,
     threads.RopeThreading: _thread,
     stitches.LigatingLoop: _ligate,

@@ -28,6 +28,7 @@ class LigatingLoop(ThreadEnv):
 
     eye, looks_at = (0.07, 0.12, 0.07), (0.0, 0.026, 0.004)
     lens = fs.CameraDef(vertical_field_of_view=0.55, near=0.001, exposure=10.5)
+    rate = 1000  # at 500 Hz a thread that is pulled tight may leave the pusher through its wall
     radius, layer = 0.006, 0.0025  # of the vessel, and of its elements
 
     def build(self) -> list[Tool]:
@@ -61,7 +62,7 @@ class LigatingLoop(ThreadEnv):
         return [tool]
 
     def _pusher(self, pose: fs.Pose) -> fs.BodyId:
-        # A round mouth: over a sharp one, steps of 2 ms lose a thread that is pulled around it.
+        # A round mouth: a thread that is pulled around it does not ride over corners.
         inner, wall = 0.9e-3, 1.1e-3
         turn = np.linspace(-np.pi, 0.0, 9)
         mouth = np.stack([inner + wall / 2 * (1 + np.cos(turn)), wall / 2 * (1 + np.sin(turn))], axis=1)
@@ -108,7 +109,7 @@ class LigatingLoop(ThreadEnv):
         chosen = int(self.np_random.integers(len(self.rings)))
         self.ring, self.area = self.rings[chosen], self.areas[chosen]
         self.put(self.marked, self._middle() - (0, 0.0005, 0))
-        self.carry(self.tools, (-0.006, -0.002, -0.003), (0.006, 0.004, 0.006))
+        self.carry(self.tools, (-0.006, -0.002, -0.003), (0.006, 0.004, 0.006), 20)
 
     def _area(self, ring: Array) -> float:
         """The area of the vessel's cross-section at nodes around it."""
@@ -152,6 +153,7 @@ class LigatingLoop(ThreadEnv):
 
     def judge(self) -> Judgement:
         noose, middle = self._noose(), self._middle()
+        self.put(self.marked, middle - (0, 0.0005, 0))
         around = self._around(noose)
         centre = noose.mean(axis=0) if len(noose) else self.tools[0].place
         away = abs(float(centre[1] - middle[1])) if around else float(np.linalg.norm(centre - middle))
@@ -194,7 +196,7 @@ class Suture(ThreadEnv):
         self.table(top=-0.0095)
         self.edges = [self._edge("left edge", -1), self._edge("right edge", 1)]
         angles = np.radians(np.linspace(0.0, 180.0, 19))
-        self.line = self.radius * np.stack([np.cos(angles), 0 * angles, np.sin(angles)], axis=1)
+        self.line = (self.radius * np.stack([np.cos(angles), 0 * angles, np.sin(angles)], axis=1)).tolist()
         start = (0.006, 0.0135, 0.0)
         driver = self.grasper("driver", start, self.port)
         roll = Joint(-1.0, 5.0, 3.0, (0, 1, 0))
@@ -286,7 +288,7 @@ class Suture(ThreadEnv):
         lips = (-self.gap / 2, self.gap / 2)
         self.targets = [self._point(i, (x + away, z)) for i, (x, away) in enumerate(zip((-self.bite, self.bite), across))]
         self.lips = [self._point(i, (x, z)) for i, x in enumerate(lips)]
-        self.carry(self.tools, (-0.003, 0, -0.003), (0.003, 0.004, 0.003))
+        self.carry(self.tools, (-0.003, 0, -0.003), (0.003, 0.004, 0.003), 20)
 
     def _point(self, edge: int, place: typing.Any) -> tuple[int, Array, Array]:
         """A point of the upper face of an edge, as an edge and weights of its nodes: bilinear in their grid."""

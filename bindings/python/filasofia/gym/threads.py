@@ -69,6 +69,8 @@ class ThreadEnv(SurgicalEnv):
         return body
 
     def catch(self, tool: Tool) -> fs.AttachmentId | None:
+        if tool.grips is None:
+            return None
         places = self.sim.frame[tool.grips].positions
         away = np.linalg.norm((places[:-1] + places[1:]) / 2 - tool.place, axis=1)
         nearest = int(away.argmin())
@@ -282,7 +284,7 @@ class RopeThreading(ThreadEnv):
     def limit(self, tool: Tool, place: Array) -> Array:
         def away(at: Array, i: int) -> float:
             along = (at - self.places[i]) @ self.axis(i)
-            across = np.linalg.norm(at - self.places[i] - along * self.axis(i))
+            across = float(np.linalg.norm(at - self.places[i] - along * self.axis(i)))
             return float(np.hypot(along, max(across - self.ring - 2 * self.wire, 0.0)))
 
         for i in range(len(self.eyelets)):
