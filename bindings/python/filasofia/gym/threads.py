@@ -91,7 +91,7 @@ class ThreadInHole(ThreadEnv):
     """
 
     eye, looks_at = (0.05, 0.18, 0.15), (0.0, 0.05, 0.0)
-    lens = fs.CameraDef(vertical_field_of_view=0.6, near=0.001, exposure=10.5)
+    lens = fs.CameraDef(vertical_field_of_view=0.6, near=0.001, exposure=10.8)
     height, port = 0.03, (0.0, 0.2, 0.08)
 
     def build(self) -> list[Tool]:
@@ -213,7 +213,7 @@ class RopeThreading(ThreadEnv):
     """
 
     eye, looks_at = (0.02, 0.17, 0.15), (0.005, 0.03, 0.0)
-    lens = fs.CameraDef(vertical_field_of_view=0.7, near=0.001, exposure=10.5)
+    lens = fs.CameraDef(vertical_field_of_view=0.7, near=0.001, exposure=10.7)
     ports = ((-0.08, 0.22, 0.1), (0.09, 0.22, 0.1))
     wire, clearance = 0.0012, 0.0035
 
