@@ -1,4 +1,4 @@
-"""Environments for gymnasium (docs/guide/environments.md): importing this module registers "filasofia/Reach-v0" and thirteen more."""
+"""Environments for gymnasium (docs/guide/environments.md): importing this registers filasofia/Reach-v0 and 13 more."""
 
 from __future__ import annotations
 

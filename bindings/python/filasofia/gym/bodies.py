@@ -33,7 +33,9 @@ def revolved(profile: typing.Any, sides: int) -> fs.TriangleMesh:
     i, j = np.meshgrid(np.arange(sides), np.arange(len(corners)), indexing="ij")
     here, up = i * len(corners) + j, i * len(corners) + (j + 1) % len(corners)
     on, diagonal = (up + len(corners)) % rings[..., 0].size, (here + len(corners)) % rings[..., 0].size
-    triangles = np.concatenate([np.stack(each, axis=2).reshape(-1, 3) for each in ((here, up, on), (here, on, diagonal))])
+    triangles = np.concatenate(
+        [np.stack(each, axis=2).reshape(-1, 3) for each in ((here, up, on), (here, on, diagonal))]
+    )
     return fs.TriangleMesh(vertices=rings.reshape(-1, 3), triangles=triangles)
 
 

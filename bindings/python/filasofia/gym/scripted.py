@@ -177,7 +177,9 @@ def _thread(env: threads.RopeThreading) -> Moves:
         yield from _both(env, 0, [np.array([0, 0, 0, 0, -1.0])])
         first, second = env.tools
         last = i + 1 == len(env.eyelets)
-        yield from _both(env, 1, _to(env, second, second.place + (0.03 if last else 0.025) * axis + (0, 0.004, 0), slow=0.6))
+        yield from _both(
+            env, 1, _to(env, second, second.place + (0.03 if last else 0.025) * axis + (0, 0.004, 0), slow=0.6)
+        )
         if not last:
             yield from _both(env, 0, _hand_back(env, i))
             yield from _both(env, 1, _to(env, second, second.place + (0.006, 0.02, 0), -1.0))
@@ -254,7 +256,9 @@ def _drive(env: stitches.Suture, middle: Array, grip: float, done: typing.Callab
             return
         axis = turned(tool.turn(), (0, 1, 0))
         offset = env.sim.frame[env.needle].poses[0, :3] - tool.place
-        after = offset * np.cos(turn) + np.cross(axis, offset) * np.sin(turn) + axis * (axis @ offset) * (1 - np.cos(turn))
+        after = (
+            offset * np.cos(turn) + np.cross(axis, offset) * np.sin(turn) + axis * (axis @ offset) * (1 - np.cos(turn))
+        )
         yield _command(env, tool, middle - after, tool.values + turn, grip)
 
 

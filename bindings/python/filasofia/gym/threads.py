@@ -21,9 +21,7 @@ STEEL = fs.MetalMaterial(base_color=(0.85, 0.87, 0.9), roughness=0.55)
 
 def plain(color: typing.Any, wetness: float = 0.0) -> fs.TissueMaterial:
     """Plastic: a material without vessels and relief."""
-    return fs.TissueMaterial(
-        base_color=color, subsurface_color=color, wetness=wetness, vessels=0, mottling=0, bump=0
-    )
+    return fs.TissueMaterial(base_color=color, subsurface_color=color, wetness=wetness, vessels=0, mottling=0, bump=0)
 
 
 class ThreadEnv(SurgicalEnv):
@@ -203,11 +201,11 @@ class ThreadInHole(ThreadEnv):
 class RopeThreading(ThreadEnv):
     """Pass the end of a rope through eyelets with two graspers, which hand it over.
 
-    The first grasper holds the rope behind its end. Graspers turn about ports and about their shafts, clamp the rope and
+    The first grasper holds the rope behind its end. Graspers turn about ports and their shafts, clamp the rope and
     let it go; they do not fit through an eyelet. Difficulty: a wide eyelet, a narrow one, two of them. Features: eight
     points of the rope (8, 3), and for each eyelet its middle (3), its axis (3), and how much rope is through (1).
-    Success: the rope runs through all eyelets in their order, along their axes, and 8, 30 or 30 mm of it are through the
-    last one (difficulty): as much as one hand can push, or as only a hand on the other side can pull.
+    Success: the rope runs through all eyelets in their order, along their axes, and 8, 30 or 30 mm of it are through
+    the last one (difficulty): as much as one hand can push, or as only a hand on the other side can pull.
     Reward: -1 for each eyelet it does not run through, -10 times the distance of its end from the first of these, -20
     times the length that is not yet through the last one [m], +10 for success.
     """
@@ -226,7 +224,9 @@ class RopeThreading(ThreadEnv):
         joint = Joint(-1.5, 1.5, 2.0, (0, 1, 0))
         starts = ((-0.045, 0.05, 0.0), (0.07, 0.05, 0.0))
         tools = [
-            Tool(self.grasper(name, at, port), at, (-0.07, 0.006, -0.05), (0.11, 0.08, 0.05), port=port, joints=(joint,))
+            Tool(
+                self.grasper(name, at, port), at, (-0.07, 0.006, -0.05), (0.11, 0.08, 0.05), port=port, joints=(joint,)
+            )
             for name, at, port in zip(("left grasper", "right grasper"), starts, self.ports)
         ]
         end, length = -0.031, (0.1, 0.1, 0.15)[self.difficulty]
