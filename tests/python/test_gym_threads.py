@@ -152,3 +152,21 @@ def test_wrong_joints_and_far_grips_change_nothing():
     env.step(np.array([0, 0, 0, 0, 1.0]))
     assert not env.holds(env.tools[0])
     env.close()
+
+
+@pytest.mark.parametrize("name", ["ThreadInHole", "RopeThreading", "LigatingLoop", "Suture"])
+def test_a_vector_of_them_has_the_hashes_of_single_ones(name):
+    envs = gym.VectorEnv(getattr(gym, name), 2, threads=2, difficulty=2)
+    _, infos = envs.reset(seed=3)
+    found = [list(infos["state_hash"])]
+    envs.action_space.seed(1)
+    actions = [envs.action_space.sample() for _ in range(4)]
+    for action in actions:
+        found.append(list(envs.step(action)[4]["state_hash"]))
+    envs.close()
+    for i in (1, 0):
+        env = getattr(gym, name)(difficulty=2)
+        assert env.reset(seed=3 + i)[1]["state_hash"] == found[0][i]
+        for k, action in enumerate(actions):
+            assert env.step(action[i])[4]["state_hash"] == found[k + 1][i]
+        env.close()
