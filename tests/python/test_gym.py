@@ -15,6 +15,7 @@ from filasofia import gym  # noqa: E402
 from filasofia.gym.scripted import scripted  # noqa: E402
 
 NAMES = [task.__name__ for task in gym.TASKS]
+STITCHES = ["LigatingLoop", "Suture"]  # their steps take as long as those of the other tasks together
 
 
 def episode(env, seed, policy, most=300):
@@ -88,7 +89,7 @@ def test_depth_is_an_observation_too(name):
 @pytest.mark.parametrize("difficulty", [0, 2])
 def test_a_scripted_policy_solves_every_task_and_an_idle_one_none(name, difficulty):
     env = getattr(gym, name)(difficulty=difficulty)
-    for seed in range(3):
+    for seed in range(1 if name in STITCHES else 3):
         _, info = episode(env, seed, scripted)
         assert info["is_success"], info["measures"]
         _, info = episode(env, seed, lambda env: lambda: np.zeros(env.action_space.shape), 100)
@@ -99,11 +100,12 @@ def test_a_scripted_policy_solves_every_task_and_an_idle_one_none(name, difficul
 @pytest.mark.parametrize("name", NAMES)
 def test_the_same_seed_gives_the_same_bits_also_after_cuts_and_grasps(name):
     first, second = getattr(gym, name)(), getattr(gym, name)(threads=2)
-    expected, _ = episode(first, 5, scripted)
-    assert episode(first, 5, scripted)[0] == expected  # what was cut is whole again
+    most = 90 if name in STITCHES else 300  # a needle is through, then, and let go
+    expected, _ = episode(first, 5, scripted, most)
+    assert episode(first, 5, scripted, most)[0] == expected  # what was cut is whole again
     episode(second, 6, at_random(1), 40)
-    assert episode(second, 5, scripted)[0] == expected
-    assert episode(second, 7, scripted)[0] != expected
+    assert episode(second, 5, scripted, most)[0] == expected
+    assert episode(second, 7, scripted, 20)[0] != expected[:21]
     first.close()
     second.close()
 
@@ -112,7 +114,7 @@ def test_the_same_seed_gives_the_same_bits_also_after_cuts_and_grasps(name):
 @pytest.mark.parametrize("policy", [scripted, at_random(3)])
 def test_no_state_short_of_success_is_worth_waiting_in(name, policy):
     env = getattr(gym, name)()
-    rows, info = episode(env, 4, policy, 150)
+    rows, info = episode(env, 4, policy, 80 if name in STITCHES and policy is not scripted else 220)
     rewards = [reward for _, reward, _ in rows]
     if info["is_success"]:
         assert rewards.pop() > 5

@@ -1,4 +1,4 @@
-"""Environments for gymnasium (docs/guide/environments.md): importing this module registers "filasofia/Reach-v0" and nine more."""
+"""Environments for gymnasium (docs/guide/environments.md): importing this registers filasofia/Reach-v0 and 13 more."""
 
 from __future__ import annotations
 
@@ -7,19 +7,21 @@ try:
 except ImportError:
     raise ImportError("filasofia.gym needs gymnasium: pip install filasofia[gym]") from None
 
-from .environment import Judgement, SurgicalEnv, Tool
+from .cuts import PolypRemoval, PrecisionCutting
+from .environment import Judgement, SurgicalEnv
+from .stitches import LigatingLoop, Suture
 from .tasks import (
     BimanualTissueManipulation,
     DeflectSpheres,
     GraspLift,
     PickAndPlace,
-    PolypRemoval,
-    PrecisionCutting,
     Reach,
     SearchForPoint,
     TissueManipulation,
     TissueRetraction,
 )
+from .threads import RopeThreading, ThreadInHole
+from .tool import Joint, Tool
 from .vector import VectorEnv
 
 TASKS = (
@@ -33,6 +35,10 @@ TASKS = (
     PickAndPlace,
     GraspLift,
     PolypRemoval,
+    ThreadInHole,
+    RopeThreading,
+    LigatingLoop,
+    Suture,
 )
 
 # Name by name, because type checkers read no more than that.
@@ -41,13 +47,18 @@ __all__ = [
     "BimanualTissueManipulation",
     "DeflectSpheres",
     "GraspLift",
+    "Joint",
     "Judgement",
+    "LigatingLoop",
     "PickAndPlace",
     "PolypRemoval",
     "PrecisionCutting",
     "Reach",
+    "RopeThreading",
     "SearchForPoint",
+    "Suture",
     "SurgicalEnv",
+    "ThreadInHole",
     "TissueManipulation",
     "TissueRetraction",
     "Tool",

@@ -10,21 +10,7 @@ import numpy as np
 
 import filasofia as fs
 
-Array = typing.Any  # numpy.ndarray
-
-
-@dataclasses.dataclass
-class Tool:
-    """An instrument whose tip an action moves within a box."""
-
-    body: fs.BodyId
-    start: tuple[float, float, float]  #: [m]
-    low: tuple[float, float, float]  #: [m], the workspace's corners
-    high: tuple[float, float, float]  #: [m]
-    speed: float = 0.1  #: [m/s], along each axis, of an action of 1
-    grips: fs.BodyId | None = None  #: what it can grasp, by one more component of the action
-    place: Array = None  #: [m], now
-    grasp: fs.AttachmentId | None = None  #: while it is closed
+from .tool import Array, Tool
 
 
 @dataclasses.dataclass
@@ -41,13 +27,13 @@ class SurgicalEnv(gymnasium.Env):
 
     A task overrides build(), which adds bodies and returns its tools, and prepare(), arrange(), features() and judge().
 
-    Observations, float32: "state" is features() and, for each tool, its place and whether it holds something, all
-    about in [-1, 1]; "rgb" is a picture (height, width, 3), uint8; "rgbd" is a dict of it
+    Observations, float32: "state" is features() and, for each tool, its place, its joints and whether it holds
+    something, all about in [-1, 1]; "rgb" is a picture (height, width, 3), uint8; "rgbd" is a dict of it
     as "rgb" and of "depth": (height, width), [m] along the viewing direction, at most the `far` of the lens.
 
-    Actions: "box" is in [-1, 1], for each tool its velocity along x, y, z, and for tools that grip one more component:
-    above 0.3 it closes, below -0.3 it opens. "discrete" is one of: nothing; for each tool a move along -x, +x, -y, +y,
-    -z or +z; and, if it grips, close and open.
+    Actions: "box" is in [-1, 1], for each tool its velocity along x, y, z, that of each of its joints, and for tools
+    that grip one more component: above 0.3 it closes, below -0.3 it opens. "discrete" is one of: nothing; for each tool
+    a move along -x, +x, -y, +y, -z or +z, of each joint back or on, and, if it grips, close and open.
 
     Each episode starts from the same saved state, also after cuts; only what arrange() draws from `np_random` differs.
     The same seed and the same actions give the same bits.
@@ -68,7 +54,7 @@ class SurgicalEnv(gymnasium.Env):
         image_size: tuple[int, int] = (128, 128),
         quality: typing.Literal["low", "medium", "high"] = "high",
         max_steps: int = 300,
-        frame_skip: int = 10,
+        frame_skip: int | None = None,
         threads: int = 1,
         render_mode: str | None = None,
     ):
@@ -78,6 +64,7 @@ class SurgicalEnv(gymnasium.Env):
         self._check("render_mode", render_mode, (None, "rgb_array"))
         self._bound("difficulty", difficulty, 0, self.levels - 1)
         self._bound("max_steps", max_steps, 1, 10**9)
+        frame_skip = self.rate // 50 if frame_skip is None else frame_skip  # actions of 20 ms
         self._bound("frame_skip", frame_skip, 1, 1000)
         sized = isinstance(image_size, (tuple, list)) and len(image_size) == 2
         if not sized or not all(isinstance(each, int) and 1 <= each <= 8192 for each in image_size):
@@ -88,10 +75,8 @@ class SurgicalEnv(gymnasium.Env):
         self.sim = fs.Simulation(rate=self.rate, threads=threads, look=fs.LookDef(quality=quality))
         self.cuts: list[fs.CutEvent] = []  #: what was cut in this episode
         self.tools = self.build()
-        self._sizes = [3 + (tool.grips is not None) for tool in self.tools]
+        self._sizes = [tool.size for tool in self.tools]
         self.sim.on(fs.CutEvent, self.cuts.append)
-        for tool in self.tools:
-            tool.place = np.array(tool.start)
         self.sim.step()
         self.prepare()
         self._start = self.sim.save_state()
@@ -134,6 +119,20 @@ class SurgicalEnv(gymnasium.Env):
         """Where the camera is."""
         return fs.look_at(self.eye, self.looks_at)
 
+    def limit(self, tool: Tool, place: Array) -> Array:
+        """Where a tool comes that is moved to a place of its workspace, if something is in its way."""
+        return place
+
+    def moves(self) -> dict[fs.BodyId, typing.Any]:
+        """What moves with the tools: where each body is at the end of the present action."""
+        return {tool.body: tool.pose() for tool in self.tools}
+
+    def catch(self, tool: Tool) -> fs.AttachmentId | None:
+        """Closes a tool: it grasps what it touches, or nothing. A clamp may hold what is near."""
+        if tool.grips is None or not self._touches(tool):
+            return None
+        return self.sim.grasp(tool.body, tool.grips)
+
     # What tasks use.
 
     def block(self, name: str, size: typing.Any, cells: typing.Any, **fields: typing.Any) -> fs.BodyId:
@@ -144,10 +143,14 @@ class SurgicalEnv(gymnasium.Env):
         if "attachments" not in fields:
             y = fields.get("pose", (0, 0, 0))[1] - size[1] / 2
             fields["attachments"] = [fs.AttachmentDef(box=fs.Box((-1, -1, -1), (1, y + 1e-4, 1)))]
+        return self.soft(name, fs.shapes.block(size, cells), **fields)
+
+    def soft(self, name: str, mesh: fs.TetMesh, **fields: typing.Any) -> fs.BodyId:
+        """Adds tissue that collides, with a picture (`look`); `fields` are those of SoftBodyDef."""
         look = fields.pop("look", fs.TissueMaterial())
         fields.setdefault("material", fs.FemMaterial(young_modulus=5e3, poisson_ratio=0.45))
         fields.setdefault("collision", [fs.CollisionDef()])
-        body = self.sim.add(fs.SoftBodyDef(name=name, mesh=fs.shapes.block(size, cells), **fields))
+        body = self.sim.add(fs.SoftBodyDef(name=name, mesh=mesh, **fields))
         self.sim.show(body, material=look)
         return body
 
@@ -194,6 +197,16 @@ class SurgicalEnv(gymnasium.Env):
         low, high = np.array(self.tools[0].low), np.array(self.tools[0].high)
         return (2.0 * np.asarray(place) - low - high) / (high - low)
 
+    def carry(self, tools: list[Tool], low: typing.Any, high: typing.Any, steps: int = 40) -> None:
+        """Lets tools, and what hangs at them, begin beside their start: the same offset [m], drawn between two corners.
+
+        They are moved there by physics, in so many steps.
+        """
+        away = self.np_random.uniform(low, high)
+        for tool in tools:
+            tool.place = np.array(tool.start) + away
+        self.sim.step(steps, self.moves())
+
     def node(self, body: fs.BodyId, place: typing.Any) -> int:
         """The node of a body that is nearest to a place [m] now; after the first step."""
         away = np.linalg.norm(self.sim.frame[body].positions - np.array(place), axis=1)
@@ -216,7 +229,7 @@ class SurgicalEnv(gymnasium.Env):
         self.cuts.clear()
         self.steps = 0
         for tool in self.tools:
-            tool.place, tool.grasp = np.array(tool.start), None
+            tool.reset()
         self.arrange()
         self.sim.step()
         judgement = self.judge()
@@ -226,10 +239,10 @@ class SurgicalEnv(gymnasium.Env):
         moves = self._moves(action)
         dt = self.frame_skip / self.rate
         for tool, move in zip(self.tools, moves):
-            tool.place = np.clip(tool.place + tool.speed * dt * move[:3], tool.low, tool.high)
+            tool.place = self.limit(tool, tool.move(move, dt))
             if tool.grips is not None:
-                self._grip(tool, move[3])
-        report = self.sim.step(self.frame_skip, {tool.body: tool.place for tool in self.tools})
+                self._grip(tool, move[-1])
+        report = self.sim.step(self.frame_skip, self.moves())
         self.steps += 1
         judgement = self.judge()
         broken = fs.StepFlag.UNDONE in report.flags
@@ -249,8 +262,8 @@ class SurgicalEnv(gymnasium.Env):
         if command < -0.3 and tool.grasp is not None:
             self.sim.release(tool.grasp)
             tool.grasp = None
-        elif command > 0.3 and tool.grips is not None and not self.holds(tool) and self._touches(tool):
-            tool.grasp = self.sim.grasp(tool.body, tool.grips)
+        elif command > 0.3 and not self.holds(tool):
+            tool.grasp = self.catch(tool)
 
     def _touches(self, tool: Tool) -> bool:
         contacts = self.sim.frame.contacts
@@ -279,7 +292,7 @@ class SurgicalEnv(gymnasium.Env):
     def _state(self) -> Array:
         parts: list[Array] = [np.ravel(self.features())]
         for tool in self.tools:
-            parts.append(self.unit(tool.place))
+            parts += [self.unit(tool.place), tool.units()]
             if tool.grips is not None:
                 parts.append([1.0 if self.holds(tool) else -1.0])
         return np.clip(np.concatenate(parts), -10.0, 10.0).astype(np.float32)

@@ -6,8 +6,9 @@ import typing
 
 import numpy as np
 
-from . import tasks
-from .environment import Array, SurgicalEnv, Tool
+from . import cuts, stitches, tasks, threads
+from .environment import SurgicalEnv
+from .tool import Array, Tool, turned
 
 
 def scripted(env: SurgicalEnv) -> typing.Callable[[], Array]:
@@ -92,7 +93,7 @@ def _retract(env: tasks.TissueRetraction) -> Moves:
     yield from _stay(4, 1.0)
 
 
-def _cut(env: tasks.PrecisionCutting) -> Moves:
+def _cut(env: cuts.PrecisionCutting) -> Moves:
     yield from _go(env, (env.x, 0.0, 0.045))
     yield from _go(env, (env.x, 0.0, env.end + 0.002))
     yield from _stay(3)
@@ -116,10 +117,172 @@ def _lift(env: tasks.GraspLift) -> Moves:
     yield from _stay(4, 1.0)
 
 
-def _resect(env: tasks.PolypRemoval) -> Moves:
+def _resect(env: cuts.PolypRemoval) -> Moves:
     yield from _go(env, (0, 0.0065, 0.012))
     yield from _go(env, (0, 0.0065, -0.012))
     yield from _stay(3)
+
+
+def _command(
+    env: SurgicalEnv, tool: Tool, place: typing.Any, joints: typing.Any = None, grip: float | None = None
+) -> Array:
+    """The action of one tool that brings it to a place, and its joints to values (they stay, if none are given)."""
+    dt = env.frame_skip / env.rate
+    wanted = tool.values if joints is None else np.asarray(joints)
+    turns = [np.clip((b - a) / (j.speed * dt), -1, 1) for a, b, j in zip(tool.values, wanted, tool.joints)]
+    return np.concatenate([_towards(env, tool, place), turns, [] if tool.grips is None else [grip or 0.0]])
+
+
+def _insert(env: threads.ThreadInHole) -> Moves:
+    tool = env.tools[0]
+    while True:
+        top, axis = env.hole()
+        error = top - env.sim.frame[env.string].positions[-1]
+        above = error @ axis
+        aside = error - above * axis
+        down = above - 0.02 if np.linalg.norm(aside) < 0.4 * env.inner or env.depth() > 0.001 else above + 0.006
+        yield _command(env, tool, tool.place + 0.06 * aside + np.clip(0.1 * down, -6e-4, 6e-4) * axis)
+
+
+def _both(env: SurgicalEnv, hand: int, steps: typing.Iterable[Array]) -> Moves:
+    """The steps of one hand, while the other one stays as it is."""
+    for step in steps:
+        rest = np.zeros(env.tools[1 - hand].size)
+        yield np.concatenate([step, rest] if hand == 0 else [rest, step])
+
+
+def _to(
+    env: SurgicalEnv, tool: Tool, place: typing.Any, grip: float = 0.0, joints: typing.Any = None, slow: float = 1.0
+) -> typing.Iterator[Array]:
+    """The steps of one tool until it is at a place, or stands still."""
+    before = None
+    for _ in range(150):
+        there = place() if callable(place) else np.asarray(place)
+        if before is not None and np.array_equal(before, np.append(tool.place, tool.values)):
+            return
+        before = np.append(tool.place, tool.values)
+        steady = joints is None or np.abs(_command(env, tool, there, joints)[3 : 3 + len(tool.joints)]).max() < 0.5
+        if np.linalg.norm(np.clip(there, tool.low, tool.high) - tool.place) < 5e-4 and steady:
+            return
+        step = _command(env, tool, there, joints, grip)
+        step[:3] *= slow
+        yield step
+
+
+def _thread(env: threads.RopeThreading) -> Moves:
+    for i in range(len(env.eyelets)):
+        middle, axis = env.places[i], env.axis(i)
+        yield from _both(env, 0, _push(env, middle, axis))
+        yield from _both(env, 1, _take(env, middle, axis))
+        yield from _both(env, 0, [np.array([0, 0, 0, 0, -1.0])])
+        first, second = env.tools
+        last = i + 1 == len(env.eyelets)
+        yield from _both(
+            env, 1, _to(env, second, second.place + (0.03 if last else 0.025) * axis + (0, 0.004, 0), slow=0.6)
+        )
+        if not last:
+            yield from _both(env, 0, _hand_back(env, i))
+            yield from _both(env, 1, _to(env, second, second.place + (0.006, 0.02, 0), -1.0))
+    yield from _stay(10)
+
+
+def _end(env: threads.RopeThreading) -> Array:
+    return env.sim.frame[env.rope].positions[0]
+
+
+def _push(env: threads.RopeThreading, middle: Array, axis: Array) -> typing.Iterator[Array]:
+    """The first hand brings the end before an eyelet, and as far through it as it can."""
+    tool = env.tools[0]
+    for ahead, slow in ((-0.006, 1.0), (0.012, 0.5)):
+        before = tool.place + 1.0
+        for _ in range(120):
+            end, next_ = env.sim.frame[env.rope].positions[:2]
+            heading = end - next_
+            turn = np.arctan2(heading[2] * axis[0] - heading[0] * axis[2], heading @ axis)
+            error = middle + ahead * axis - end
+            if ahead > 0:
+                along = error @ axis
+                error = error + (0.0 if np.linalg.norm(error - along * axis) < 0.6 * env.ring else -along) * axis
+            yield slow * _command(env, tool, tool.place + 0.5 * error, tool.values + 0.3 * turn)
+            if np.linalg.norm(error) < 0.0012 or np.array_equal(tool.place, before):
+                break  # there, or as near to the eyelet as the hand comes
+            before = tool.place
+
+
+def _take(env: threads.RopeThreading, middle: Array, axis: Array) -> typing.Iterator[Array]:
+    """The second hand takes the end on the other side."""
+    tool = env.tools[1]
+    yield from _to(env, tool, lambda: _end(env) + 0.008 * axis + (0, 0.015, 0), -1.0)
+    yield from _to(env, tool, lambda: _end(env) + (0, 0.001, 0), -1.0)
+    yield np.array([0, 0, 0, 0, 1.0])
+    yield np.zeros(5)
+
+
+def _hand_back(env: threads.RopeThreading, i: int) -> typing.Iterator[Array]:
+    """The first hand takes the rope again, between its end and the eyelet that it went through."""
+    tool = env.tools[0]
+    yield from _to(env, tool, tool.place + (-0.004, 0.035, 0))
+
+    def behind() -> Array:
+        places = env.sim.frame[env.rope].positions
+        return (places[3] + places[4]) / 2
+
+    yield from _to(env, tool, lambda: behind() + (0, 0.02, 0))
+    yield from _to(env, tool, behind)
+    yield np.array([0, 0, 0, 0, 1.0])
+
+
+def _ligate(env: stitches.LigatingLoop) -> Moves:
+    tool = env.tools[0]
+    yield from _to(env, tool, lambda: tool.place + (env._middle() - env._noose().mean(axis=0)) * (1, 0, 1))
+    for pull in (0.0, 0.035, 0.08):
+        reach = 0.0 if pull == 0 else tool.place[2] - env._middle()[2] - 0.010
+
+        def level(reach: float = reach) -> Array:
+            error = env._middle() - env._noose().mean(axis=0)
+            return tool.place + (error[0] if reach == 0 else 0.0, error[1], -reach)
+
+        goal = level()
+        yield from _to(env, tool, goal, joints=[0.0, pull])
+    yield from _stay(tool.size)
+
+
+def _drive(env: stitches.Suture, middle: Array, grip: float, done: typing.Callable[[], bool]) -> Moves:
+    """Turns the driver on, and moves it so that the needle turns about its middle."""
+    tool = env.tools[0]
+    turn = tool.joints[0].speed * env.frame_skip / env.rate
+    for _ in range(120):
+        if done():
+            return
+        axis = turned(tool.turn(), (0, 1, 0))
+        offset = env.sim.frame[env.needle].poses[0, :3] - tool.place
+        after = (
+            offset * np.cos(turn) + np.cross(axis, offset) * np.sin(turn) + axis * (axis @ offset) * (1 - np.cos(turn))
+        )
+        yield _command(env, tool, middle - after, tool.values + turn, grip)
+
+
+def _suture(env: stitches.Suture) -> Moves:
+    tool = env.tools[0]
+    marks = [env._at(each) for each in env.targets]
+    half = np.linalg.norm(marks[1] - marks[0]) / 2
+    middle = sum(marks) / 2 + (0, np.sqrt(env.radius**2 - half**2), 0)
+
+    def beside(height: float) -> typing.Callable[[], Array]:
+        return lambda: tool.place + middle + (0, height, 0) - env.sim.frame[env.needle].poses[0, :3]
+
+    yield from _to(env, tool, beside(0.008))
+    yield from _to(env, tool, beside(0.0))
+    yield from _drive(env, middle, 0.0, lambda: tool.values[0] > 3.5)
+    yield _command(env, tool, tool.place, grip=-1.0)
+    yield from _to(env, tool, tool.place + (0, 0.012, 0), -1.0, [2.0])
+    yield from _to(env, tool, lambda: env.needle_at(15) + (0, 0.008, 0), -1.0, [2.0])
+    yield from _to(env, tool, lambda: env.needle_at(15), -1.0, [2.0])
+    yield _command(env, tool, tool.place, grip=1.0)
+    yield from _drive(env, middle, 0.0, lambda: env._stitch()[1] and env.needle_at(180)[1] > 0.002)
+    yield from _to(env, tool, tool.place + (0, 0.01, 0))
+    yield from _to(env, tool, (-0.05, 0.02, tool.place[2] - 0.004))  # across: both ends draw the edges together
+    yield from _stay(tool.size)
 
 
 POLICIES: dict[type[SurgicalEnv], typing.Callable[[typing.Any], Moves]] = {
@@ -129,8 +292,12 @@ POLICIES: dict[type[SurgicalEnv], typing.Callable[[typing.Any], Moves]] = {
     tasks.TissueManipulation: _manipulate,
     tasks.TissueRetraction: _retract,
     tasks.BimanualTissueManipulation: _manipulate,
-    tasks.PrecisionCutting: _cut,
+    cuts.PrecisionCutting: _cut,
     tasks.PickAndPlace: _place,
     tasks.GraspLift: _lift,
-    tasks.PolypRemoval: _resect,
+    cuts.PolypRemoval: _resect,
+    threads.ThreadInHole: _insert,
+    threads.RopeThreading: _thread,
+    stitches.LigatingLoop: _ligate,
+    stitches.Suture: _suture,
 }

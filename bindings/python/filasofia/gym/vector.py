@@ -14,7 +14,8 @@ from gymnasium.vector.utils import batch_space, create_empty_array
 
 import filasofia as fs
 
-from .environment import Array, SurgicalEnv
+from .environment import SurgicalEnv
+from .tool import Array
 
 
 class VectorEnv(gymnasium.vector.VectorEnv):
