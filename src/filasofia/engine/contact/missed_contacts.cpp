@@ -189,7 +189,8 @@ std::vector<MissedContact> findUnforeseen(const StepContext& context, const Scen
             return owner.soft && isRod(scene.soft[owner.body].model);
         };
         if (!(isFast[one] || isFast[two]) || (isLine(owners[one]) && isLine(owners[two]))) continue;
-        if (!(context.dt * closing(detection.surfaces, each) > each.gap)) continue;
+        const double radius = scene.soft[owners[isFast[one] ? one : two].body].model.rod.radius;
+        if (!(context.dt * closing(detection.surfaces, each) > each.gap - radius)) continue;
         if (!std::ranges::binary_search(known, each.feature)) out.push_back({.at = each});
     }
     exchange();
