@@ -25,7 +25,7 @@ struct FuzzCommandOptions {
     int seed = 1;
     int cuts = 2000;
     int perBody = 4;
-    double seconds = std::numeric_limits<double>::quiet_NaN(); ///< [s] of knots; NaN if not given
+    double seconds = std::numeric_limits<double>::quiet_NaN(); ///< [s] knots only; NaN if not given
     int first = 0;
     bool twice = false;
 };

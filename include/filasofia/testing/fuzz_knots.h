@@ -22,7 +22,7 @@ struct KnotFuzzDef {
 struct KnotFuzzKind {
     std::string name = {};
     long scenes = 0, steps = 0;
-    long passes = 0;       ///< [-] of threads through threads, themselves, bars and needles
+    long passes = 0;       ///< [-] threads through threads, themselves, bars and needles
     long notConverged = 0; ///< [-] steps with StepFlag::NotConverged
 };
 
@@ -31,7 +31,7 @@ struct KnotFuzzReport {
     double seconds = 0.0; ///< [s] simulated
     long scenes = 0, steps = 0;
     std::vector<KnotFuzzKind> kinds = {};
-    long passes = 0;           ///< [-] of threads through threads, themselves, bars and needles
+    long passes = 0;           ///< [-] threads through threads, themselves, bars and needles
     long linkingChanges = 0;   ///< [-] pairs of rings whose linking number was another one, or no whole number
     long linkingTests = 0;     ///< [-] linking numbers computed
     long insideTissue = 0;     ///< [-] nodes found deeper than two diameters in tissue, every 10 ms

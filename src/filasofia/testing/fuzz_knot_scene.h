@@ -40,7 +40,7 @@ struct KnotScene {
     std::vector<FuzzHand> hands;
     std::vector<FuzzLine> lines;
     std::vector<std::size_t> tissues; ///< indices in `bodies`
-    double radius = 0.0;              ///< [m] of all threads
+    double radius = 0.0;              ///< [m] radius that all threads have
 };
 KnotScene knotScene(KnotKind kind, FuzzRandom& random);
 

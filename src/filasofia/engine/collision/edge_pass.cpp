@@ -6,7 +6,7 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr double kInstant = 1e-7; // [-] of the step: times that are nearer to each other are the same
+constexpr double kInstant = 1e-7; // [-] part of the step: times that are nearer to each other are the same
 
 // What is linear in time, at the start and at the end.
 struct Moving {

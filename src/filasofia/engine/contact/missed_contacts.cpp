@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kEdgesOfBox = 8; ///< edges whose common box is tested before theirs
 constexpr double kNearer = 0.9;        ///< [-] how near lines may come in a step that is solved again, relative to now
-constexpr double kMeet = 0.02;         ///< [-] of the sum of the radii: lines this near to each other meet
+constexpr double kMeet = 0.02;         ///< [-] part of the sum of the radii: lines this near to each other meet
 
 struct SweptBox {
     Vec3 low, high;

@@ -11,8 +11,8 @@ namespace filasofia::engine {
 /// A contact that detection has not foreseen: in the step as it was solved, surfaces would pass through each other.
 struct MissedContact {
     Proximity at = {};                      ///< as it is at the start of the step
-    bool line = false;                      ///< of two lines: it has no friction
-    std::array<std::size_t, 2> bodies = {}; ///< of two lines: indices in Scene::soft
+    bool line = false;                      ///< between two lines: it has no friction
+    std::array<std::size_t, 2> bodies = {}; ///< between two lines: indices in Scene::soft
 };
 
 /// Tests all pairs of edges of rods that collide, with the velocities that the solve has given them. A thread weighs
