@@ -6,10 +6,13 @@
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/runtime/assets.h"
 #include "filasofia/testing/fuzz_cuts.h"
+#include "filasofia/testing/fuzz_knots.h"
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace filasofia::app {
 namespace {
@@ -22,7 +25,12 @@ struct FuzzCommandOptions {
     int seed = 1;
     int cuts = 2000;
     int perBody = 4;
+    double seconds = std::numeric_limits<double>::quiet_NaN(); ///< [s] knots only; NaN if not given
+    int first = 0;
+    bool twice = false;
 };
+
+constexpr double kKnotSeconds = 60.0; ///< [s]
 
 constexpr int kExamples = 10; ///< number of example faults that are printed
 
@@ -87,9 +95,69 @@ void print(const testing::CutFuzzReport& r)
                 r.hashesThatDiffer);
 }
 
-int fuzz(const FuzzCommandOptions& options)
+json toJson(const FuzzCommandOptions& options, const testing::KnotFuzzReport& r)
 {
-    if (options.what != "cut") fail("fuzz: unknown subject '", shortened(options.what), "'; known is cut");
+    json kinds = json::array();
+    for (const testing::KnotFuzzKind& kind : r.kinds)
+        kinds.push_back({{"kind", kind.name},
+                         {"scenes", kind.scenes},
+                         {"steps", kind.steps},
+                         {"passes", kind.passes},
+                         {"not_converged", kind.notConverged}});
+    return {{"fuzz", options.what},
+            {"seed", options.seed},
+            {"first", options.first},
+            {"seconds", r.seconds},
+            {"scenes", r.scenes},
+            {"steps", r.steps},
+            {"kinds", kinds},
+            {"passes", r.passes},
+            {"linking_numbers", {{"tests", r.linkingTests}, {"changes", r.linkingChanges}}},
+            {"nodes_inside_tissue", r.insideTissue},
+            {"not_finite", r.notFinite},
+            {"undone", r.undone},
+            {"not_converged", r.notConverged},
+            {"iterations", {{"median", r.median}, {"percentile_99", r.percentile99}, {"most", r.most}}},
+            {"most_contacts", r.mostContacts},
+            {"deepest_over_diameter", r.deepest},
+            {"examples", r.examples},
+            {"hashes_that_differ", r.hashesThatDiffer},
+            {"hash", hexadecimal(r.hash)}};
+}
+
+void print(const testing::KnotFuzzReport& r)
+{
+    std::printf("%.1f simulated seconds in %ld scenes, %ld steps\n", r.seconds, r.scenes, r.steps);
+    std::printf("\n%-16s %8s %8s %8s %14s\n", "kind", "scenes", "steps", "passes", "not converged");
+    for (const testing::KnotFuzzKind& kind : r.kinds)
+        std::printf("%-16s %8ld %8ld %8ld %14ld\n", kind.name.c_str(), kind.scenes, kind.steps, kind.passes,
+                    kind.notConverged);
+    std::printf(
+        "\npasses %ld; %ld of %ld linking numbers changed; nodes inside tissue %ld; not finite %ld, undone %ld\n",
+        r.passes, r.linkingChanges, r.linkingTests, r.insideTissue, r.notFinite, r.undone);
+    std::printf("iterations of a step: median %d, 99th percentile %d, most %d; not converged %ld\n", r.median,
+                r.percentile99, r.most, r.notConverged);
+    std::printf("at most %ld contacts; deepest overlap %.3f diameters\n", r.mostContacts, r.deepest);
+    for (const std::string& example : r.examples) std::printf("  %s\n", example.c_str());
+    std::printf("hash %s; %ld scenes differed when they ran a second time\n", hexadecimal(r.hash).c_str(),
+                r.hashesThatDiffer);
+}
+
+int fuzzKnots(const FuzzCommandOptions& options)
+{
+    JsonFile file(options.file);
+    const testing::KnotFuzzReport report =
+        testing::fuzzKnots({.seed = static_cast<std::uint64_t>(options.seed),
+                            .seconds = std::isnan(options.seconds) ? kKnotSeconds : options.seconds,
+                            .first = options.first,
+                            .twice = options.twice});
+    print(report);
+    file.write(toJson(options, report));
+    return report.sound() ? 0 : kFailed;
+}
+
+int fuzzCuts(const FuzzCommandOptions& options)
+{
     JsonFile file(options.file);
     testing::CutFuzzDef def{.seed = static_cast<std::uint64_t>(options.seed),
                             .cuts = options.cuts,
@@ -104,6 +172,15 @@ int fuzz(const FuzzCommandOptions& options)
     return report.sound() ? 0 : kFailed;
 }
 
+int fuzz(const FuzzCommandOptions& options)
+{
+    if (options.what == "knots") return fuzzKnots(options);
+    if (options.what != "cut") fail("fuzz: unknown subject '", shortened(options.what), "'; known are cut and knots");
+    if (!std::isnan(options.seconds) || options.twice)
+        fail("fuzz: --seconds and --twice apply to knots only; cut makes a number of cuts, each body twice");
+    return fuzzCuts(options);
+}
+
 } // namespace
 
 Command fuzzCommand()
@@ -112,7 +189,12 @@ Command fuzzCommand()
     static FuzzCommandOptions options;
     return {.name = "fuzz",
             .meaning = "Make random changes and check all invariants after each",
-            .options = {{"WHAT", &options.what, "cut: cuts and tears of small bodies", "", {}, true},
+            .options = {{"WHAT",
+                         &options.what,
+                         "cut: cuts and tears of small bodies; knots: threads that are tied and pulled",
+                         "",
+                         {},
+                         true},
                         {.name = "--seed",
                          .target = &options.seed,
                          .meaning = "Seed of the random numbers",
@@ -120,14 +202,26 @@ Command fuzzCommand()
                          .bound = {closed(0, 1000000), "-"}},
                         {.name = "--cuts",
                          .target = &options.cuts,
-                         .meaning = "Number of cuts, including tears",
+                         .meaning = "cut only: number of cuts, including tears",
                          .type = "N",
                          .bound = {closed(1, 100000000), "-"}},
                         {.name = "--per-body",
                          .target = &options.perBody,
-                         .meaning = "Cuts made one after another in the same body",
+                         .meaning = "cut only: cuts made one after another in the same body",
                          .type = "N",
                          .bound = {closed(1, 1000), "-"}},
+                        {.name = "--seconds",
+                         .target = &options.seconds,
+                         .meaning = "knots only: simulated time",
+                         .type = "S",
+                         .bound = {openClosed(0, 1000000), "s"},
+                         .standard = text(kKnotSeconds)},
+                        {.name = "--first",
+                         .target = &options.first,
+                         .meaning = "knots only: number of the first scene, to see one again",
+                         .type = "N",
+                         .bound = {closed(0, 100000000), "-"}},
+                        {"--twice", &options.twice, "knots only: run every scene a second time and compare"},
                         {"--json", &options.file, "Write every figure to this file", "FILE"}},
             .run = [] { return fuzz(options); }};
 }

@@ -923,8 +923,18 @@ class Fuzz(Program):
         self.assertEqual(one, two)
         self.assertNotEqual(one["hash"], other["hash"])
 
+    def test_knots_are_tied_the_same_for_the_same_seed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "knots.json")
+            said = self.output("fuzz", "knots", "--seed", "2", "--seconds", "0.5", "--twice", "--json", str(path))
+            report = json.loads(path.read_text())
+        self.assertEqual((report["passes"], report["not_finite"], report["hashes_that_differ"]), (0, 0, 0))
+        self.assertIn(report["hash"], said)
+
     def test_unknown_subjects_and_illegal_values_are_refused(self):
-        self.refused("fuzz", "cat", says=["'cat'", "known is cut"])
+        self.refused("fuzz", "cat", says=["'cat'", "known are cut and knots"])
+        self.refused("fuzz", "cut", "--seconds", "1", says=["--seconds and --twice apply to knots only"])
+        self.refused("fuzz", "knots", "--seconds", "0", says=["--seconds must be in (0, 1000000] s"])
         self.refused("fuzz", "cut", "--cuts", "0", says=["--cuts must be a whole number in [1, 100000000]", "got 0"])
         self.refused("fuzz", "cut", "--seed", "-1", says=["--seed"])
         self.refused("fuzz", "cut", "--json", "/nowhere/cut.json", says=["/nowhere/cut.json", "cannot be written"])

@@ -1,3 +1,5 @@
+#include "filasofia/testing/linking.h"
+
 #include "verification/rods.h"
 
 namespace rod_ring_test {
@@ -5,6 +7,8 @@ namespace rod_ring_test {
 using namespace filasofia;
 using namespace filasofia::engine;
 using namespace filasofia::physics;
+using testing::linkingNumber;
+using testing::writhe;
 
 namespace {
 
@@ -47,39 +51,6 @@ void disturb(Stage& stage, double size)
         const double angle = 2.0 * kPi * static_cast<double>(i) / static_cast<double>(stage.soft().x.size());
         stage.soft().x[i].z += size * std::cos(2.0 * angle);
     }
-}
-
-/// The Gauss integral over two segments, times 4 pi, exact (Klenin and Langowski 2000, method 1a).
-double gaussIntegral(Vec3 a, Vec3 b, Vec3 c, Vec3 d)
-{
-    const auto unit = [](Vec3 v) { return normalized(v, {}); };
-    const Vec3 n1 = unit(cross(c - a, d - a)), n2 = unit(cross(d - a, d - b)), n3 = unit(cross(d - b, c - b)),
-               n4 = unit(cross(c - b, c - a));
-    const auto angle = [](Vec3 m, Vec3 n) { return std::asin(std::clamp(dot(m, n), -1.0, 1.0)); };
-    const double area = angle(n1, n2) + angle(n2, n3) + angle(n3, n4) + angle(n4, n1);
-    const double side = dot(cross(d - c, b - a), c - a);
-    return side > 0.0 ? area : side < 0.0 ? -area : 0.0;
-}
-
-/// [-] How often one closed polygon goes through another.
-double linkingNumber(const std::vector<Vec3>& x, const std::vector<Vec3>& y)
-{
-    double sum = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i)
-        for (std::size_t j = 0; j < y.size(); ++j)
-            sum += gaussIntegral(x[i], x[(i + 1) % x.size()], y[j], y[(j + 1) % y.size()]);
-    return sum / (4.0 * kPi);
-}
-
-/// [-] By how much a closed polygon winds around itself.
-double writhe(const std::vector<Vec3>& x)
-{
-    double sum = 0.0;
-    for (std::size_t i = 0; i < x.size(); ++i)
-        for (std::size_t j = i + 2; j < x.size(); ++j)
-            if (i > 0 || j + 1 < x.size()) // neighbours have none
-                sum += gaussIntegral(x[i], x[i + 1], x[j], x[(j + 1) % x.size()]);
-    return sum / (2.0 * kPi);
 }
 
 double turnsOfTwist(const RodState& rod)

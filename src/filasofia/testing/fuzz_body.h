@@ -4,33 +4,10 @@
 #include "filasofia/engine/rupture/cut.h"
 #include "filasofia/engine/rupture/pieces.h"
 #include "filasofia/testing/fuzz_cuts.h"
-
-#include <random>
+#include "filasofia/testing/fuzz_random.h"
 
 namespace filasofia::testing {
 using namespace engine;
-
-/// Random numbers that are the same on every machine.
-class FuzzRandom {
-public:
-    explicit FuzzRandom(std::uint64_t seed) : bits_(seed) {}
-    double uniform(double low, double high)
-    {
-        return low + (high - low) * 0x1p-53 * static_cast<double>(bits_() >> 11);
-    }
-    int below(int count) { return static_cast<int>(bits_() % static_cast<std::uint64_t>(count)); }
-    bool chance(double probability) { return uniform(0, 1) < probability; }
-    Vec3 direction()
-    {
-        for (;;) {
-            const Vec3 d{uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
-            if (const double l = length(d); l > 0.1 && l <= 1.0) return d / l;
-        }
-    }
-
-private:
-    std::mt19937_64 bits_;
-};
 
 /// A smooth deformation that changes with time.
 struct Waves {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <utility>
 
@@ -38,6 +39,21 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
     model.shape = std::make_shared<const CollisionShape>(std::move(shape));
     model.proximity = def.proximity;
     return model;
+}
+
+/// The nodes of a rod laid out along a line, or a ring's around a circle. What is near along the rod does not collide,
+/// however the rod lies at the start: a knot whose turns already touch is as tight as one that was pulled.
+std::vector<Vec3> laidOut(const std::vector<Vec3>& nodes, bool closed)
+{
+    std::vector<double> along(1, 0.0);
+    for (std::size_t i = 1; i < nodes.size(); ++i) along.push_back(along.back() + distance(nodes[i - 1], nodes[i]));
+    const double whole = along.back() + distance(nodes.back(), nodes.front());
+    std::vector<Vec3> out;
+    for (const double s : along) {
+        const double angle = 2.0 * std::numbers::pi * s / whole, radius = 0.5 * whole / std::numbers::pi;
+        out.push_back(closed ? Vec3{radius * std::cos(angle), radius * std::sin(angle), 0.0} : Vec3{s, 0.0, 0.0});
+    }
+    return out;
 }
 
 /// The embedding of vertices that coincide with nodes.
@@ -164,7 +180,8 @@ std::vector<CollisionModel> buildCollision(const physics::RodBodyDef& def, const
                              .self = def.collision->self};
     for (int i = 0; i + 1 < static_cast<int>(nodes.size()); ++i) options.segments.push_back({i, i + 1});
     if (def.closed) options.segments.push_back({0, static_cast<int>(nodes.size()) - 1});
-    CollisionShape shape = makeCollisionShape({.vertices = nodes, .triangles = {}, .uv = {}}, options);
+    CollisionShape shape =
+        makeCollisionShape({.vertices = laidOut(nodes, def.closed), .triangles = {}, .uv = {}}, options);
     CollisionModel model;
     model.proximity = proximity;
     model.inset = tubeInset(shape, def.radius);

@@ -32,6 +32,7 @@ struct ContactInfo {
     double gap = 0.0;       ///< [m] signed distance; negative if the surfaces overlap
     double proximity = 0.0; ///< [m] sum of both surfaces' proximities
     double skin = 0.0;      ///< [m] the gap that the contact keeps
+    bool passing = false;   ///< keeps lines from passing through each other in this step; the next starts without it
 };
 
 /// The data of a constraint of kind JointLimit or JointFriction beyond its law.
@@ -70,9 +71,10 @@ struct Constraint {
     double friction = 0.0;          ///< [-] Coulomb's mu; unilateral constraints only
     double tolerance = 0.0;         ///< [m/s] how far a rigid constraint may miss C = 0 (or C >= 0)
     double softness = 0.0;          ///< [kg] impulse per velocity of a spring; 0 if the constraint is rigid
-    /// If only one side can move along the normal, as between a body and a kinematic one: the factor on the penalty, in
+    double yielding = 1.0;          ///< [-] factor on the penalty of a rigid constraint, > 0
+    /// If only one side can move along the normal, as between a body and a kinematic one: another such factor, in
     /// (0, 1], and the fraction that the carried normal impulse loses.
-    double yielding = 1.0, loss = 0.0;
+    double trappedYielding = 1.0, trappedLoss = 0.0;
     /// [N s] Bound on the impulse along the normal. The constraint yields beyond it.
     double maxImpulse = std::numeric_limits<double>::infinity();
     /// [N s] in the frame, on the first side. In: the last step's impulse; out: the impulse that acted in this step

@@ -74,7 +74,7 @@ void CoupledSolve::chooseStiffness()
         const bool exact = isExact(row);
         const Kappa& kappas = exact ? limits_->exactKappa : limits_->kappa;
         const double kappa = each.bilateral() ? kappas.holding : kappas.contact;
-        double rigid = (bothMove ? 1.0 : each.yielding) * kappa / compliance;
+        double rigid = each.yielding * (bothMove ? 1.0 : each.trappedYielding) * kappa / compliance;
         if (exact && each.bilateral()) rigid = std::max(rigid, std::min(ownStiffness(row), kExact / compliance));
         // A link's drive has inertia that its mass does not show.
         const double heavier = bothMove ? std::max(heaviest, 1.0 / std::min(ofSides[0], ofSides[1])) : heaviest;
@@ -83,7 +83,7 @@ void CoupledSolve::chooseStiffness()
         const double tangential = spring && each.bilateral() ? each.softness : rigid;
         rows_[c].stiffness = {normal, tangential, tangential};
         rows_[c].u = inFrame(each.frame, each.sides[0].velocity - each.sides[1].velocity);
-        if (!bothMove) row.constraint->impulse.x *= 1.0 - each.loss;
+        if (!bothMove) row.constraint->impulse.x *= 1.0 - each.trappedLoss;
         if (compliance == 0.0) row.constraint->impulse = {}; // no body can move along the normal
     }
 }

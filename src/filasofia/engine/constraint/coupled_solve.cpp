@@ -46,8 +46,10 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
         if (report.iterations == kCorrectAfter && correction_.empty()) correctCoarseLevels();
         if (report.iterations == kJoinAfter && mayJoin) joinConstraints();
         const double rz = precondition(); // the energy of the error, as the preconditioner estimates it
-        const bool number = rz >= 0.0 && std::isfinite(rz);
-        report.residual = rz == 0.0 ? 0.0 : number ? std::sqrt(rz / (rz + energy_)) : 1.0;
+        // Where stiff constraints hold what is at rest, rounding may make it less than nothing.
+        const bool nothing = std::abs(rz) <= linear.tolerance * linear.tolerance * energy_;
+        const bool number = (rz >= 0.0 || nothing) && std::isfinite(rz);
+        report.residual = rz <= 0.0 && number ? 0.0 : number ? std::sqrt(rz / (rz + energy_)) : 1.0;
         report.converged = report.residual <= linear.tolerance && impulsesSettled();
         if (report.converged && !activeSetFrozen_ && updates < limits.multiplierUpdates && updateMultipliers()) {
             ++updates;

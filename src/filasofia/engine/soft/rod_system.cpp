@@ -195,6 +195,13 @@ void RodSystem::take(std::span<const double> solution, std::span<Vec3> dv)
     for (std::size_t e = 0; e < spinChanges_.size(); ++e) spinChanges_[e] = solution[unknownOf(e) + 3];
 }
 
+void RodSystem::slow(double share, const SoftState& state, std::span<Vec3> dv)
+{
+    for (std::size_t i = 0; i < dv.size(); ++i) dv[i] = share * (state.v[i] + dv[i]) - state.v[i];
+    for (std::size_t e = 0; e < spinChanges_.size(); ++e)
+        spinChanges_[e] = share * (state.rod.spins[e] + spinChanges_[e]) - state.rod.spins[e];
+}
+
 bool RodSystem::move(double dt, const SoftModel& model, const SoftState& state, std::span<const Vec3> x,
                      std::span<const Vec3> v)
 {

@@ -26,6 +26,8 @@ public:
 
     /// Takes the solution of a coupled solve, by unknown.
     void take(std::span<const double> solution, std::span<Vec3> dv);
+    /// Changes the solution so that the step ends with this share of its velocities and spins.
+    void slow(double share, const SoftState& state, std::span<Vec3> dv);
     /// Computes the new directors, spins, twists and tensions from the changes of the spins and the new places and
     /// velocities. Returns false if they are not finite.
     bool move(double dt, const SoftModel& model, const SoftState& state, std::span<const Vec3> x,

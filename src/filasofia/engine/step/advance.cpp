@@ -1,6 +1,7 @@
 #include "filasofia/engine/step/advance.h"
 
 #include "filasofia/engine/body/usable.h"
+#include "filasofia/engine/contact/find_contacts.h"
 #include "filasofia/engine/contact/solve_island.h"
 #include "filasofia/engine/scene/each_body.h"
 #include "filasofia/engine/step/assemble.h"
@@ -10,7 +11,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <iterator>
 #include <span>
+#include <tuple>
 #include <utility>
 
 namespace filasofia::engine {
@@ -158,30 +161,37 @@ void prepareBody(SoftBody& body)
     std::fill(residual.begin(), residual.end(), Vec3{}); // only the default solver writes residuals
 }
 
+// Solves of a step that are repeated because rods would pass through something. If lines still would, their rods end
+// the step with half of their velocity, again and again, and at last with none.
+constexpr int kRepeats = 40;
+constexpr std::size_t kSlower = 12;
+
 /// Solves the bodies of the scene, coupled ones island by island, and moves the soft bodies.
 class Advance {
 public:
     Advance(const StepContext& context, Scene& scene, Coupling& coupling)
-        : context_(context), scene_(scene), coupling_(coupling),
-          islands_(findIslands(scene.soft.size(), coupling.rigid, coupling.constraints)),
-          limits_(limitsOf(context, scene, islands_)), outcomes_(scene.soft.size()), coupled_(scene.soft.size())
+        : context_(context), scene_(scene), coupling_(coupling), outcomes_(scene.soft.size()),
+          coupled_(scene.soft.size())
     {
     }
 
-    void solveIslands()
+    void solve()
     {
-        for (std::size_t i = 0; i < islands_.size(); ++i) solveIsland(islands_[i], limits_.islands[i]);
+        const bool mayPass = std::ranges::any_of(
+            scene_.soft, [](const SoftBody& body) { return isRod(body.model) && !body.model.collision.empty(); });
+        if (mayPass) plan_ = {coupling_.rigid, coupling_.articulations};
+        solveAll(context_);
+        if (mayPass) keepLinesApart();
     }
 
-    void solveOthers()
+    void settle()
     {
         forEachBody(scene_, context_.pool, [&](SoftBody& body, std::size_t b) {
-            if (coupled_[b]) return;
-            prepareBody(body);
-            outcomes_[b] =
-                outcomeOf(body.model.id, solveBody(context_.dt, 1.0, limits_.bodies[b], body, context_.pool));
-            settle(b);
+            finishPieces(b, context_.dt, coupling_.constraints, body);
+            settleBody(context_, scene_.gravity, body, outcomes_[b]);
         });
+        for (std::size_t b = 0; b < outcomes_.size(); ++b)
+            if (outcomes_[b].has(StepFlag::Undone)) clearWarmStart(b, coupling_.constraints);
     }
 
     void reportSolves() const
@@ -194,6 +204,23 @@ public:
     }
 
 private:
+    void solveAll(const StepContext& context)
+    {
+        const std::vector<Island> islands = findIslands(scene_.soft.size(), coupling_.rigid, coupling_.constraints);
+        const StepLimits limits = limitsOf(context, scene_, islands);
+        for (std::size_t i = 0; i < islands.size(); ++i) solveIsland(islands[i], limits.islands[i]);
+        if (repeats_ == 0) solveOthers(limits);
+    }
+
+    void solveOthers(const StepLimits& limits)
+    {
+        forEachBody(scene_, context_.pool, [&](SoftBody& body, std::size_t b) {
+            if (coupled_[b]) return;
+            prepareBody(body);
+            outcomes_[b] = outcomeOf(body.model.id, solveBody(context_.dt, 1.0, limits.bodies[b], body, context_.pool));
+        });
+    }
+
     void solveIsland(const Island& island, const linalg::SolveLimits& limits)
     {
         for (std::size_t b : island.soft) {
@@ -203,28 +230,57 @@ private:
         const CoupledReport solve =
             engine::solveIsland(context_, island, coupledLimitsOf(context_, scene_, island, limits), scene_, coupling_);
         for (std::size_t b : island.soft) {
+            const int before = repeats_ > 0 ? outcomes_[b].solve.iterations : 0;
             outcomes_[b] = outcomeOf(scene_.soft[b].model.id, solve);
-            settle(b);
-            if (outcomes_[b].has(StepFlag::Undone)) clearWarmStart(b, coupling_.constraints);
+            outcomes_[b].solve.iterations += before;
         }
-        if (island.soft.empty())
+        if (island.soft.empty() && repeats_ == 0)
             rigidOutcomes_.push_back(outcomeOf(scene_.rigid[coupling_.rigid[island.rigid[0]].body].model.id, solve));
         physics::ContactReport& contacts = context_.report.contacts;
         contacts.rounds = std::max(contacts.rounds, solve.rounds);
-        contacts.mismatch = std::max(contacts.mismatch, solve.mismatch);
+        contacts.mismatch = std::max(repeats_ > 0 ? 0.0 : contacts.mismatch, solve.mismatch);
     }
 
-    void settle(std::size_t b)
+    /// If rods would pass through something, adds contacts that hinder them, and solves again.
+    void keepLinesApart()
     {
-        finishPieces(b, context_.dt, coupling_.constraints, scene_.soft[b]);
-        settleBody(context_, scene_.gravity, scene_.soft[b], outcomes_[b]);
+        // Without a deadline: a replay makes as many iterations, and a step that ran out of time has none left.
+        const StepContext unhurried{context_.dt, nullptr, context_.method, context_.pool, context_.report};
+        const auto missed = [&] {
+            std::vector<MissedContact> all = findLinePasses(context_.dt, scene_, coupling_);
+            std::ranges::move(findUnforeseen(context_, scene_, coupling_), std::back_inserter(all));
+            return all;
+        };
+        const bool inTime =
+            std::ranges::none_of(outcomes_, [](const BodyOutcome& each) { return each.has(StepFlag::OutOfTime); });
+        for (std::vector<MissedContact> found = missed(); !found.empty() && inTime && ++repeats_ <= kRepeats;
+             found = missed()) {
+            addMissed(context_, found, scene_, coupling_);
+            std::tie(coupling_.rigid, coupling_.articulations) = plan_;
+            solveAll(unhurried);
+        }
+        std::vector<MissedContact> passes = findLinePasses(context_.dt, scene_, coupling_);
+        // They go as far as they can. What stands still passes through nothing that stands still, so this ends.
+        const std::size_t most = kSlower + scene_.soft.size();
+        for (std::size_t i = 0; !passes.empty() && i < most; ++i) {
+            std::vector<char> slow(scene_.soft.size());
+            for (const MissedContact& pass : passes)
+                for (std::size_t b : pass.bodies) slow[b] = 1;
+            for (std::size_t b = 0; b < slow.size(); ++b) {
+                if (slow[b] == 0) continue;
+                SoftBody& body = scene_.soft[b];
+                body.system.rod->slow(i < kSlower ? 0.5 : 0.0, body.state, body.system.dv);
+                outcomes_[b].set(StepFlag::NotConverged);
+            }
+            passes = findLinePasses(context_.dt, scene_, coupling_);
+        }
     }
 
     const StepContext& context_;
     Scene& scene_;
     Coupling& coupling_;
-    std::vector<Island> islands_;
-    StepLimits limits_;
+    std::pair<RigidPlan, ArticulationPlans> plan_; ///< before the solve, which changes it
+    int repeats_ = 0;
     std::vector<BodyOutcome> outcomes_;      ///< per soft body
     std::vector<BodyOutcome> rigidOutcomes_; ///< per island without a soft body
     std::vector<char> coupled_;              ///< per soft body: 1 if it is in an island
@@ -236,8 +292,8 @@ void advance(const StepContext& context, Scene& scene, Coupling& coupling)
 {
     if (context.dt > 0.0) {
         Advance stage(context, scene, coupling);
-        stage.solveIslands();
-        stage.solveOthers();
+        stage.solve();
+        stage.settle();
         stage.reportSolves();
         scene.time += context.dt;
         ++scene.step;

@@ -1,0 +1,233 @@
+#include "filasofia/testing/fuzz_knots.h"
+
+#include "filasofia/core/hash.h"
+#include "filasofia/core/text.h"
+#include "filasofia/engine/native_engine.h"
+#include "filasofia/frame/frame.h"
+#include "filasofia/geometry/distance.h"
+#include "filasofia/testing/fuzz_knot_scene.h"
+#include "filasofia/testing/linking.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace filasofia::testing {
+namespace {
+
+constexpr int kKnotKinds = static_cast<int>(KnotKind::count_);
+constexpr long kLook = 10;            ///< steps between two looks at what is computed less often
+constexpr std::size_t kExamples = 20; ///< that a report keeps
+constexpr std::size_t kIterations = 1000;
+
+/// A scene that runs, and what is counted of it.
+class KnotRun {
+public:
+    KnotRun(const KnotFuzzDef& def, KnotKind kind, std::uint64_t seed, KnotFuzzReport& report)
+        : def_(def), report_(report), random_(seed), scene_(knotScene(kind, random_)),
+          engine_(engine::makeNativeEngine({.period = def.step, .threads = 1}))
+    {
+        std::uint32_t attachment = 1;
+        for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
+            const auto body = std::make_shared<const physics::BodyDef>(scene_.bodies[i]);
+            commands_.emplace_back(physics::AddBody{idOf(i), body, engine_->build(*body), AttachmentId{attachment}});
+            attachment +=
+                std::visit([](const auto& d) { return static_cast<std::uint32_t>(d.attachments.size()); }, *body);
+        }
+        engine_->step({.dt = 0.0, .commands = commands_});
+        commands_.clear();
+        engine_->capture(frame_);
+        readLines(after_);
+        for (const auto& [i, k] : ringPairs()) linked_.push_back(linkingNumber(after_[i], after_[k]));
+    }
+    /// Runs it to its end; returns its hash.
+    std::uint64_t run(KnotFuzzKind& counts, std::vector<long>& iterations, const std::string& called)
+    {
+        const long steps = std::max(1L, std::lround(def_.perScene / def_.step));
+        for (long i = 0; i < steps; ++i) {
+            const double time = static_cast<double>(i) * def_.step;
+            for (FuzzHand& hand : scene_.hands) {
+                hand.move(time, def_.step, random_);
+                commands_.emplace_back(physics::SetPose{idOf(hand.body), 0, hand.now});
+            }
+            const physics::StepReport step = engine_->step({.dt = def_.step, .commands = commands_});
+            commands_.clear();
+            engine_->capture(frame_);
+            std::swap(before_, after_);
+            readLines(after_);
+            const auto say = [&](const auto& what) {
+                if (report_.examples.size() < kExamples)
+                    report_.examples.push_back(text(called, ", step ", i, ": ", what));
+            };
+            follow(step, counts, iterations);
+            lookAtLines(counts, say);
+            if (i % kLook == kLook - 1) lookRarely(say);
+        }
+        counts.steps += steps;
+        report_.steps += steps;
+        report_.seconds += static_cast<double>(steps) * def_.step;
+        return engine_->hash();
+    }
+
+private:
+    static BodyId idOf(std::size_t body) { return {static_cast<std::uint32_t>(body + 1)}; }
+
+    void readLines(std::vector<std::vector<Vec3>>& out) const
+    {
+        out.resize(scene_.lines.size());
+        for (std::size_t i = 0; i < out.size(); ++i) {
+            const FuzzLine& line = scene_.lines[i];
+            if (line.axis.empty()) {
+                out[i] = frame_.softBody(idOf(line.body))->positions;
+                continue;
+            }
+            const Pose& pose = frame_.rigidBody(idOf(line.body))->poses.front();
+            out[i].clear();
+            for (const Vec3 p : line.axis) out[i].push_back(pose.position + rotate(pose.orientation, p));
+        }
+    }
+    [[nodiscard]] std::vector<std::array<std::size_t, 2>> ringPairs() const
+    {
+        std::vector<std::array<std::size_t, 2>> out;
+        for (std::size_t i = 0; i < scene_.lines.size(); ++i)
+            for (std::size_t k = i + 1; k < scene_.lines.size(); ++k)
+                if (scene_.lines[i].closed && scene_.lines[k].closed) out.push_back({i, k});
+        return out;
+    }
+    void follow(const physics::StepReport& step, KnotFuzzKind& counts, std::vector<long>& iterations)
+    {
+        int most = 0;
+        for (const physics::BodySolve& solve : step.solves) most = std::max(most, solve.iterations);
+        ++iterations[std::min(static_cast<std::size_t>(most), kIterations - 1)];
+        counts.notConverged += step.has(physics::StepFlag::NotConverged) ? 1 : 0;
+        report_.undone += step.has(physics::StepFlag::Undone) ? 1 : 0;
+        report_.mostContacts = std::max(report_.mostContacts, static_cast<long>(step.contacts.active));
+        report_.deepest = std::max(report_.deepest, step.contacts.penetration / (2.0 * scene_.radius));
+    }
+    template <class Say> void lookAtLines(KnotFuzzKind& counts, const Say& say)
+    {
+        for (const frame::SoftBodyFrame& body : frame_.softBodies)
+            if (!std::ranges::all_of(body.positions, [](Vec3 x) { return isFinite(x); }) ||
+                !std::ranges::all_of(body.velocities, [](Vec3 v) { return isFinite(v); })) {
+                ++report_.notFinite;
+                return say("not finite");
+            }
+        for (std::size_t i = 0; i < scene_.lines.size(); ++i)
+            for (std::size_t k = i; k < scene_.lines.size(); ++k) {
+                if (!scene_.lines[i].axis.empty() && !scene_.lines[k].axis.empty()) continue; // bars meet as they like
+                const int passed = std::abs(passes_.count({before_[i], after_[i], scene_.lines[i].closed},
+                                                          {before_[k], after_[k], scene_.lines[k].closed}));
+                counts.passes += passed;
+                if (passed != 0)
+                    say(text("body ", scene_.lines[i].body + 1, " passes through ", scene_.lines[k].body + 1));
+            }
+    }
+    template <class Say> void lookRarely(const Say& say)
+    {
+        std::size_t pair = 0;
+        for (const auto& [i, k] : ringPairs()) {
+            ++report_.linkingTests;
+            const double now = linkingNumber(after_[i], after_[k]);
+            if (std::abs(now - linked_[pair]) > 0.01) {
+                ++report_.linkingChanges;
+                say(text("linking number ", linked_[pair], " has become ", now));
+                linked_[pair] = now;
+            }
+            ++pair;
+        }
+        for (const std::size_t tissue : scene_.tissues) {
+            const int inside = nodesInside(tissue);
+            report_.insideTissue += inside;
+            if (inside > 0) say(text(inside, " nodes inside tissue"));
+        }
+    }
+    /// Nodes of threads that are more than two diameters deep in a block of tissue, by where they are in it at rest.
+    [[nodiscard]] int nodesInside(std::size_t tissue) const
+    {
+        const auto& mesh = *std::get<std::shared_ptr<const geometry::TetMesh>>(
+            std::get<physics::SoftBodyDef>(scene_.bodies[tissue]).mesh);
+        const std::vector<Vec3>& x = frame_.softBody(idOf(tissue))->positions;
+        Vec3 low = x.front(), high = x.front(), half = mesh.nodes.front();
+        for (const Vec3 p : x) low = min(low, p), high = max(high, p);
+        for (const Vec3 p : mesh.nodes) half = max(half, p);
+        const auto isDeep = [&](const geometry::Tetrahedron& t, Vec3 p) {
+            const auto w = geometry::barycentric(p, x[t[0]], x[t[1]], x[t[2]], x[t[3]]);
+            Vec3 rest;
+            for (std::size_t k = 0; k < 4; ++k) rest += w[k] * mesh.nodes[t[k]];
+            const Vec3 depth = half - max(rest, -rest);
+            return std::ranges::all_of(w, [](double each) { return each > 0.0; }) &&
+                   std::min({depth.x, depth.y, depth.z}) > 4.0 * scene_.radius;
+        };
+        int count = 0;
+        for (const std::vector<Vec3>& line : after_)
+            for (const Vec3 p : line)
+                if (min(p, low) == low && max(p, high) == high)
+                    count += std::ranges::any_of(mesh.tetrahedra, [&](const auto& t) { return isDeep(t, p); });
+        return count;
+    }
+
+    const KnotFuzzDef& def_;
+    KnotFuzzReport& report_;
+    FuzzRandom random_;
+    KnotScene scene_;
+    std::unique_ptr<physics::PhysicsEngine> engine_;
+    std::vector<physics::Command> commands_;
+    frame::Frame frame_;
+    std::vector<std::vector<Vec3>> before_, after_; ///< per line
+    std::vector<double> linked_;                    ///< per pair of rings
+    PassCounter passes_;
+};
+
+/// The smallest number of iterations that at least this share of the steps did not exceed.
+int quantile(const std::vector<long>& iterations, long steps, double share)
+{
+    long sum = 0;
+    for (std::size_t i = 0; i < iterations.size(); ++i)
+        if (sum += iterations[i]; static_cast<double>(sum) >= share * static_cast<double>(steps))
+            return static_cast<int>(i);
+    return 0;
+}
+
+} // namespace
+
+KnotFuzzReport fuzzKnots(const KnotFuzzDef& def)
+{
+    KnotFuzzReport report;
+    for (int i = 0; i < kKnotKinds; ++i) report.kinds.push_back({name(static_cast<KnotKind>(i))});
+    std::vector<long> iterations(kIterations);
+    Hasher all;
+    for (auto index = static_cast<std::uint64_t>(def.first); report.seconds < def.seconds * (1.0 - 1e-9); ++index) {
+        // Every scene has its own random numbers: if one fails, it can be replayed without the scenes before it.
+        Hasher seed;
+        seed.add(def.seed);
+        seed.add(index);
+        const auto kind = static_cast<std::size_t>(index % kKnotKinds);
+        KnotFuzzKind& counts = report.kinds[kind];
+        const std::string called = text("scene ", index, " (", counts.name, ")");
+        const auto runOnce = [&](KnotFuzzReport& into, KnotFuzzKind& kindCounts, std::vector<long>& its) {
+            return KnotRun(def, static_cast<KnotKind>(kind), seed.value(), into).run(kindCounts, its, called);
+        };
+        const std::uint64_t hash = runOnce(report, counts, iterations);
+        all.add(hash);
+        ++counts.scenes;
+        ++report.scenes;
+        if (def.twice) {
+            KnotFuzzReport again;
+            KnotFuzzKind other;
+            std::vector<long> its(kIterations);
+            if (runOnce(again, other, its) != hash) ++report.hashesThatDiffer;
+        }
+        if (def.progress) def.progress(report.seconds);
+    }
+    for (const KnotFuzzKind& kind : report.kinds) {
+        report.passes += kind.passes;
+        report.notConverged += kind.notConverged;
+    }
+    report.median = quantile(iterations, report.steps, 0.5);
+    report.percentile99 = quantile(iterations, report.steps, 0.99);
+    report.most = quantile(iterations, report.steps, 1.0);
+    report.hash = all.value();
+    return report;
+}
+
+} // namespace filasofia::testing
