@@ -15,7 +15,7 @@ Pose motion(double time)
     const auto part = [&](double from, double to) { return std::clamp((time - from) / (to - from), 0.0, 1.0); };
     const double angle = 20_deg + part(0.3, 2.3) * 175_deg + part(3.0, 3.6) * 160_deg + part(4.4, 6.4) * 150_deg;
     const Vec3 aside{0, 0, 25_mm * (part(2.6, 3.0) - part(3.6, 4.0))}; // open, from the needle's tail to its tip
-    const Vec3 drawn = part(6.4, 7.0) * Vec3{0, 20_mm, 0} + part(7.0, 9.0) * Vec3{60_mm, 0, 0};
+    const Vec3 drawn = part(6.4, 7.0) * Vec3{0, 16_mm, 0} + part(7.0, 9.0) * Vec3{-60_mm, 0, 0};
     return holding(angle, aside + drawn);
 }
 
@@ -23,14 +23,14 @@ int main(int argc, char** argv)
 try {
     Simulation sim(
         {.window = {"Suture", 640, 480},
-         .look = {.around = Box{{-15_mm, -8_mm, -9_mm}, {15_mm, 14_mm, 9_mm}}, .direction = {0.15, 0.8, 1}}});
+         .look = {.around = Box{{-15_mm, -8_mm, -9_mm}, {15_mm, 14_mm, 9_mm}}, .direction = {0.5, 0.8, 0.6}}});
     BodyId edges[2];
     for (const int side : {-1, 1}) {
         SoftBodyDef skin{.name = side < 0 ? "left edge" : "right edge",
                          .mesh = shapes::block({20_mm, 8_mm, 16_mm}, {10, 5, 8})};
         skin.pose.position = {side * 11.5_mm, -4_mm, 0};
         skin.material = FemMaterial{.youngModulus = 60_kPa, .poissonRatio = 0.45};
-        skin.attachments = {{.box = Box{{side < 0 ? -1 : 19.9_mm, -1, -1}, {side < 0 ? -19.9_mm : 1, 1, 1}}}};
+        skin.attachments = {{.box = Box{{-1, -1, -1}, {1, -7.9_mm, 1}}}}; // its lower side is held
         skin.collision = {{.proximity = 0.3_mm}};
         skin.puncture = PunctureDef{.force = 0.25, .cutting = 0.08, .friction = 6.0};
         sim.show(edges[side > 0] = sim.add(skin), {.subdivision = 1});
@@ -39,31 +39,44 @@ try {
     RigidBodyDef needle{.name = "needle", .elements = {{kMiddle, axisAngle({0, 0, 1}, 205_deg)}}, .dynamic = true};
     needle.mesh = shapes::tube(line, 0.4_mm, 8, true);
     needle.mass = Density{7800};
+    needle.gravity = false;
     needle.collision = {{.proximity = 0.2_mm}};
     needle.needle = NeedleDef{.line = line, .radius = 0.4_mm};
     const BodyId steel = sim.add(needle);
-    RodBodyDef thread{.name = "thread", .spacing = 1_mm, .radius = 0.15_mm, .youngModulus = 50_MPa, .friction = 0.1};
-    thread.points = {transform(needle.elements[0], line.back()), {24_mm, 8_mm, -3_mm}, {30_mm, 2_mm, -60_mm}};
+    const Vec3 end{20_mm, 12_mm, -6_mm};
+    const BodyId hand = sim.add(RigidBodyDef{.name = "hand", .elements = {{end}}});
+    RodBodyDef thread{.name = "thread", .spacing = 1_mm, .radius = 0.15_mm, .youngModulus = 50_MPa};
+    thread.points = {transform(needle.elements[0], line.back()),
+                     {14_mm, 7_mm, -7_mm},
+                     {40_mm, 10_mm, -20_mm},
+                     {40_mm, 32_mm, -14_mm},
+                     end};
+    thread.straight = thread.gravity = false;
+    thread.friction = 0.1;
     thread.rayleigh.mass = 20.0; // the air
     thread.collision = RodCollision{.self = false};
-    thread.attachments = {{.nodes = {0}, .to = steel}};
+    thread.attachments = {{.nodes = {0}, .to = steel}, {.ball = Ball{end, 0.5_mm}, .to = hand}};
     const BodyId silk = sim.add(thread);
     prefab::ArticulatedInstrument driver(sim,
-                                         {.kind = InstrumentKind::NeedleDriver, .pose = motion(0), .opening = 0.09});
+                                         {.kind = InstrumentKind::NeedleDriver, .pose = motion(0), .opening = 0.08});
     sim.show(steel, {.material = MetalMaterial{}});
     sim.show(silk, {.material = TissueMaterial{.baseColor = {0.1, 0.1, 0.5}, .wetness = 0, .vessels = 0}});
     sim.everyStep([&](double time) {
         driver.move(motion(time));
         const bool open = time > 2.3 && time < 4.0;
-        if (open && driver.holding()) driver.open(0.5);
+        if (open && driver.holding()) driver.open(0.2);
         if (!open && !driver.holding()) driver.close();
     });
 
     if (const int problem = sim.run(argc, argv)) return problem; // --headless --steps 9000: see --help
     const auto frame = sim.physics().latest();
     if (!frame || frame->time < 8.9) return 0;
+    double gap = 1.0; // between the edges
+    for (const Vec3& left : frame->softBody(edges[0])->positions)
+        for (const Vec3& right : frame->softBody(edges[1])->positions) gap = std::min(gap, distance(left, right));
+    std::printf("the edges of the wound are %.2f mm apart\n", 1e3 * gap);
     const auto follows = [&](const frame::Channel& each) { return each.through && each.inside == silk; };
-    return driver.holding() == steel && std::ranges::count_if(frame->channels, follows) == 2 ? 0 : 1;
+    return driver.holding() == steel && gap < 1_mm && std::ranges::count_if(frame->channels, follows) == 2 ? 0 : 1;
 } catch (const Error& error) {
     return report(error);
 }

@@ -26,6 +26,10 @@ try {
     catheter.attachments = {{.nodes = {0, 1}, .to = hand}}; // it is pushed and turned there
     catheter.collision = RodCollision{.self = false};
     const BodyId tube = sim.add(catheter);
+    RigidBodyDef back{.name = "back", .elements = {{{0, 0, -20_mm}}}, .mesh = shapes::box({300_mm, 300_mm, 10_mm})};
+    const Color green{0.1, 0.3, 0.3};
+    sim.show(sim.add(back),
+             {.material = TissueMaterial{.baseColor = green, .subsurfaceColor = green, .wetness = 0, .vessels = 0}});
     sim.show(wall, {.material = GlassMaterial{}});
     sim.show(tube, {.material = TissueMaterial{.baseColor = {0.1, 0.3, 0.6}, .wetness = 0, .vessels = 0}});
     bool steered = false;

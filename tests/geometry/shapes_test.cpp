@@ -82,13 +82,12 @@ TEST_CASE("a vessel is hollow, open at both ends, of good tetrahedra that fit to
     const double section = kPi * ((inner + wall) * (inner + wall) - inner * inner);
     CHECK(volume == Approx(section * 0.5 * kPi * radius).epsilon(6e-3));
     // Its boundary is closed, and has the topology of a torus: inside, outside and two rims.
-    const auto skin = boundary(*vessel);
-    CHECK(skin.size() == 2u * 2 * 48 * 24 + 2u * 2 * 48 * 2);
+    CHECK(extractSurface(*vessel).mesh.triangles.size() == 2u * 2 * 48 * 24 + 2u * 2 * 48 * 2);
     CHECK_THROWS_WITH(shapes::vessel(line, 4e-3, 0.0), "vessel: wall must be > 0 m, got 0");
     CHECK_THROWS_WITH(shapes::vessel(line, 4e-3, 1e-3, {7, 1}), "vessel: cells[0] must be even, got 7");
     CHECK_THROWS_WITH(shapes::vessel(line, 4e-3, 1e-3, {8, 0}), "vessel: cells[1] must be in [1, 100], got 0");
     CHECK_THROWS_WITH(shapes::vessel(shapes::arc(3e-3, 0, 1, 8), 4e-3, 1e-3),
-                      "vessel: the line turns too sharply at points[0] or points[1] for a vessel that is 0.005 m in "
+                      "vessel: the line turns too sharply at points[1] or points[2] for a vessel that is 0.005 m in "
                       "radius");
     CHECK_THROWS_WITH(shapes::arc(0.0, 0, 1), "arc: radius must be > 0 m, got 0");
 }

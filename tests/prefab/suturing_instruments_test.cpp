@@ -15,7 +15,7 @@ using runtime::Simulation;
 
 namespace {
 
-constexpr double kArc = 9e-3, kRadius = 0.4e-3; // [m] of the needle: half a circle, 28 mm long
+constexpr double kArc = 9e-3, kRadius = 0.4e-3; // [m], the needle: half a circle, 28 mm long
 constexpr Vec3 kGrip{0, 0, -9e-3};              // [m] between the jaws of a needle driver at the origin
 
 /// The needle's line, whose middle is its origin, from the tip to the tail, in its plane z = 0.

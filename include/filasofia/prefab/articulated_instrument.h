@@ -16,12 +16,12 @@ namespace filasofia::prefab {
 
 /// Which meshes, jaws, opening angles and closing torque an instrument has if its Def does not give them.
 enum class InstrumentKind {
-    Forceps,        ///< of 5 Fr (1.7 mm), for hysteroscopy: short cups; 0.5 mN m
-    Grasper,        ///< of 5 Fr: long jaws with teeth; 0.5 mN m
-    Scissors,       ///< of 5 Fr: two blades, which cut and hold nothing; 0.5 mN m
-    NeedleDriver,   ///< of 5 mm, for laparoscopy: short, stout, flat jaws that press with some 15 N; 0.15 N m
-    PickUps,        ///< of 5 mm: long, pointed jaws; 10 mN m
-    SutureScissors, ///< of 5 mm: two short blades, which cut and hold nothing; 50 mN m
+    Forceps,        ///< 5 Fr (1.7 mm), for hysteroscopy: short cups; 0.5 mN m
+    Grasper,        ///< 5 Fr: long jaws with teeth; 0.5 mN m
+    Scissors,       ///< 5 Fr: two blades, which cut and hold nothing; 0.5 mN m
+    NeedleDriver,   ///< 5 mm, for laparoscopy: short, stout, flat jaws that press with some 15 N; 0.15 N m
+    PickUps,        ///< 5 mm: long, pointed jaws; 10 mN m
+    SutureScissors, ///< 5 mm: two short blades, which cut and hold nothing; 50 mN m
 };
 /// The values' names in files, in order.
 constexpr std::array<std::string_view, 6> names(const InstrumentKind*)

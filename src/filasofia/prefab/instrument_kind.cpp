@@ -14,7 +14,7 @@ struct Kind {
     std::string_view folder, name, shaft;
     double opensBy;                               ///< [rad]
     double closingTorque;                         ///< [N m]
-    std::optional<std::array<Vec3, 2>> edge = {}; ///< of the upper blade
+    std::optional<std::array<Vec3, 2>> edge = {}; ///< the upper blade
 };
 
 Kind kindOf(InstrumentKind kind)

@@ -20,6 +20,11 @@ constexpr double kStiff = 1e-6;
 // this factor over 1 / compliance the filter, a difference of large numbers, has no digits left.
 constexpr double kExact = 1e5;
 
+bool betweenRigid(const Constraint& constraint)
+{
+    return std::ranges::none_of(constraint.sides, [](const BodyPoint& side) { return side.of == BodyPoint::Of::Soft; });
+}
+
 } // namespace
 
 const BodySmoother& CoupledSolve::smootherAt(int& point) const
@@ -76,9 +81,13 @@ void CoupledSolve::chooseStiffness()
         const double kappa = each.bilateral() ? kappas.holding : kappas.contact;
         double rigid = each.yielding * (bothMove ? 1.0 : each.trappedYielding) * kappa / compliance;
         if (exact && each.bilateral()) rigid = std::max(rigid, std::min(ownStiffness(row), kExact / compliance));
-        // A link's drive has inertia that its mass does not show.
-        const double heavier = bothMove ? std::max(heaviest, 1.0 / std::min(ofSides[0], ofSides[1])) : heaviest;
-        rigid = compliance > 0.0 ? std::max(rigid, limits_->bearing * heavier) : 0.0;
+        // A link's drive has inertia that its mass does not show. With tissue in the island a needle between jaws must
+        // bear it, too.
+        const double heavier = bothMove ? 1.0 / std::min(ofSides[0], ofSides[1]) : 0.0;
+        rigid = std::max(rigid, limits_->bearing * std::max(heaviest, heavier));
+        if (exact && !each.bilateral() && betweenRigid(each))
+            rigid = std::max(rigid, std::min(heavier, kExact / compliance));
+        if (!(compliance > 0.0)) rigid = 0.0;
         const double normal = spring ? each.softness : rigid;
         const double tangential = spring && each.bilateral() ? each.softness : rigid;
         rows_[c].stiffness = {normal, tangential, tangential};
