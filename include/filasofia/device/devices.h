@@ -128,7 +128,7 @@ private:
     PersonInput input_;          ///< what is held down, and the pixels that are not read yet
     MotionState hand_;           ///< current position, on its way to the target
     Vec3 wanted_;                ///< [m] target position
-    Vec3 toTurn_, turning_;      ///< [rad] what is left of the mouse's turn, [rad/s] its velocity
+    Vec3 turnOff_, turning_;     ///< [rad] from the mouse's target, [rad/s] its velocity
     Vec3 twisting_;              ///< [rad/s] velocity of a stick's turn
     std::optional<double> last_; ///< [s]
 };

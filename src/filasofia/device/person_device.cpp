@@ -60,11 +60,10 @@ DeviceSample PersonDevice::read(double time) noexcept
     hand_.pose.position = wanted_ + off;
 
     // Rotations to the side and up and down are about the device's axes, that of a wheel about the hand's own.
-    toTurn_ += rates_.turn * input.turned;
-    Vec3 left = -toTurn_;
-    follow(dt, left, turning_);
-    const Vec3 turned = left + toTurn_;
-    toTurn_ = -left;
+    turnOff_ -= rates_.turn * input.turned;
+    const Vec3 before = turnOff_;
+    follow(dt, turnOff_, turning_);
+    const Vec3 turned = turnOff_ - before;
     twisting_ += (1.0 - std::exp(-dt / kTimeConstant)) * (rates_.turnSpeed * input.twist.value_or(Vec3{}) - twisting_);
     const auto inDevice = [&](Vec3 of) {
         return Vec3{of.x, of.y, 0.0} + rotate(hand_.pose.orientation, Vec3{0.0, 0.0, of.z});

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/geometry/kuhn.h"
+#include "filasofia/geometry/shape_checks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,23 +15,13 @@ namespace {
 constexpr int kMaxSurfaceCells = 500; ///< [-], edges along a side: 6 million triangles at most
 constexpr int kMaxBlockCells = 200;   ///< [-], cells along a side: 48 million tetrahedra at most
 
-void checkLength(const char* shape, const char* argument, double value)
-{
-    if (!(value > 0.0 && std::isfinite(value))) fail(shape, ": ", argument, " must be > 0 m, got ", value);
-}
-
-void checkCount(const char* shape, const char* argument, int value, int max)
-{
-    if (value < 1 || value > max) fail(shape, ": ", argument, " must be in [1, ", max, "], got ", value);
-}
-
 void checkGrid(const char* shape, Vec3 size, const std::array<int, 3>& cells, int max)
 {
     checkLength(shape, "size.x", size.x);
     checkLength(shape, "size.y", size.y);
     checkLength(shape, "size.z", size.z);
     constexpr const char* names[] = {"cells[0]", "cells[1]", "cells[2]"};
-    for (std::size_t axis = 0; axis < 3; ++axis) checkCount(shape, names[axis], cells[axis], max);
+    for (std::size_t axis = 0; axis < 3; ++axis) checkCount(shape, names[axis], cells[axis], 1, max);
 }
 
 /// A point of a grid that fills a box around the origin.
@@ -144,7 +135,7 @@ std::shared_ptr<const TriangleMesh> box(Vec3 size, std::array<int, 3> cells)
 std::shared_ptr<const TriangleMesh> sphere(double radius, int quarter)
 {
     checkLength("sphere", "radius", radius);
-    checkCount("sphere", "quarter", quarter, kMaxSurfaceCells);
+    checkCount("sphere", "quarter", quarter, 1, kMaxSurfaceCells);
     return mirrored(halfSphere(radius, quarter), 0.0);
 }
 
@@ -153,7 +144,7 @@ std::shared_ptr<const TriangleMesh> ellipsoid(Vec3 halfAxes, int quarter)
     checkLength("ellipsoid", "halfAxes.x", halfAxes.x);
     checkLength("ellipsoid", "halfAxes.y", halfAxes.y);
     checkLength("ellipsoid", "halfAxes.z", halfAxes.z);
-    checkCount("ellipsoid", "quarter", quarter, kMaxSurfaceCells);
+    checkCount("ellipsoid", "quarter", quarter, 1, kMaxSurfaceCells);
     TriangleMesh mesh = *sphere(1.0, quarter);
     for (Vec3& v : mesh.vertices) v = {halfAxes.x * v.x, halfAxes.y * v.y, halfAxes.z * v.z};
     return std::make_shared<const TriangleMesh>(std::move(mesh));
@@ -163,7 +154,7 @@ std::shared_ptr<const TriangleMesh> capsule(double radius, double length, int qu
 {
     checkLength("capsule", "radius", radius);
     checkLength("capsule", "length", length);
-    checkCount("capsule", "quarter", quarter, kMaxSurfaceCells);
+    checkCount("capsule", "quarter", quarter, 1, kMaxSurfaceCells);
     return mirrored(halfSphere(radius, quarter), length);
 }
 
@@ -171,7 +162,7 @@ std::shared_ptr<const TriangleMesh> cylinder(double radius, double length, int q
 {
     checkLength("cylinder", "radius", radius);
     checkLength("cylinder", "length", length);
-    checkCount("cylinder", "quarter", quarter, kMaxSurfaceCells);
+    checkCount("cylinder", "quarter", quarter, 1, kMaxSurfaceCells);
     return mirrored({{0.0, 0.0, 1}, {0.0, radius, 4 * quarter}}, length);
 }
 
@@ -179,8 +170,8 @@ std::shared_ptr<const TriangleMesh> sheet(double width, double depth, std::array
 {
     checkLength("sheet", "width", width);
     checkLength("sheet", "depth", depth);
-    checkCount("sheet", "cells[0]", cells[0], kMaxSurfaceCells);
-    checkCount("sheet", "cells[1]", cells[1], kMaxSurfaceCells);
+    checkCount("sheet", "cells[0]", cells[0], 1, kMaxSurfaceCells);
+    checkCount("sheet", "cells[1]", cells[1], 1, kMaxSurfaceCells);
     TriangleMesh mesh;
     const std::array<int, 3> grid{cells[0], 1, cells[1]};
     for (int i = 0; i <= cells[0]; ++i)

@@ -1,5 +1,6 @@
 #include "filasofia/core/error.h"
 #include "filasofia/geometry/kuhn.h"
+#include "filasofia/geometry/shape_checks.h"
 #include "filasofia/geometry/shapes.h"
 
 #include <cmath>
@@ -17,17 +18,6 @@ void checkLine(std::string_view shape, const std::vector<Vec3>& points)
         if (i > 0 && !(length(points[i] - points[i - 1]) > 0.0))
             fail(shape, ": points[", i - 1, "] and points[", i, "] must be apart, their distance is 0 m");
     }
-}
-
-void checkRadius(std::string_view shape, std::string_view argument, double radius)
-{
-    if (!(radius > 0.0 && std::isfinite(radius))) fail(shape, ": ", argument, " must be > 0 m, got ", radius);
-}
-
-void checkCount(std::string_view shape, std::string_view argument, int count, int least, int most)
-{
-    if (count < least || count > most)
-        fail(shape, ": ", argument, " must be in [", least, ", ", most, "], got ", count);
 }
 
 Vec3 anyAcross(Vec3 direction)
@@ -70,7 +60,7 @@ double angleOf(int side, int sides) { return 2.0 * std::numbers::pi * side / sid
 std::shared_ptr<const TriangleMesh> tube(const std::vector<Vec3>& points, double radius, int sides, bool sharp)
 {
     checkLine("tube", points);
-    checkRadius("tube", "radius", radius);
+    checkLength("tube", "radius", radius);
     checkCount("tube", "sides", sides, 3, 500);
     TriangleMesh mesh;
     for (const Section& section : sectionsOf("tube", points, sharp ? 1 : 0))
@@ -96,8 +86,8 @@ std::shared_ptr<const TetMesh> vessel(const std::vector<Vec3>& points, double ra
                                       std::array<int, 2> cells)
 {
     checkLine("vessel", points);
-    checkRadius("vessel", "radius", radius);
-    checkRadius("vessel", "wall", wall);
+    checkLength("vessel", "radius", radius);
+    checkLength("vessel", "wall", wall);
     checkCount("vessel", "cells[0]", cells[0], 4, 500);
     checkCount("vessel", "cells[1]", cells[1], 1, 100);
     if (cells[0] % 2 != 0) fail("vessel: cells[0] must be even, got ", cells[0]);
@@ -126,7 +116,7 @@ std::shared_ptr<const TetMesh> vessel(const std::vector<Vec3>& points, double ra
 
 std::vector<Vec3> arc(double radius, double from, double to, int edges)
 {
-    checkRadius("arc", "radius", radius);
+    checkLength("arc", "radius", radius);
     checkCount("arc", "edges", edges, 1, 100000);
     if (!(std::isfinite(from) && std::isfinite(to))) fail("arc: from and to must be finite, got ", from, " and ", to);
     std::vector<Vec3> points;

@@ -42,15 +42,19 @@ JointDef jointOf(const ArticulatedInstrumentDef& def, const JawDef& jaw, int lin
     return joint;
 }
 
+bool isBetween(const frame::Contact& contact, BodyId one, BodyId two)
+{
+    return (contact.first == one && contact.second == two) || (contact.first == two && contact.second == one);
+}
+
 /// The forces of tissue on the two sides of the mouth [N]: across the shaft, along the direction in which a jaw opens
 /// and against it.
 std::array<double, 2> squeezed(const frame::Frame& frame, BodyId tool, BodyId target, Vec3 opens)
 {
     std::array<double, 2> sides = {};
     for (const frame::Contact& contact : frame.contacts) {
-        const bool first = contact.first == tool && contact.second == target;
-        if (!first && !(contact.second == tool && contact.first == target)) continue;
-        const double along = dot(first ? contact.normal : -contact.normal, opens) * contact.normalForce;
+        if (!isBetween(contact, tool, target)) continue;
+        const double along = dot(contact.first == tool ? contact.normal : -contact.normal, opens) * contact.normalForce;
         sides[along > 0.0 ? 0 : 1] += std::abs(along);
     }
     return sides;
@@ -193,9 +197,7 @@ struct ArticulatedInstrument::Impl {
         double lever = 0.0, all = 0.0;
         Vec3 middle;
         for (const frame::Contact& contact : frame.contacts) {
-            if (!(contact.first == body && contact.second == held) &&
-                !(contact.second == body && contact.first == held))
-                continue;
+            if (!isBetween(contact, body, held)) continue;
             lever += contact.normalForce * distance(contact.point, pivot.position);
             middle += contact.normalForce * contact.point;
             all += contact.normalForce;

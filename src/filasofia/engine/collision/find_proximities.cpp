@@ -129,4 +129,16 @@ void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerP
     std::swap(sides, scratch.nextSides);
 }
 
+double closingSpeed(const std::vector<CollisionSurface>& surfaces, const Proximity& found)
+{
+    Vec3 velocity;
+    for (std::size_t side = 0; side < 2; ++side)
+        for (std::size_t k = 0; k < 3; ++k)
+            if (const int vertex = found.vertices[side][k]; vertex >= 0)
+                velocity +=
+                    (side == 0 ? 1.0 : -1.0) * found.weights[side][k] *
+                    surfaces[static_cast<std::size_t>(found.surfaces[side])].v[static_cast<std::size_t>(vertex)];
+    return -dot(velocity, found.normal);
+}
+
 } // namespace filasofia::engine

@@ -70,4 +70,7 @@ void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerP
 
 inline constexpr double kStepsAhead = 1.5; ///< one step, and half of one for the velocities that the solve adds
 
+/// [m/s] The speed at which the two places come nearer.
+double closingSpeed(const std::vector<CollisionSurface>& surfaces, const Proximity& found);
+
 } // namespace filasofia::engine

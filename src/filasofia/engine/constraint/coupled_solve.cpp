@@ -49,7 +49,7 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
         // Where stiff constraints hold what is at rest, rounding may make it less than nothing.
         const bool nothing = std::abs(rz) <= linear.tolerance * linear.tolerance * energy_;
         const bool number = (rz >= 0.0 || nothing) && std::isfinite(rz);
-        report.residual = rz <= 0.0 && number ? 0.0 : number ? std::sqrt(rz / (rz + energy_)) : 1.0;
+        report.residual = !number ? 1.0 : rz <= 0.0 ? 0.0 : std::sqrt(rz / (rz + energy_));
         report.converged = report.residual <= linear.tolerance && impulsesSettled();
         if (report.converged && !activeSetFrozen_ && updates < limits.multiplierUpdates && updateMultipliers()) {
             ++updates;

@@ -46,14 +46,7 @@ double insetAt(const CollisionModel& collision, const Proximity& found, std::siz
 /// [m] the distance by which the two sides approach in the time of the look-ahead.
 double comingNearer(const std::vector<CollisionSurface>& surfaces, const Proximity& found, double dt)
 {
-    Vec3 velocity;
-    for (std::size_t side = 0; side < 2; ++side)
-        for (std::size_t k = 0; k < 3; ++k)
-            if (const int vertex = found.vertices[side][k]; vertex >= 0)
-                velocity +=
-                    (side == 0 ? 1.0 : -1.0) * found.weights[side][k] *
-                    surfaces[static_cast<std::size_t>(found.surfaces[side])].v[static_cast<std::size_t>(vertex)];
-    return kStepsAhead * dt * std::max(0.0, -dot(velocity, found.normal));
+    return kStepsAhead * dt * std::max(0.0, closingSpeed(surfaces, found));
 }
 
 /// Whether a place lies on an inverted element of a soft body. There the surface faces the wrong way, and a contact

@@ -23,6 +23,8 @@ bool apart(const SweptBox& a, const SweptBox& b)
 }
 SweptBox around(const SweptBox& a, const SweptBox& b) { return {min(a.low, b.low), max(a.high, b.high)}; }
 
+bool isLine(const SurfaceOwner& owner, const Scene& scene) { return owner.soft && isRod(scene.soft[owner.body].model); }
+
 /// A rod's line in the step.
 struct SweptLine {
     std::size_t body = 0;
@@ -116,7 +118,7 @@ std::vector<std::vector<Vec3>> fasterThanForeseen(double dt, const std::vector<S
     std::vector<std::vector<Vec3>> out(owners.size());
     for (std::size_t i = 0; i < owners.size(); ++i) {
         const SurfaceOwner& owner = owners[i];
-        if (!owner.soft || !isRod(scene.soft[owner.body].model)) continue;
+        if (!isLine(owner, scene)) continue;
         const std::vector<Vec3>&v = scene.soft[owner.body].state.v, &dv = scene.soft[owner.body].system.dv;
         bool faster = false;
         for (std::size_t n = 0; n < v.size() && !faster; ++n)
@@ -127,19 +129,6 @@ std::vector<std::vector<Vec3>> fasterThanForeseen(double dt, const std::vector<S
     return out;
 }
 
-/// [m/s] How fast the two places come nearer.
-double closing(const std::vector<CollisionSurface>& surfaces, const Proximity& found)
-{
-    Vec3 velocity;
-    for (std::size_t side = 0; side < 2; ++side)
-        for (std::size_t k = 0; k < 3; ++k)
-            if (const int vertex = found.vertices[side][k]; vertex >= 0)
-                velocity +=
-                    (side == 0 ? 1.0 : -1.0) * found.weights[side][k] *
-                    surfaces[static_cast<std::size_t>(found.surfaces[side])].v[static_cast<std::size_t>(vertex)];
-    return -dot(velocity, found.normal);
-}
-
 } // namespace
 
 std::vector<MissedContact> findLinePasses(double dt, const Scene& scene, const Coupling& coupling)
@@ -147,7 +136,7 @@ std::vector<MissedContact> findLinePasses(double dt, const Scene& scene, const C
     std::vector<SweptLine> lines;
     const std::vector<SurfaceOwner> owners = surfaceOwners(scene);
     for (std::size_t i = 0; i < owners.size(); ++i)
-        if (const SurfaceOwner& owner = owners[i]; owner.soft && isRod(scene.soft[owner.body].model))
+        if (const SurfaceOwner& owner = owners[i]; isLine(owner, scene))
             lines.push_back(sweptLine(dt, scene.soft[owner.body], owner.body, static_cast<int>(i),
                                       *coupling.detection.surfaces[i].shape));
     std::vector<MissedContact> out;
@@ -167,15 +156,12 @@ std::vector<MissedContact> findUnforeseen(const StepContext& context, const Scen
     std::vector<std::vector<Vec3>> fast = fasterThanForeseen(context.dt, owners, scene);
     std::vector<MissedContact> out;
     if (std::ranges::all_of(fast, [](const auto& each) { return each.empty(); })) return out;
+    // Exchanged, too, those of the fast surfaces are not empty.
+    const auto isFast = [&](std::size_t i) { return !fast[i].empty(); };
     const auto exchange = [&] {
         for (std::size_t i = 0; i < fast.size(); ++i)
-            if (!fast[i].empty()) std::swap(fast[i], detection.surfaces[i].v);
+            if (isFast(i)) std::swap(fast[i], detection.surfaces[i].v);
     };
-    const std::vector<bool> isFast = [&] {
-        std::vector<bool> each;
-        for (const auto& v : fast) each.push_back(!v.empty());
-        return each;
-    }();
     exchange();
     std::vector<SheetSide> sides = scene.sides;
     std::vector<Proximity> found;
@@ -185,12 +171,9 @@ std::vector<MissedContact> findUnforeseen(const StepContext& context, const Scen
     std::ranges::sort(known);
     for (const Proximity& each : found) {
         const auto one = static_cast<std::size_t>(each.surfaces[0]), two = static_cast<std::size_t>(each.surfaces[1]);
-        const auto isLine = [&](const SurfaceOwner& owner) {
-            return owner.soft && isRod(scene.soft[owner.body].model);
-        };
-        if (!(isFast[one] || isFast[two]) || (isLine(owners[one]) && isLine(owners[two]))) continue;
-        const double radius = scene.soft[owners[isFast[one] ? one : two].body].model.rod.radius;
-        if (!(context.dt * closing(detection.surfaces, each) > each.gap - radius)) continue;
+        if (!(isFast(one) || isFast(two)) || (isLine(owners[one], scene) && isLine(owners[two], scene))) continue;
+        const double radius = scene.soft[owners[isFast(one) ? one : two].body].model.rod.radius;
+        if (!(context.dt * closingSpeed(detection.surfaces, each) > each.gap - radius)) continue;
         if (!std::ranges::binary_search(known, each.feature)) out.push_back({.at = each});
     }
     exchange();
