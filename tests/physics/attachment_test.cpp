@@ -103,6 +103,10 @@ TEST_CASE_METHOD(Fixture, "an attachment of nothing, or of a node that does not 
     refused({.nodes = {0}, .stiffness = kNan}, {"stiffness", "got nan"});
     refused({.nodes = {0}, .breakForce = 0.0}, {"breakForce", "N", "got 0"});
     refused({.nodes = {0}, .breakForce = -1.0}, {"breakForce", "got -1"});
+    refused({.nodes = {0}, .pointBreakForce = 0.0}, {"pointBreakForce", "N", "got 0"});
+    refused({.nodes = {0}, .pointBreakForce = 1.0}, {".pointBreakForce", "another body", "got none"});
+    refused({.nodes = {0}, .cutDistance = -1e-3}, {"cutDistance", "m", "got -0.001"});
+    refused({.nodes = {0}, .cutDistance = 1e-3}, {".cutDistance", "another body", "got none"});
     checkNothingCame();
 }
 

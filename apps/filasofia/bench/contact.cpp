@@ -24,6 +24,7 @@ std::vector<ContactScene> table(bool quick)
         if (!quick) scenes.push_back(plateOnSlab(contacts));
     scenes.push_back(blockOnBlock());
     scenes.push_back(towerOfFive());
+    for (double stiffness : {60.0, physics::kHard}) scenes.push_back(tiedBlocks(stiffness));
     return scenes;
 }
 

@@ -50,6 +50,8 @@ double pushing(const ContactCell& cell) { return runtime::spreadOf(cell.pushing)
 
 bool scraped(const ContactCell& cell) { return cell.scene.name.starts_with("scraped"); }
 bool slow(const ContactCell& cell) { return cell.scene.name == "scraped at 0.1 m/s"; }
+bool tied(const ContactCell& cell) { return cell.scene.name.starts_with("tied"); }
+double overCompared(const ContactCell& cell) { return cell.overFree().median; }
 bool plate(const ContactCell& cell) { return cell.scene.name.starts_with("plate"); }
 
 Verdict judgeFlags(const std::vector<ContactCell>& cells)
@@ -76,6 +78,7 @@ std::vector<Verdict> judgeContact(const std::vector<ContactCell>& cells)
     const Limit limits[] = {
         {slow, found, 60, "the median number of contacts is at least 60 while the bunny is scraped at 0.1 m/s", "",
          true},
+        {tied, overCompared, 1.3, "three tied blocks: at most 1.3 times the step of one block of their size", " times"},
         {bunny("3004"), medianMs, 0.2, "3004 tetrahedra, scraped: median at most 0.2 ms, one thread", " ms"},
         {bunny("3004"), p99Ms, 0.8, "3004 tetrahedra, scraped: p99 at most 0.8 ms", " ms"},
         {bunny("10000"), medianMs, 0.6, "10000 tetrahedra, scraped: median at most 0.6 ms", " ms"},

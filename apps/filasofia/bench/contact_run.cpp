@@ -116,7 +116,7 @@ ContactRun::ContactRun(const ContactScene& scene, int threads, bool contacts)
 {
     commands_.emplace_back(physics::SetGravity{kGravity});
     std::uint32_t id = 0, attachments = 0;
-    for (physics::BodyDef def : scene.bodies) {
+    for (physics::BodyDef def : contacts || scene.compared.empty() ? scene.bodies : scene.compared) {
         const AttachmentId first{attachments + 1};
         std::visit(
             [&](auto& d) {
@@ -244,6 +244,36 @@ ContactScene towerOfFive()
         scene.bodies.push_back(box);
     }
     return scene;
+}
+
+ContactScene tiedBlocks(double stiffness)
+{
+    using physics::AttachmentDef;
+    const auto block = [](const char* name, double y, double height, int cells, double young,
+                          std::vector<AttachmentDef> attachments) {
+        return physics::SoftBodyDef{.name = name,
+                                    .mesh = shapes::block({0.06, height, 0.04}, {15, cells, 10}),
+                                    .pose = {{0, y, 0}, {}},
+                                    .material = physics::FemMaterial{.youngModulus = young, .poissonRatio = 0.45},
+                                    .attachments = std::move(attachments)};
+    };
+    constexpr double kUp = 0.03; // [m] where the hand is
+    const physics::RigidBodyDef hand{.name = "hand", .elements = {{{0, kUp, 0}, {}}}};
+    const AttachmentDef ground{.box = geometry::Box{{-1, -1, -1}, {1, -0.0199, 1}}};
+    const AttachmentDef pulled{.box = geometry::Box{{-1, 0.0124, -1}, {-0.02, 1, 1}}, .to = BodyId{1}};
+    const auto tiedTo = [&](std::uint32_t body) {
+        return AttachmentDef{.within = 3e-4, .stiffness = stiffness, .to = BodyId{body}};
+    };
+    const auto drawn = [=](double time) {
+        return std::vector{std::pair{BodyId{1}, Pose{{0, kUp + 0.01 * std::sin(2.0 * time), 0}, {}}}};
+    };
+    return {.name = stiffness == physics::kHard ? std::string("tied hard") : text("tied by ", stiffness, " N/m"),
+            .body = "three blocks",
+            .bodies = {hand, block("liver", -0.01, 0.02, 4, 8e3, {ground}),
+                       block("organ", 0.0075, 0.01, 3, 25e3, {pulled}),
+                       block("layer", 0.00125, 0.0025, 1, 4e3, {tiedTo(2), tiedTo(3)})},
+            .compared = {hand, block("one", -0.00375, 0.0325, 8, 8e3, {ground, pulled})},
+            .path = drawn};
 }
 
 } // namespace filasofia::app

@@ -21,6 +21,8 @@ struct ContactScene {
     std::string name = {}; ///< "scraped at 0.1 m/s"
     std::string body = {}; ///< "bunny 3004"
     std::vector<physics::BodyDef> bodies = {};
+    /// What a step is compared with; if empty, these bodies without contact. The path is for both.
+    std::vector<physics::BodyDef> compared = {};
     ToolPath path = {};
     std::function<Vec3(double time)> gravity = {}; ///< [m/s^2]; 9.81 downwards if empty
     double settle = 0.5;                           ///< [s] before counting starts
@@ -31,7 +33,7 @@ struct ContactScene {
 /// Makes steps of kContactStep from rest, under gravity.
 class ContactRun {
 public:
-    /// If `contacts` is false, the bodies pass through each other.
+    /// If `contacts` is false: what the scene is compared with.
     ContactRun(const ContactScene& scene, int threads, bool contacts = true);
     physics::StepReport step(const physics::StepBudget* budget = nullptr);
     const frame::Frame& capture(); ///< the present state of all bodies
@@ -66,5 +68,8 @@ ContactScene plateOnSlab(int contacts);
 ContactScene blockOnBlock();
 ContactScene ballOnFloor(); ///< a soft ball, dropped 20 mm
 ContactScene towerOfFive();
+/// Three blocks of 7200 tetrahedra in all, liver, layer and organ, tied to each other by springs [N/m] per node, or
+/// hard; a hand draws at the organ. Compared with one block of their size.
+ContactScene tiedBlocks(double stiffness);
 
 } // namespace filasofia::app

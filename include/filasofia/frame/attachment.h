@@ -18,8 +18,12 @@ struct Attachment {
     /// [N m] on `body`, a rod that turns with `to`: the moment about its edges, without those of the forces
     Vec3 torque = {};
     int points = 0;      ///< number of attached points
-    bool broken = false; ///< the force exceeded the attachment's strength
+    bool broken = false; ///< its force exceeded what it bears, or its last point let go
+    int parted = 0; ///< number of points that let go at the end of this step, or that a blade parted in the last one
 };
+
+/// Whether attachments hold two bodies together, directly or through other bodies.
+bool connected(BodyId one, BodyId other, const std::vector<Attachment>& attachments);
 
 /// [N] The total force on `body` of all attachments to other bodies; attachments to space do not count.
 Vec3 forceOn(BodyId body, const std::vector<Attachment>& attachments);

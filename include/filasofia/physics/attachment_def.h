@@ -49,6 +49,12 @@ struct AttachmentDef {
     /// [-], each in [0, nodes of the mesh of `to`): pairs of nodes, nodes[i] is drawn to toNodes[i]. If given: as many
     /// as `nodes`, `to` is soft, box, ball and within are empty, and the mode does not matter
     std::vector<int> toNodes = {};
+    /// [N], in (0, inf]: a point lets go by itself if its force is larger: tissue that is torn off its bed. Needs a
+    /// body `to`; not for rods
+    double pointBreakForce = kNever;
+    /// [m], >= 0: a blade that may cut one of the two bodies parts the points that its path comes this near to: a
+    /// connecting layer that is dissected. 0: blades part nothing. Needs a body `to`; not for rods
+    double cutDistance = 0.0;
 };
 
 /// Attaches a rigid element to its current pose in space, or to another body.
@@ -92,9 +98,13 @@ constexpr auto fields(const AttachmentDef*)
                     field("breakForce", &T::breakForce, "N", positiveOrInfinite(),
                           "the attachment breaks if the sum of its nodes' forces is larger"),
                     field("toNodes", &T::toNodes, "-", nonNegative(),
-                          "nodes of the soft body `to`, one for each of `nodes`, to which those are drawn"));
+                          "nodes of the soft body `to`, one for each of `nodes`, to which those are drawn"),
+                    field("pointBreakForce", &T::pointBreakForce, "N", positiveOrInfinite(),
+                          "a point lets go by itself if its force is larger"),
+                    field("cutDistance", &T::cutDistance, "m", nonNegative(),
+                          "blades part the points that their path comes this near to; 0: none"));
 }
-constexpr std::size_t addedFields(const AttachmentDef*) { return 1; }
+constexpr std::size_t addedFields(const AttachmentDef*) { return 3; }
 constexpr auto fields(const RigidAttachmentDef*)
 {
     using T = RigidAttachmentDef;

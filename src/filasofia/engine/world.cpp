@@ -5,6 +5,7 @@
 #include "filasofia/engine/contact/attachments.h"
 #include "filasofia/engine/contact/find_contacts.h"
 #include "filasofia/engine/contact/joint_constraints.h"
+#include "filasofia/engine/contact/tie_bodies.h"
 #include "filasofia/engine/piercing/channels.h"
 #include "filasofia/engine/scene/state_hash.h"
 #include "filasofia/engine/step/advance.h"
@@ -81,7 +82,8 @@ physics::StepReport World::step(const physics::StepInput& in)
     addJointConstraints(in.dt, scene_, coupling_); //   limits and dry friction of joints
     report.times.contacts = watch.lap();
 
-    assemble(context, scene_); // 3 forces and stiffness
+    assemble(context, scene_);           // 3 forces and stiffness
+    tieBodies(in.dt, scene_, coupling_); //   what solvers know of attachments
     report.times.assemble = watch.lap();
 
     advance(context, scene_, coupling_);      // 4 solve; new velocities and positions

@@ -2,6 +2,7 @@
 
 #include "filasofia/frame/attachment.h"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
@@ -38,6 +39,20 @@ std::vector<ContactPair> contactPairs(const std::vector<Contact>& contacts)
     std::vector<ContactPair> pairs;
     for (const auto& [bodies, pair] : sums) pairs.push_back(pair);
     return pairs;
+}
+
+bool connected(BodyId one, BodyId other, const std::vector<Attachment>& attachments)
+{
+    std::vector<BodyId> reached{one};
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+        if (reached[i] == other) return true;
+        for (const Attachment& each : attachments) {
+            if (each.broken || !each.to || (each.body != reached[i] && each.to != reached[i])) continue;
+            const BodyId next = each.body == reached[i] ? each.to : each.body;
+            if (std::ranges::count(reached, next) == 0) reached.push_back(next);
+        }
+    }
+    return false;
 }
 
 } // namespace filasofia::frame

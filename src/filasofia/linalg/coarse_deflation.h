@@ -22,6 +22,11 @@ public:
     void solve(const CoarseLevel& coarse);
 
     [[nodiscard]] int columns() const { return columns_; }
+    [[nodiscard]] std::span<const float> solution(int column) const ///< a column of Y
+    {
+        const std::size_t entries = solutions_.size() / static_cast<std::size_t>(columns_);
+        return std::span(solutions_).subspan(static_cast<std::size_t>(column) * entries, entries);
+    }
     void products(int column, std::span<double> out) const;               ///< per column: F^T B F, one row of it
     void project(std::span<const float> residual, std::span<double> out); ///< per column: Y^T r_c
     void subtract(std::span<const double> coefficients, std::span<float> correction) const; ///< x_c -= Y a

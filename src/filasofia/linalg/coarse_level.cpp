@@ -65,6 +65,12 @@ void CoarseLevel::solve(WorkerPool& pool)
     pieces_.solve(residual_, correction_);
 }
 
+double CoarseLevel::inverseEntry(std::size_t row, std::size_t column) const
+{
+    const auto rows = static_cast<std::size_t>(coarseRows(latticeNodes_));
+    return static_cast<double>(inverse_[row / kBlock * rows + column].values[row % kBlock]);
+}
+
 void CoarseLevel::solve(std::span<const float> residuals, std::span<float> corrections, std::size_t count) const
 {
     const std::size_t rows = residual_.size(), entries = correction_.size();

@@ -39,7 +39,11 @@ public:
     void solve(std::span<const float> residuals, std::span<float> corrections, std::size_t count) const;
 
     [[nodiscard]] std::span<const float> residual() const { return residual_; } ///< r_c
-    [[nodiscard]] std::span<float> correction() { return correction_; }         ///< x_c
+    [[nodiscard]] std::span<float> residual() { return residual_; }
+    [[nodiscard]] int latticeNodes() const { return latticeNodes_; } ///< without those of small pieces
+    /// An entry of A_c^-1, of the lattice: row and column < 3 latticeNodes().
+    [[nodiscard]] double inverseEntry(std::size_t row, std::size_t column) const;
+    [[nodiscard]] std::span<float> correction() { return correction_; } ///< x_c
     [[nodiscard]] std::span<const float> correction() const { return correction_; }
     [[nodiscard]] const CoarseInterpolation& interpolation() const { return interpolation_; } ///< P
 

@@ -62,13 +62,36 @@ double TwoLevelPreconditioner::apply(const NodeArray& r, NodeArray& z, WorkerPoo
 void TwoLevelPreconditioner::smooth(const NodeArray& r, WorkerPool& pool)
 {
     smoother_.apply(rotations_, r, rest_, smoothed_, pool);
+    restricted_ = false;
+}
+
+void TwoLevelPreconditioner::restrictOnce(WorkerPool& pool)
+{
+    if (!restricted_) coarse_.restrictResidual(rest_, pool);
+    restricted_ = true;
+}
+
+std::span<const float> TwoLevelPreconditioner::coarseAnswer(WorkerPool& pool)
+{
+    restrictOnce(pool);
+    coarse_.solve(pool);
+    return coarse_.correction();
+}
+
+void TwoLevelPreconditioner::subtractFromCoarse(std::span<const int> coarseNodes, std::span<const float> values,
+                                                float factor)
+{
+    const std::span<float> residual = coarse_.residual();
+    for (std::size_t i = 0; i < coarseNodes.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k)
+            residual[3 * static_cast<std::size_t>(coarseNodes[i]) + k] -= factor * values[3 * i + k];
 }
 
 double TwoLevelPreconditioner::applyCoarse(const NodeArray& r, NodeArray& z, WorkerPool& pool,
                                            std::span<const double> coefficients)
 {
     if (coarse_.coarseNodes() > 0) {
-        if (coefficients.empty()) coarse_.restrictResidual(rest_, pool); // else project() has done it
+        restrictOnce(pool);
         coarse_.solve(pool);
         deflation_.subtract(coefficients, coarse_.correction());
     }
@@ -116,7 +139,7 @@ void TwoLevelPreconditioner::addColumn(std::span<const ColumnEntry> column)
 
 void TwoLevelPreconditioner::project(std::span<double> out, WorkerPool& pool)
 {
-    coarse_.restrictResidual(rest_, pool);
+    restrictOnce(pool);
     deflation_.project(coarse_.residual(), out);
 }
 

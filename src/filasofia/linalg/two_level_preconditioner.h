@@ -41,8 +41,13 @@ public:
     void smooth(const NodeArray& r, WorkerPool& pool);
     /// `coefficients` a of the deflation columns, if any: z = w + B (r - F a). Returns r . z
     double applyCoarse(const NodeArray& r, NodeArray& z, WorkerPool& pool, std::span<const double> coefficients = {});
-    void addToCoarseResidual(int node, Vec3 change);    ///< to the r that B is applied to
-    [[nodiscard]] Mat3 inverseDiagonal(int node) const; ///< R D^-1 R^T
+    void addToCoarseResidual(int node, Vec3 change); ///< to the r that B is applied to
+    // For callers that correct r for what the coarse level answers to it, once nothing is added to it any more: the
+    // answer A_c^-1 P^T R^T r of each coarse node, packed x y z, and what is subtracted from P^T R^T r.
+    std::span<const float> coarseAnswer(WorkerPool& pool);
+    void subtractFromCoarse(std::span<const int> coarseNodes, std::span<const float> values, float factor);
+    [[nodiscard]] const CoarseLevel& coarseLevel() const { return coarse_; }
+    [[nodiscard]] Mat3 inverseDiagonal(int node) const;                                  ///< R D^-1 R^T
     [[nodiscard]] Mat3 rotation(int node) const { return rotationAt(rotations_, node); } ///< R
 
     /// The part of the impulses r that the coarse nodes can carry: each of them gets its share P^T r and moves the
@@ -67,16 +72,21 @@ public:
     void clearColumns() { deflation_.clear(); }
     void addColumn(std::span<const ColumnEntry> column);
     void finishColumns() { deflation_.solve(coarse_); } ///< once all columns are there
+    /// B F of a column, per coarse node.
+    [[nodiscard]] std::span<const float> columnAnswer(int column) const { return deflation_.solution(column); }
     void products(int column, std::span<double> out) const { deflation_.products(column, out); } ///< a row of F^T B F
     /// Per column: F^T B (r + what was added), between smooth() and applyCoarse().
     void project(std::span<double> out, WorkerPool& pool);
 
 private:
+    void restrictOnce(WorkerPool& pool);
+
     std::vector<RotationBlock> rotations_;
     BlockJacobi smoother_;
     CoarseLevel coarse_;
     CoarseDeflation deflation_;
     NodeArray rest_, smoothed_;       ///< R^T r, and D^-1 of it
+    bool restricted_ = false;         ///< the coarse level has P^T of it
     std::vector<float> coarseMasses_; ///< C; empty until carry() needs it after an edit
     std::vector<double> sums_;
 };

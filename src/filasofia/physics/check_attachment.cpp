@@ -45,6 +45,18 @@ void checkPairs(const AttachmentDef& def, const Registry::Body* target, const st
         if (node >= target->nodeCount) fail(object, ".toNodes must be in [0, ", target->nodeCount, "), got ", node);
 }
 
+/// Points that let go one by one.
+void checkParting(const Attaching& body, const AttachmentDef& def, const std::string& object)
+{
+    const char* field = def.pointBreakForce != kNever ? ".pointBreakForce"
+                        : def.cutDistance > 0.0       ? ".cutDistance"
+                                                      : "";
+    if (*field == '\0') return;
+    if (!def.to) fail(object, field, " needs another body that the points let go of; `to` must name one, got none");
+    if (std::holds_alternative<RodBodyDef>(body.def))
+        fail(object, field, " is not for rods: the points of a rod let go together (breakForce)");
+}
+
 } // namespace
 
 void checkAttachment(const Registry& registry, const Attaching& body, const AttachmentDef& def,
@@ -54,6 +66,7 @@ void checkAttachment(const Registry& registry, const Attaching& body, const Atta
     for (int node : def.nodes)
         if (node >= body.nodeCount) fail(object, ".nodes must be in [0, ", body.nodeCount, "), got ", node);
     if (def.box && geometry::isEmpty(*def.box)) fail(object, ".box.high must be >= low on every axis");
+    checkParting(body, def, object);
     if (!def.to) {
         checkPairs(def, nullptr, object);
         if (def.within)

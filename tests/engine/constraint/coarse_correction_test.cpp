@@ -2,6 +2,8 @@
 
 #include "engine/constraint/dense_body.h"
 
+#include <algorithm>
+#include <optional>
 #include <random>
 
 namespace coarse_correction_test {
@@ -169,6 +171,75 @@ TEST_CASE("the correction never overcorrects: B' lies between B and the true inv
         CHECK(smallest(before - after) >= -1e-10);
         CHECK((after - exact).norm() < 0.8 * (before - exact).norm());
     }
+}
+
+/// The first `count` constraints as pairs that attachments hold, at `nodes` of each body.
+TiedCoarse tied(Problem& scene, int count, const std::vector<int>& nodes)
+{
+    const auto numberOf = [&](int point) {
+        const std::size_t body = point < kNodes ? 0 : 1;
+        const auto at = std::ranges::find(nodes, point - static_cast<int>(body) * kNodes);
+        return at == nodes.end() ? std::optional<std::size_t>{} : body * nodes.size() + (at - nodes.begin());
+    };
+    std::vector<TiedPair> pairs;
+    for (int c = 0; c < count; ++c) {
+        const auto row = static_cast<std::size_t>(c);
+        scene.constraints[row].tied = true;
+        TiedPair& pair = pairs.emplace_back();
+        pair.stiffness = scene.filters[row][0].x;
+        scene.filters[row] = pair.stiffness * Mat3::identity();
+        for (const WeightedPoint& each : scene.rows.pointsOf(scene.rows.list[row]))
+            if (const auto node = numberOf(each.point)) pair.parts.push_back({*node, each.weight * Mat3::identity()});
+    }
+    TiedCoarse coarse;
+    REQUIRE(coarse.build({nodes, nodes}, pairs, [&](std::size_t body, std::size_t i, std::size_t k) {
+        const auto unknown = [&](std::size_t of) { return 3 * nodes[of / 3] + static_cast<int>(of % 3); };
+        return (0.5 * scene.bodies[body].a.inverse())(unknown(i), unknown(k));
+    }));
+    return coarse;
+}
+
+TEST_CASE("coarse levels that are tied are as exact as those that learn of their constraints in every step")
+{
+    std::mt19937 random(6);
+    const std::vector<int> nodes{0, 1, 2, 3, 4, 5, 6, 7};
+    for (const int count : {1, 5, 12}) { // of 12 constraints
+        Problem scene(random, 12);
+        const TiedCoarse coarse = tied(scene, count, nodes);
+        const std::vector<SolvedTie> ties{{&coarse, {0, 1}}};
+        CoarseCorrection correction;
+        correction.begin(ties);
+        scene.correct(correction, coarseNodeMotions);
+        CHECK(correction.hasMotions() == (count < 12));
+        const Eigen::MatrixXd exact = scene.exact();
+        CHECK((scene.corrected(correction) - exact).norm() <= 1e-4 * exact.norm()); // floats, and the shift
+    }
+}
+
+TEST_CASE("whatever ties leave out, and however stiff they are, B' stays symmetric and positive definite")
+{
+    std::mt19937 random(7);
+    for (const double stiffness : {1e-3, 1.0, 1e4, 1e8}) {
+        Problem scene(random, 12);
+        for (Mat3& filter : scene.filters) filter *= stiffness;
+        const TiedCoarse coarse = tied(scene, 12, {1, 3, 4, 6}); // the other nodes' parts are missing
+        const std::vector<SolvedTie> ties{{&coarse, {0, 1}}};
+        CoarseCorrection correction;
+        correction.begin(ties);
+        const Eigen::MatrixXd after = scene.corrected(correction);
+        CHECK((after - after.transpose()).norm() <= 1e-6 * after.norm());
+        const Eigen::MatrixXd even = 0.5 * (after + after.transpose());
+        CHECK(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(even).eigenvalues().minCoeff() > 0.0);
+    }
+}
+
+TEST_CASE("coarse levels are not tied without coarse nodes, or with too many")
+{
+    const auto inverse = [](std::size_t, std::size_t i, std::size_t k) { return i == k ? 1.0 : 0.0; };
+    TiedCoarse coarse;
+    CHECK_FALSE(coarse.build({{}, {}}, {}, inverse));
+    CHECK_FALSE(coarse.build({std::vector<int>(TiedCoarse::kMaxNodes + 1)}, {}, inverse));
+    CHECK_FALSE(coarse.build({{0}, {0}}, {}, [](std::size_t, std::size_t, std::size_t) { return -1.0; }));
 }
 
 TEST_CASE("without active constraints there is no correction")

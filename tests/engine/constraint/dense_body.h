@@ -100,6 +100,27 @@ private:
         for (std::size_t i = 0; i < out.size(); ++i) out[i] = columns_[i].dot(0.5 * (inverse_ * s_));
     }
 
+    void readColumn(int column, std::span<const int> coarseNodes, std::span<float> out) const override
+    {
+        copyNodes(0.5 * (inverse_ * columns_[static_cast<std::size_t>(column)]), coarseNodes, out);
+    }
+    void readAnswer(std::span<const int> coarseNodes, std::span<float> out) override
+    {
+        copyNodes(0.5 * (inverse_ * s_), coarseNodes, out);
+    }
+    void subtract(std::span<const int> coarseNodes, std::span<const float> impulses) override
+    {
+        for (std::size_t i = 0; i < coarseNodes.size(); ++i)
+            for (int k = 0; k < 3; ++k)
+                s_[3 * coarseNodes[i] + k] -= static_cast<double>(impulses[3 * i + static_cast<std::size_t>(k)]);
+    }
+    static void copyNodes(const Eigen::VectorXd& from, std::span<const int> nodes, std::span<float> out)
+    {
+        for (std::size_t i = 0; i < nodes.size(); ++i)
+            for (int k = 0; k < 3; ++k)
+                out[3 * i + static_cast<std::size_t>(k)] = static_cast<float>(from[3 * nodes[i] + k]);
+    }
+
     [[nodiscard]] Eigen::Matrix3d blockOf(int node) const { return a.block<3, 3>(3 * node, 3 * node); }
     [[nodiscard]] Eigen::VectorXd smoothed(const Eigen::VectorXd& r) const
     {

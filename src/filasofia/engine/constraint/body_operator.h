@@ -93,6 +93,14 @@ public:
     virtual void products(int column, std::span<double> out) const = 0; ///< [J] one row of F^T B F, an entry per column
     /// [J] F^T B s, an entry per column. To be called between smooth() and applyCoarse().
     virtual void project(std::span<double> out) = 0;
+
+    // For TiedCoarse, on some of the coarse nodes, three numbers per node:
+    /// [m/s] B F of a finished column.
+    virtual void readColumn(int column, std::span<const int> coarseNodes, std::span<float> out) const = 0;
+    /// [m/s] B s. To be called between smooth() and applyCoarse().
+    virtual void readAnswer(std::span<const int> coarseNodes, std::span<float> out) = 0;
+    /// s -= these impulses [N s], after project().
+    virtual void subtract(std::span<const int> coarseNodes, std::span<const float> impulses) = 0;
 };
 
 /// The approximate inverse D^-1 + B of a body's matrix: D is its BodySmoother's; B is any other approximation (the

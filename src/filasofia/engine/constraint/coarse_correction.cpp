@@ -49,9 +49,30 @@ std::vector<double> resistance(const Resisted& in, std::size_t rows)
     return matrix;
 }
 
+/// As many numbers as the shorter one has.
+double product(std::span<const float> a, std::span<const float> b)
+{
+    double sum = 0.0;
+    for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k)
+        sum += static_cast<double>(a[k]) * static_cast<double>(b[k]);
+    return sum;
+}
+
 } // namespace
 
-void CoarseCorrection::clear()
+void CoarseCorrection::begin(std::span<const SolvedTie> ties)
+{
+    clearMotions();
+    ties_.clear();
+    for (const SolvedTie& each : ties) {
+        Tie& made = ties_.emplace_back();
+        made.tie = &each;
+        made.y.assign(each.coarse->paddedSize(), 0.0f);
+        made.c.assign((each.coarse->size() + linalg::kBlock - 1) / linalg::kBlock * linalg::kBlock, 0.0f);
+    }
+}
+
+void CoarseCorrection::clearMotions()
 {
     rows_.clear();
     shares_.clear();
@@ -60,12 +81,12 @@ void CoarseCorrection::clear()
 
 std::span<const double> CoarseCorrection::shares(std::size_t body) const
 {
-    return empty() ? std::span<const double>() : shares_[body];
+    return sums_.empty() ? std::span<const double>() : shares_[body];
 }
 
 void CoarseCorrection::make(const ConstraintNetwork& network, std::vector<ConstraintMotion> motions)
 {
-    clear();
+    clearMotions();
     const auto& [bodies, first, rows, filters] = network;
     for (const CoupledBody& body : bodies)
         if (DeflationOperator* deflation = body.deflation()) deflation->clear();
@@ -102,20 +123,87 @@ void CoarseCorrection::make(const ConstraintNetwork& network, std::vector<Constr
     // cancel to rounding.
     constexpr double kShift = 1e-6;
     for (std::size_t i = 0; i < size; ++i) matrix[i * size + i] *= 1.0 + kShift;
+    addTies(bodies, size, matrix);
     if (size > 0 && factor_.factorise(matrix, static_cast<int>(size)))
         sums_.resize(size);
     else
-        clear();
+        clearMotions();
+}
+
+/// Computes T and W T, and subtracts T^T W T from S, its lower half.
+void CoarseCorrection::addTies(std::span<const CoupledBody> bodies, std::size_t size, std::vector<double>& matrix)
+{
+    for (Tie& each : ties_) {
+        const TiedCoarse& coarse = *each.tie->coarse;
+        each.t.assign(size, std::vector<float>(each.y.size()));
+        each.wt.assign(size, std::vector<float>(each.c.size()));
+        std::size_t first = 0;
+        for (std::size_t k = 0; k < coarse.bodies(); ++k) {
+            const std::size_t b = each.tie->bodies[k], count = 3 * coarse.nodesOf(k).size();
+            for (std::size_t i = 0; i < rows_[b].size(); ++i)
+                bodies[b].deflation()->readColumn(static_cast<int>(i), coarse.nodesOf(k),
+                                                  std::span(each.t[rows_[b][i]]).subspan(first, count));
+            first += count;
+        }
+        for (std::size_t i = 0; i < size; ++i) {
+            if (std::ranges::all_of(each.t[i], [](float value) { return value == 0.0f; })) continue;
+            coarse.multiply(each.t[i], each.wt[i]);
+            for (std::size_t j = i; j < size; ++j) matrix[j * size + i] -= product(each.t[j], each.wt[i]);
+        }
+    }
+}
+
+/// y, and c = W y
+void CoarseCorrection::answerTies(std::span<const CoupledBody> bodies)
+{
+    for (Tie& each : ties_) {
+        const TiedCoarse& coarse = *each.tie->coarse;
+        std::size_t first = 0;
+        for (std::size_t k = 0; k < coarse.bodies(); ++k) {
+            const std::size_t count = 3 * coarse.nodesOf(k).size();
+            bodies[each.tie->bodies[k]].deflation()->readAnswer(coarse.nodesOf(k),
+                                                                std::span(each.y).subspan(first, count));
+            first += count;
+        }
+        coarse.multiply(each.y, each.c);
+    }
+}
+
+/// c -= W T a, s -= E c
+void CoarseCorrection::subtractTies(std::span<const CoupledBody> bodies)
+{
+    for (Tie& each : ties_) {
+        const TiedCoarse& coarse = *each.tie->coarse;
+        for (std::size_t i = 0; i < sums_.size(); ++i)
+            for (std::size_t k = 0; k < coarse.size(); ++k) each.c[k] -= static_cast<float>(sums_[i]) * each.wt[i][k];
+        std::size_t first = 0;
+        for (std::size_t k = 0; k < coarse.bodies(); ++k) {
+            const std::size_t count = 3 * coarse.nodesOf(k).size();
+            bodies[each.tie->bodies[k]].deflation()->subtract(coarse.nodesOf(k),
+                                                              std::span(each.c).subspan(first, count));
+            first += count;
+        }
+    }
 }
 
 void CoarseCorrection::project(std::span<const CoupledBody> bodies)
 {
+    answerTies(bodies);
+    projectMotions(bodies);
+    subtractTies(bodies);
+}
+
+void CoarseCorrection::projectMotions(std::span<const CoupledBody> bodies)
+{
+    if (sums_.empty()) return;
     std::ranges::fill(sums_, 0.0);
     for (std::size_t b = 0; b < bodies.size(); ++b) {
         if (rows_[b].empty()) continue;
         bodies[b].deflation()->project(shares_[b]);
         for (std::size_t i = 0; i < rows_[b].size(); ++i) sums_[rows_[b][i]] += shares_[b][i];
     }
+    for (const Tie& each : ties_)
+        for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] -= product(each.t[i], each.c);
     factor_.solve(sums_);
     for (std::size_t b = 0; b < bodies.size(); ++b)
         for (std::size_t i = 0; i < rows_[b].size(); ++i) shares_[b][i] = sums_[rows_[b][i]];

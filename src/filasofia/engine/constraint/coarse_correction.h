@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/engine/constraint/constraint_motions.h"
+#include "filasofia/engine/constraint/tied_coarse.h"
 #include "filasofia/linalg/dense_cholesky.h"
 
 #include <vector>
@@ -17,19 +18,41 @@ namespace filasofia::engine {
 /// to them; and U are motions of the constraints (Woodbury's formula). As F (U^T M U)^-1 F^T <= J^T M J, the correction
 /// is never too large: B' stays positive definite, and is no softer than the exact inverse. If U are the motions of all
 /// coarse nodes, B' is exact: (A_c + P^T J^T M J P)^-1 on the coarse nodes of all bodies together.
+///
+/// Attachments between soft bodies are known from step to step (TiedCoarse). With them, B is (B^-1 + E H E^T)^-1 from
+/// the start, and the constraints that are left correct that:
+///
+///     B' s = B (s - E c) - B F a,   S a = F^T B s - T^T W y,   c = W y - W T a
+///
+/// where S is less by T^T W T, y = E^T B s is the answer of the picked coarse nodes, and T = E^T B F.
 class CoarseCorrection {
 public:
-    void clear();
-    [[nodiscard]] bool empty() const { return sums_.empty(); }
+    /// Knows these ties, and no motions. The ties must outlive the solve.
+    void begin(std::span<const SolvedTie> ties);
+    [[nodiscard]] bool empty() const { return sums_.empty() && ties_.empty(); }
+    [[nodiscard]] bool hasMotions() const { return !sums_.empty(); }
 
     void make(const ConstraintNetwork& network, std::vector<ConstraintMotion> motions);
 
-    /// Computes the coefficients from the bodies' F^T B s. To be called between their smooth() and their applyCoarse().
+    /// Computes the coefficients from the bodies' F^T B s, and corrects s for the ties. To be called between their
+    /// smooth() and their applyCoarse().
     void project(std::span<const CoupledBody> bodies);
     /// The coefficients that applyCoarse() of this body takes.
     [[nodiscard]] std::span<const double> shares(std::size_t body) const;
 
 private:
+    struct Tie {
+        const SolvedTie* tie = nullptr;
+        std::vector<float> y, c;
+        std::vector<std::vector<float>> t, wt; ///< T and W T, per motion
+    };
+    void clearMotions();
+    void addTies(std::span<const CoupledBody> bodies, std::size_t size, std::vector<double>& matrix);
+    void projectMotions(std::span<const CoupledBody> bodies);
+    void answerTies(std::span<const CoupledBody> bodies);
+    void subtractTies(std::span<const CoupledBody> bodies);
+
+    std::vector<Tie> ties_;
     std::vector<std::vector<std::size_t>> rows_; ///< per body, per column: its row in S, ascending
     std::vector<std::vector<double>> shares_;    ///< per body, per column
     std::vector<double> sums_;

@@ -81,6 +81,8 @@ struct Constraint {
     Vec3 impulse = {};
     Vec3 multiplier = {}; ///< [N s] out: multiplier of the augmented Lagrangian, from which the next step starts
 
+    bool tied = false; ///< the coarse levels know it from step to step (TiedCoarse)
+
     ContactInfo contact = {}; ///< kind Contact only
     JointInfo joint = {};     ///< kinds JointLimit and JointFriction only
     ChannelInfo channel = {}; ///< kinds Shaft and Tip only

@@ -29,7 +29,7 @@ std::vector<Patch> findPatches(const ConstraintNetwork& network)
     std::vector<Patch> patches;
     for (std::size_t c = 0; c < filters.size(); ++c) {
         const ConstraintRow& row = rows.list[c];
-        if (filters[c][0].x == 0.0) continue;
+        if (filters[c][0].x == 0.0 || row.constraint->tied) continue;
         const std::span<const WeightedPoint> points = rows.pointsOf(row);
         if (points.empty()) continue; // between points that cannot move
         const std::size_t from = bodyOf(first, points.front().point), to = bodyOf(first, points.back().point);
@@ -118,7 +118,8 @@ std::vector<ConstraintMotion> coarseNodeMotions(const ConstraintNetwork& network
     std::vector<std::vector<int>> placeOf(network.bodies.size());
     std::vector<CoarseNode> nodes;
     for (std::size_t row = 0; row < network.filters.size(); ++row) {
-        if (network.filters[row][0].x != 0.0) addRow(network, row, placeOf, nodes);
+        if (network.filters[row][0].x != 0.0 && !network.rows.list[row].constraint->tied)
+            addRow(network, row, placeOf, nodes);
         if (nodes.size() > kMaxCoarseNodes) return {};
     }
     std::vector<ConstraintMotion> motions;

@@ -24,17 +24,19 @@ constexpr double kSteepEnough = 0.1; // a direction's derivative relative to tha
 } // namespace
 
 CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector<CoupledBody>& bodies,
-                                  const std::vector<std::vector<ContactPoint>>& pointsOf, const ConstraintRows& rows)
+                                  const std::vector<std::vector<ContactPoint>>& pointsOf, const ConstraintRows& rows,
+                                  std::span<const SolvedTie> ties)
 {
     limits_ = &limits;
     bodies_ = &bodies;
     constraints_ = &rows;
     begin(pointsOf);
+    correction_.begin(ties);
     chooseStiffness();
     firstGuess();
     makeFilter();
-    const auto isBilateral = [](const ConstraintRow& row) { return row.constraint->bilateral(); };
-    if (std::ranges::any_of(rows.list, isBilateral)) correctCoarseLevels();
+    const auto holds = [](const ConstraintRow& row) { return row.constraint->bilateral() && !row.constraint->tied; };
+    if (std::ranges::any_of(rows.list, holds)) correctCoarseLevels();
 
     const bool mayJoin = std::ranges::count_if(bodies, [](const CoupledBody& body) {
                              return body.deflation() != nullptr;
@@ -43,7 +45,7 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     CoupledReport report;
     report.rounds = 1;
     for (int updates = 0, nonlinear = 0;; ++report.iterations, ++nonlinear) {
-        if (report.iterations == kCorrectAfter && correction_.empty()) correctCoarseLevels();
+        if (report.iterations == kCorrectAfter && !correction_.hasMotions()) correctCoarseLevels();
         if (report.iterations == kJoinAfter && mayJoin) joinConstraints();
         const double rz = precondition(); // the energy of the error, as the preconditioner estimates it
         // Where stiff constraints hold what is at rest, rounding may make it less than nothing.
@@ -110,7 +112,6 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
     if (together_) filter_.begin(*bodies_, first_, *constraints_);
     smallest_ = mass * limits_->smallChange;
     energy_ = smallest_ * limits_->smallChange;
-    correction_.clear();
     activeSetFrozen_ = false;
     restart_ = true;
     missed_ = std::numeric_limits<double>::infinity();

@@ -79,9 +79,11 @@ struct CoupledReport : linalg::NodeSolveReport {
 class CoupledSolve {
 public:
     /// `pointsOf[b]` are the contact points of body b; rows index them as one list, in the order of the bodies. Leaves
-    /// x in the bodies, and impulse and multiplier in the constraints.
+    /// x in the bodies, and impulse and multiplier in the constraints. `ties`: what coarse levels know of constraints
+    /// that are `tied`.
     CoupledReport solve(const CoupledLimits& limits, const std::vector<CoupledBody>& bodies,
-                        const std::vector<std::vector<ContactPoint>>& pointsOf, const ConstraintRows& rows);
+                        const std::vector<std::vector<ContactPoint>>& pointsOf, const ConstraintRows& rows,
+                        std::span<const SolvedTie> ties = {});
 
 private:
     struct Row {           ///< scratch of a constraint, in the order of the rows

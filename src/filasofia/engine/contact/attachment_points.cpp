@@ -313,14 +313,17 @@ AttachedPairs nodePairsOf(const physics::AttachmentDef& def, std::size_t body, c
 BodyPoint softPoint(const std::vector<NodeWeight>& nodes, std::size_t body, const SoftState& state)
 {
     BodyPoint point;
-    point.of = BodyPoint::Of::Soft;
-    point.body = body;
-    for (const NodeWeight& each : nodes) {
-        point.add(each.node, each.weight);
-        point.position += each.weight * state.x[static_cast<std::size_t>(each.node)];
-        point.velocity += each.weight * state.v[static_cast<std::size_t>(each.node)];
-    }
+    writeSoftPoint(nodes, body, state, point);
     return point;
+}
+
+void writeSoftPoint(const std::vector<NodeWeight>& nodes, std::size_t body, const SoftState& state, BodyPoint& out)
+{
+    out.of = BodyPoint::Of::Soft;
+    out.body = body;
+    for (const NodeWeight& each : nodes) out.add(each.node, each.weight);
+    out.position = meanOf(nodes, state.x);
+    out.velocity = meanOf(nodes, state.v);
 }
 
 std::vector<NodeWeight> nodeWeights(const BodyPoint& point)

@@ -5,13 +5,13 @@
 /// The attached points of an attachment's Def in the current state.
 namespace filasofia::engine {
 
-using AttachedPairs = std::vector<std::array<AttachedPoint, 2>>;
-
 /// Whether a body's Def fixes it in space by pins.
 inline bool isPins(const physics::AttachmentDef& def) { return !def.to && def.breakForce == physics::kNever; }
 
 /// A point of soft body `body` (an index), where it is and how it moves.
 BodyPoint softPoint(const std::vector<NodeWeight>& nodes, std::size_t body, const SoftState& state);
+/// The same, into a point that nothing was written to.
+void writeSoftPoint(const std::vector<NodeWeight>& nodes, std::size_t body, const SoftState& state, BodyPoint& out);
 /// The nodes and weights of a point of a soft body.
 std::vector<NodeWeight> nodeWeights(const BodyPoint& point);
 

@@ -8,6 +8,7 @@
 #include "filasofia/engine/scene/find_body.h"
 
 #include <algorithm>
+#include <type_traits>
 #include <utility>
 
 namespace filasofia::engine {
@@ -54,22 +55,25 @@ public:
     {
     }
 
-    [[nodiscard]] BodyPoint of(const AttachedPoint& point, const std::optional<BodyPlace>& body) const
+    [[nodiscard]] Vec3 positionOf(const AttachedPoint& point, const std::optional<BodyPlace>& body) const
     {
-        BodyPoint out;
-        if (!body) {
-            out.position = point.place;
-        } else if (body->soft) {
-            out = softPoint(point.nodes, body->index, scene_.soft[body->index].state);
-        } else {
-            const auto element = static_cast<std::size_t>(point.element);
-            out.of = BodyPoint::Of::Rigid;
-            out.body = firstElement_[body->index] + element;
-            out.position = transform(scene_.rigid[body->index].state.poses[element], point.place);
-            const RigidPlanElement& planned = plan_[out.body];
-            out.velocity = planned.velocity + cross(planned.angularVelocity, out.position - planned.centre);
-        }
-        return out;
+        if (!body) return point.place;
+        if (!body->soft)
+            return transform(scene_.rigid[body->index].state.poses[static_cast<std::size_t>(point.element)],
+                             point.place);
+        return meanOf(point.nodes, scene_.soft[body->index].state.x);
+    }
+
+    /// `out` is a BodyPoint that nothing was written to.
+    void write(const AttachedPoint& point, const std::optional<BodyPlace>& body, BodyPoint& out) const
+    {
+        if (body && body->soft) return writeSoftPoint(point.nodes, body->index, scene_.soft[body->index].state, out);
+        out.position = positionOf(point, body);
+        if (!body) return;
+        out.of = BodyPoint::Of::Rigid;
+        out.body = firstElement_[body->index] + static_cast<std::size_t>(point.element);
+        const RigidPlanElement& planned = plan_[out.body];
+        out.velocity = planned.velocity + cross(planned.angularVelocity, out.position - planned.centre);
     }
 
     /// An edge of a rod and the rigid body that it turns with. The angle is by how much the edge is ahead.
@@ -95,14 +99,29 @@ public:
         return {one, two};
     }
 
-    /// All that an attachment holds: its pairs, then its turns.
-    [[nodiscard]] std::vector<std::array<BodyPoint, 2>> of(const Attachment& attachment) const
+    /// Appends a weld for each part of an attachment: its pairs, then its turns. Only their sides are written.
+    void addWelds(const Attachment& attachment, std::vector<Constraint>& welds) const
     {
-        std::vector<std::array<BodyPoint, 2>> out;
         const auto body = findBody(scene_, attachment.body), to = findBody(scene_, attachment.to);
-        for (const auto& pair : attachment.pairs) out.push_back({of(pair[0], body), of(pair[1], to)});
-        for (const AttachedTurn& turn : attachment.turns) out.push_back(of(turn, body->index, to->index));
-        return out;
+        for (const auto& pair : attachment.pairs) {
+            std::array<BodyPoint, 2>& sides = welds.emplace_back().sides;
+            write(pair[0], body, sides[0]);
+            write(pair[1], to, sides[1]);
+        }
+        for (const AttachedTurn& turn : attachment.turns) welds.emplace_back().sides = of(turn, body->index, to->index);
+    }
+
+    /// How far the sides of each part are apart now.
+    [[nodiscard]] std::vector<Vec3> gapsOf(const Attachment& attachment) const
+    {
+        std::vector<Vec3> gaps;
+        const auto body = findBody(scene_, attachment.body), to = findBody(scene_, attachment.to);
+        for (const auto& pair : attachment.pairs) gaps.push_back(positionOf(pair[0], body) - positionOf(pair[1], to));
+        for (const AttachedTurn& turn : attachment.turns) {
+            const auto [one, two] = of(turn, body->index, to->index);
+            gaps.push_back(one.position - two.position);
+        }
+        return gaps;
     }
 
 private:
@@ -119,20 +138,21 @@ Vec3 recovery(Vec3 gap, double dt)
     return speed > kAttachmentSpeed ? kAttachmentSpeed / speed * bias : bias;
 }
 
-Constraint weldOf(const Attachment& attachment, double dt, Vec3 carried, const std::array<BodyPoint, 2>& sides)
+/// Completes a weld whose sides are there.
+void finishWeld(const Attachment& attachment, double dt, Vec3 carried, Constraint& weld)
 {
-    Constraint weld{.kind = ConstraintKind::Weld, .sides = sides, .frame = kWorldAxes};
-    const Vec3 gap = sides[0].position - sides[1].position;
+    weld.kind = ConstraintKind::Weld;
+    weld.frame = kWorldAxes;
+    const Vec3 gap = weld.sides[0].position - weld.sides[1].position;
     if (isHard(attachment)) {
         weld.bias = recovery(gap, dt);
         weld.impulse = dt * carried;
-        const bool turning = sides[0].of == BodyPoint::Of::RodEdge;
-        weld.tolerance = (turning ? kTurnTolerance * length(sides[0].axis) : kAttachmentTolerance) / dt;
+        const bool turning = weld.sides[0].of == BodyPoint::Of::RodEdge;
+        weld.tolerance = (turning ? kTurnTolerance * length(weld.sides[0].axis) : kAttachmentTolerance) / dt;
     } else {
         weld.softness = dt * dt * attachment.stiffness;
         weld.bias = 1.0 / dt * gap;
     }
-    return weld;
 }
 
 /// [N s] The start of a hard pair's next solve: the multiplier, less what a failed recovery has added to it. Otherwise
@@ -149,12 +169,25 @@ Vec3 nextStart(const Constraint& weld, double dt, Vec3 carried, Vec3 gapAfter)
     return weld.multiplier + (1.0 - recovered) * stiffness * weld.bias;
 }
 
+/// Removes the pairs whose force exceeded what a point bears; returns their number.
+int letGo(std::size_t attachment, double dt, std::span<const Constraint> welds, Scene& scene)
+{
+    Attachment& made = scene.attachments[attachment];
+    made.parted = 0;
+    if (made.pointBreakForce == physics::kNever) return 0;
+    std::vector<bool> gone;
+    for (std::size_t p = 0; p < made.pairs.size(); ++p)
+        gone.push_back(length(welds[p].impulse) > dt * made.pointBreakForce);
+    return erasePairs(attachment, gone, scene);
+}
+
 void keep(std::size_t attachment, double dt, std::span<const Constraint> welds, const Places& places, Scene& scene)
 {
     const Attachment& made = scene.attachments[attachment];
-    const std::vector<std::array<BodyPoint, 2>> after = places.of(made);
+    const std::vector<Vec3> after = isHard(made) ? places.gapsOf(made) : std::vector<Vec3>{};
     frame::Attachment report{.id = made.id, .body = made.body, .to = made.to};
     report.points = static_cast<int>(made.pairs.size());
+    report.parted = made.parted;
     for (std::size_t p = 0; p < welds.size(); ++p) {
         const Vec3 force = 1.0 / dt * welds[p].impulse;
         if (!isFinite(force))
@@ -164,11 +197,11 @@ void keep(std::size_t attachment, double dt, std::span<const Constraint> welds, 
         else
             report.torque += force.x * welds[p].sides[0].axis;
         Vec3& carried = scene.attachmentForces[attachment][p];
-        const Vec3 gap = after[p][0].position - after[p][1].position;
-        const Vec3 next = isHard(made) ? 1.0 / dt * nextStart(welds[p], dt, carried, gap) : Vec3{};
+        const Vec3 next = isHard(made) ? 1.0 / dt * nextStart(welds[p], dt, carried, after[p]) : Vec3{};
         carried = isFinite(next) ? next : Vec3{};
     }
-    report.broken = length(report.force) > made.breakForce;
+    report.parted += letGo(attachment, dt, welds, scene);
+    report.broken = length(report.force) > made.breakForce || made.pairs.empty();
     scene.attachmentReports.push_back(report);
 }
 
@@ -211,7 +244,14 @@ template <class Def> void attachAny(const AttachmentName& name, const Def& def, 
         logWarning(nameOf(scene, name.body), ": attachment.", nothing, ": no node is there; nothing is attached");
         return;
     }
-    addAttachment({name.id, name.body, def.to, std::move(pairs), {}, def.stiffness, def.breakForce}, {}, scene);
+    Attachment made{name.id, name.body, def.to, std::move(pairs), {}, def.stiffness, def.breakForce};
+    if constexpr (std::is_same_v<Def, physics::AttachmentDef>) {
+        made.pointBreakForce = def.pointBreakForce;
+        made.cutDistance = def.cutDistance;
+        if (def.pointBreakForce != physics::kNever || def.cutDistance > 0.0)
+            made.whole = std::make_shared<const AttachedPairs>(made.pairs);
+    }
+    addAttachment(std::move(made), {}, scene);
 }
 
 } // namespace
@@ -236,6 +276,22 @@ void addAttachment(Attachment attachment, std::vector<Vec3> forces, Scene& scene
     scene.attachmentForces.insert(scene.attachmentForces.begin() + (place - scene.attachments.begin()),
                                   std::move(forces));
     scene.attachments.insert(place, std::move(attachment));
+}
+
+int erasePairs(std::size_t attachment, const std::vector<bool>& gone, Scene& scene)
+{
+    Attachment& made = scene.attachments[attachment];
+    std::vector<Vec3>& forces = scene.attachmentForces[attachment];
+    std::size_t kept = 0;
+    for (std::size_t p = 0; p < forces.size(); ++p) {
+        if (p < gone.size() && gone[p]) continue;
+        if (p < made.pairs.size()) made.pairs[kept] = std::move(made.pairs[p]);
+        forces[kept++] = forces[p];
+    }
+    const std::size_t erased = forces.size() - kept;
+    forces.resize(kept);
+    made.pairs.resize(made.pairs.size() - erased);
+    return static_cast<int>(erased);
 }
 
 void findHeldEdges(Scene& scene)
@@ -278,9 +334,10 @@ void addWelds(const StepContext& context, Scene& scene, Coupling& coupling)
     leaveToAttachments(scene, coupling);
     const Places places(scene, coupling.rigid);
     for (std::size_t a = 0; a < scene.attachments.size(); ++a) {
-        const Attachment& attachment = scene.attachments[a];
-        for (std::size_t p = 0; const auto& sides : places.of(attachment))
-            coupling.constraints.push_back(weldOf(attachment, dt, scene.attachmentForces[a][p++], sides));
+        const std::size_t first = coupling.constraints.size();
+        places.addWelds(scene.attachments[a], coupling.constraints);
+        for (std::size_t p = 0; first + p < coupling.constraints.size(); ++p)
+            finishWeld(scene.attachments[a], dt, scene.attachmentForces[a][p], coupling.constraints[first + p]);
     }
     coupling.weldCount = coupling.constraints.size() - coupling.contactCount;
 }

@@ -21,6 +21,9 @@ void attach(const AttachmentName& name, const physics::RigidAttachmentDef& def, 
 /// holds on a rigid body turn with that body.
 void addAttachment(Attachment attachment, std::vector<Vec3> forces, Scene& scene);
 
+/// Removes the pairs for which `gone` is true, and their warm start. Returns their number.
+int erasePairs(std::size_t attachment, const std::vector<bool>& gone, Scene& scene);
+
 /// Finds the edges of rods that are clamped by attachments. The system of a rod where that has changed is outdated.
 void findHeldEdges(Scene& scene);
 

@@ -232,6 +232,19 @@ std::vector<Unit> makeUnits(const StepContext& context, const Island& island, Sc
     return units;
 }
 
+/// What is known of the attachments between soft bodies of the island.
+std::vector<SolvedTie> tiesOf(const Island& island, const Scene& scene)
+{
+    std::vector<SolvedTie> ties;
+    for (const TiedBodies& each : scene.ties.groups) {
+        SolvedTie tie{each.coarse.get(), {}};
+        for (std::size_t i = 0; i < island.soft.size(); ++i)
+            if (std::ranges::count(each.bodies, scene.soft[island.soft[i]].model.id) > 0) tie.bodies.push_back(i);
+        if (tie.bodies.size() == each.bodies.size()) ties.push_back(std::move(tie));
+    }
+    return ties;
+}
+
 /// Stores the solution in the bodies.
 void storeSolution(const std::vector<Unit>& units, const CoupledReport& report, const Island& island, WorkerPool& pool,
                    Scene& scene, Coupling& coupling)
@@ -269,7 +282,8 @@ CoupledReport solveIsland(const StepContext& context, const Island& island, cons
     RowBuilder builder(island, scene, coupling);
     builder.addAll(coupling.scratch.rows);
 
-    const CoupledReport report = coupling.scratch.solver.solve(limits, bodies, builder.points, coupling.scratch.rows);
+    const CoupledReport report =
+        coupling.scratch.solver.solve(limits, bodies, builder.points, coupling.scratch.rows, tiesOf(island, scene));
 
     storeSolution(units, report, island, context.pool, scene, coupling);
     for (std::size_t c : island.constraints) {

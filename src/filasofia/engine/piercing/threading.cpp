@@ -12,13 +12,6 @@ constexpr double kStretched = 2.0;
 
 } // namespace
 
-Vec3 meanOf(const std::vector<NodeWeight>& point, const std::vector<Vec3>& x)
-{
-    Vec3 sum;
-    for (const NodeWeight& each : point) sum += each.weight * x[static_cast<std::size_t>(each.node)];
-    return sum;
-}
-
 Threading::Threading(const Scene& scene, const Channel& of)
     : channel(of), body(findBody(scene, of.tissue)->index), tissue(scene.soft[body]), lines(scene, of)
 {

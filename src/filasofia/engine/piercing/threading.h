@@ -6,9 +6,6 @@
 
 namespace filasofia::engine {
 
-/// [m] Where a point of tissue is, given the places of its nodes.
-Vec3 meanOf(const std::vector<NodeWeight>& point, const std::vector<Vec3>& x);
-
 /// A channel as it lies now: its lines, and where on them its points are.
 struct Threading {
     Threading(const Scene& scene, const Channel& of);

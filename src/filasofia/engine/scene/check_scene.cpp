@@ -59,6 +59,10 @@ void checkAttachments(const Scene& scene)
         checkPair(each.body, each.to, object);
         if (!positiveOrInfinite().contains(each.stiffness)) fail(object, ": stiffness must be > 0 N/m");
         if (!positiveOrInfinite().contains(each.breakForce)) fail(object, ": breakForce must be > 0 N");
+        if (!positiveOrInfinite().contains(each.pointBreakForce))
+            fail(object, ": pointBreakForce must be > 0 N, got ", each.pointBreakForce);
+        if (!(each.cutDistance >= 0.0 && std::isfinite(each.cutDistance)))
+            fail(object, ": cutDistance must be >= 0 m, got ", each.cutDistance);
         if (scene.attachmentForces[a].size() != each.pairs.size() + each.turns.size())
             fail(object, ": holding must have one entry per pair and turn");
         for (const Vec3& force : scene.attachmentForces[a])

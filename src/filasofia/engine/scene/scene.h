@@ -7,12 +7,14 @@
 #include "filasofia/engine/body/soft_model.h"
 #include "filasofia/engine/collision/sheet_side.h"
 #include "filasofia/engine/constraint/constraint.h"
+#include "filasofia/engine/constraint/tied_coarse.h"
 #include "filasofia/engine/soft/soft_system.h"
 #include "filasofia/frame/attachment.h"
 #include "filasofia/frame/channel.h"
 #include "filasofia/frame/contact.h"
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 /// The engine's state: its bodies, and what persists between them from step to step.
@@ -30,6 +32,24 @@ struct SoftBody {
 struct RigidBody {
     RigidModel model; ///< changes between steps only
     RigidState state;
+};
+
+/// Soft bodies that attachments hold together, and what their coarse levels know of these attachments.
+struct TiedBodies {
+    std::vector<BodyId> bodies; ///< ascending
+    std::shared_ptr<const TiedCoarse> coarse;
+};
+
+/// All of these, and what they were made for: they serve while that stays nearly the same.
+struct Ties {
+    struct Made {
+        AttachmentId attachment;
+        std::size_t pairs = 0;
+        Mat3 turn;         ///< the rotation of `body` at the attachment, transposed, times that of `to`
+        bool tied = false; ///< it belongs to a group
+    };
+    std::vector<Made> made; ///< ascending
+    std::vector<TiedBodies> groups;
 };
 
 /// What persists from step to step besides the bodies: time, gravity, and contacts and attachments between bodies.
@@ -58,6 +78,7 @@ struct SceneState {
 struct Scene : SceneState {
     std::vector<SoftBody> soft;   ///< ascending by id
     std::vector<RigidBody> rigid; ///< ascending by id
+    Ties ties;
 };
 
 } // namespace filasofia::engine

@@ -90,6 +90,10 @@ void addAttachments(Hasher& hash, const Scene& scene)
         for (std::uint32_t id : {each.id.value, each.body.value, each.to.value}) hash.add(std::uint64_t{id});
         hash.add(each.stiffness);
         hash.add(each.breakForce);
+        if (each.pointBreakForce != physics::kNever || each.cutDistance != 0.0) { // the hash of others stays
+            hash.add(each.pointBreakForce);
+            hash.add(each.cutDistance);
+        }
         for (const auto& pair : each.pairs)
             for (const AttachedPoint& point : pair) add(hash, point);
         for (const AttachedTurn& turn : each.turns) {

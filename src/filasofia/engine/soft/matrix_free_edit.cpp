@@ -166,6 +166,7 @@ void MatrixFreeSystem::followParting(const SoftModel& model, BackgroundThread& m
     if (!preconditioned_) return;
     if (rebuild_ && rebuild_->isDue()) {
         const bool taken = preconditioner_.takeCoarseLevel(rebuild_->take());
+        if (taken) tied_ = false;
         // Nodes added meanwhile interpolate from their parents; if the old coarse level stays, they do so already.
         const std::vector<MeshEdit::Node>& since = rebuild_->since();
         for (std::size_t i = 0; taken && i < since.size(); ++i)

@@ -10,6 +10,17 @@ namespace filasofia::engine {
 using linalg::Blocks;
 using linalg::NodeArray;
 
+namespace {
+
+/// Three numbers per node.
+void copyNodes(std::span<const float> from, std::span<const int> nodes, std::span<float> out)
+{
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k) out[3 * i + k] = from[3 * static_cast<std::size_t>(nodes[i]) + k];
+}
+
+} // namespace
+
 MatrixFreeOperator::MatrixFreeOperator(MatrixFreeSystem& system)
     : system_(system),
       mass_(std::accumulate(system.masses_.begin(), system.masses_.begin() + system.freeNodes_, 0.0) / system.scale_),
@@ -148,6 +159,21 @@ void MatrixFreeOperator::project(std::span<double> out)
 {
     system_.preconditioner_.project(out, *pool_);
     for (double& each : out) each /= system_.scale_;
+}
+
+void MatrixFreeOperator::readColumn(int column, std::span<const int> coarseNodes, std::span<float> out) const
+{
+    copyNodes(system_.preconditioner_.columnAnswer(column), coarseNodes, out);
+}
+
+void MatrixFreeOperator::readAnswer(std::span<const int> coarseNodes, std::span<float> out)
+{
+    copyNodes(system_.preconditioner_.coarseAnswer(*pool_), coarseNodes, out);
+}
+
+void MatrixFreeOperator::subtract(std::span<const int> coarseNodes, std::span<const float> impulses)
+{
+    system_.preconditioner_.subtractFromCoarse(coarseNodes, impulses, static_cast<float>(system_.scale_));
 }
 
 } // namespace filasofia::engine

@@ -40,6 +40,9 @@ private:
     void finish() override { system_.preconditioner_.finishColumns(); }
     void products(int column, std::span<double> out) const override;
     void project(std::span<double> out) override;
+    void readColumn(int column, std::span<const int> coarseNodes, std::span<float> out) const override;
+    void readAnswer(std::span<const int> coarseNodes, std::span<float> out) override;
+    void subtract(std::span<const int> coarseNodes, std::span<const float> impulses) override;
 
     void readFrom(const linalg::NodeArray& vector, std::span<Vec3> out) const;
     double product(const linalg::NodeArray& a, const linalg::NodeArray& b);

@@ -280,4 +280,27 @@ void MatrixFreeSystem::solveExplicit(std::span<Vec3> dv) const
     }
 }
 
+linalg::Interpolation MatrixFreeSystem::coarseWeights(int node) const
+{
+    linalg::Interpolation how = preconditioner_.interpolation(slotOf_[static_cast<std::size_t>(node)]);
+    for (std::size_t k = 0; k < how.corners.size(); ++k)
+        if (how.corners[k] >= preconditioner_.coarseLevel().latticeNodes()) how.weights[k] = 0.0f;
+    return how;
+}
+
+Mat3 MatrixFreeSystem::rotation(int node) const
+{
+    return preconditioner_.rotation(slotOf_[static_cast<std::size_t>(node)]);
+}
+
+double MatrixFreeSystem::compliance(int node) const
+{
+    return scale_ / 3.0 * trace(preconditioner_.inverseDiagonal(slotOf_[static_cast<std::size_t>(node)]));
+}
+
+double MatrixFreeSystem::coarseCompliance(std::size_t row, std::size_t column) const
+{
+    return scale_ * preconditioner_.coarseLevel().inverseEntry(row, column);
+}
+
 } // namespace filasofia::engine

@@ -89,6 +89,17 @@ public:
 
     [[nodiscard]] int coarseNodes() const { return preconditioner_.coarseNodes(); }
 
+    // What attachments to other bodies need to know of the preconditioner, at a free node of the model:
+    /// The coarse nodes of the lattice that it follows; weight 0 if there is none.
+    [[nodiscard]] linalg::Interpolation coarseWeights(int node) const;
+    [[nodiscard]] Mat3 rotation(int node) const;     ///< from rest to the state of the last assemble()
+    [[nodiscard]] double compliance(int node) const; ///< [1/kg] D^-1, mean of all directions
+    /// [1/kg] An entry of A_c^-1; unknowns of the lattice, three per coarse node.
+    [[nodiscard]] double coarseCompliance(std::size_t row, std::size_t column) const;
+    /// Whether tie() was called since the coarse level was built or replaced.
+    [[nodiscard]] bool isTied() const { return tied_; }
+    void tie() { tied_ = true; }
+
 private:
     friend class MatrixFreeOperator;
     static constexpr std::size_t kRotationsPerNode = 4; ///< number of elements whose mean rotation is that of a node
@@ -174,6 +185,7 @@ private:
     double size_ = 0.0; ///< squared norm of the right-hand side
     std::vector<double> sums_;
     linalg::TwoLevelPreconditioner preconditioner_;
+    bool tied_ = false;                ///< see isTied()
     bool parted_ = false;              ///< tissue has been parted since the coarse level was built or its rebuild began
     CopiedPtr<CoarseRebuild> rebuild_; ///< rebuild of the coarse level in progress; null: none
     linalg::MatrixFreeCg cg_;

@@ -23,7 +23,7 @@ void restoreAttachments(const BodyTopology& topology, const SoftModel& whole, st
         const auto before = std::ranges::find(topology.startAttachments, each.id, &Attachment::id);
         bool gone = false;
         for (std::size_t p = 0; p < each.pairs.size(); ++p) {
-            if (before != topology.startAttachments.end()) each.pairs[p][side] = before->pairs[p][side];
+            if (before != topology.startAttachments.end() && !each.whole) each.pairs[p][side] = before->pairs[p][side];
             gone = gone || std::ranges::any_of(each.pairs[p][side].nodes, lost);
         }
         if (gone) release(each.id, scene);
@@ -54,6 +54,11 @@ void restoreMesh(SoftBody& body, Scene& scene)
 
 void resetScene(Scene& scene)
 {
+    for (std::size_t a = 0; a < scene.attachments.size(); ++a) {
+        Attachment& each = scene.attachments[a];
+        if (each.whole) each.pairs = *each.whole;
+        scene.attachmentForces[a].resize(each.pairs.size() + each.turns.size());
+    }
     for (SoftBody& body : scene.soft) {
         restoreMesh(body, scene);
         if (!body.model.patched) continue;
@@ -82,6 +87,7 @@ void resetScene(Scene& scene)
     scene.sides.clear(); // bodies have moved: the sides of sheets are unknown again
     for (std::vector<Vec3>& forces : scene.attachmentForces) std::ranges::fill(forces, Vec3{});
     scene.attachmentReports.clear();
+    scene.ties = {}; // made anew in the next step, as in the first one
     scene.channels.clear();
     scene.channelReports.clear();
 }

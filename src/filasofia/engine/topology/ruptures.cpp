@@ -3,6 +3,7 @@
 #include "filasofia/core/hash.h"
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/topology/apply_edit.h"
+#include "filasofia/engine/topology/cut_attachments.h"
 #include "filasofia/engine/topology/cut_rods.h"
 #include "filasofia/engine/topology/follow_edit.h"
 #include "filasofia/engine/topology/follow_surface.h"
@@ -231,6 +232,7 @@ void cutBodies(const StepContext& context, const RigidPlan& rigid, Scene& scene,
         else
             cutBody(body, blades, context.report.topology);
     }
+    cutAttachments(blades, scene);
 }
 
 void tearBodies(const StepContext& context, Scene& scene)
