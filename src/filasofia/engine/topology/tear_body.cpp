@@ -40,7 +40,7 @@ Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, dou
     return isBelow && !std::holds_alternative<physics::Corotational>(model.material.law) ? Mat3{} : stress;
 }
 
-/// Of a triangle; zero below what other elements leave out.
+/// That in a triangle; zero below what other elements leave out.
 Mat3 stressInSheet(const SoftModel& model, const SoftState& state, std::size_t e, double threshold)
 {
     const MembraneElement& element = model.shell.membranes[e];
