@@ -45,7 +45,7 @@ struct MeshTopology {
 /// The tetrahedra around an edge, in the order of the shorter of its ends' lists.
 void edgeStar(const MeshTopology& mesh, int a, int b, std::vector<int>& star);
 double restQuality(const MeshTopology& mesh, int tetrahedron);
-double restVolume(const MeshTopology& mesh, int tetrahedron); ///< [m^3], of a triangle its area [m^2]
+double restVolume(const MeshTopology& mesh, int tetrahedron); ///< [m^3]; a triangle has an area [m^2]
 /// Whether a face belongs to the boundary: one without a neighbour, or a triangle itself.
 bool isBoundaryFace(const MeshTopology& mesh, int tetrahedron, int face);
 bool onBoundary(const MeshTopology& mesh, int node);
@@ -65,7 +65,7 @@ public:
     [[nodiscard]] int nodes() const { return static_cast<int>(data_.rest.size()); }
     [[nodiscard]] int tetrahedra() const { return static_cast<int>(data_.tetrahedra.size()); }
     [[nodiscard]] bool isSheet() const { return thickness_ > 0.0; }
-    /// [m^2] Area at rest of an opened face; of a sheet, length of the edge times thickness.
+    /// [m^2] Area at rest of an opened face. In a sheet, the length of the edge times the thickness.
     [[nodiscard]] double faceArea(int tetrahedron, int face) const;
     [[nodiscard]] double meanEdge() const { return meanEdge_; } ///< [m] h, at construction
     [[nodiscard]] double diagonal() const { return diagonal_; } ///< [m] diagonal of the bounding box at construction
@@ -144,7 +144,7 @@ private:
     void publish(int tetrahedron, frame::TopologyEdit& edit);
 
     MeshTopology data_;
-    double thickness_ = 0.0; ///< [m] of a sheet; 0: tetrahedra
+    double thickness_ = 0.0; ///< [m] 0: tetrahedra, no sheet
     double meanEdge_ = 0.0, diagonal_ = 0.0, startVolume_ = 0.0, lastMotion_ = 0.0, volumeMoved_ = 0.0;
     std::vector<double> reach_;
     int sequence_ = 0;

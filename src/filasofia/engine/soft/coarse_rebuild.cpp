@@ -229,8 +229,8 @@ std::vector<std::array<int, 2>> CoarseRebuild::Work::edges() const
     return list;
 }
 
-/// Triangles at rest. A tangent is a quadratic form of a few rates that are linear in the nodes: of two edges, and of
-/// three angles.
+/// Triangles at rest. A tangent is a quadratic form in a few rates that are linear in the nodes: those by which two
+/// edges and three angles change.
 void CoarseRebuild::Work::addShell(const geometry::CoarseLattice& lattice, CoarseMatrix& matrix) const
 {
     const double weight = scale * weights.stiffness;
