@@ -83,9 +83,9 @@ void print(const testing::CutFuzzReport& r)
     };
     list("refused", r.refusals);
     list("done and repaired", r.repairs);
-    std::printf(
-        "\nworst quality %.4f, %.4f of the bound min(input, 0.15); volume kept to %.1e; at most %ld tetrahedra\n",
-        r.worstQuality, r.worstQualityShare, r.volumeDrift, r.maxTetrahedra);
+    std::printf("\nworst quality %.4f, %.4f of the bound min(input, 0.15; in shells 0.25); volume kept to %.1e; at "
+                "most %ld tetrahedra\n",
+                r.worstQuality, r.worstQualityShare, r.volumeDrift, r.maxTetrahedra);
     std::printf("incomplete: %ld of %ld full cuts, %ld of %ld progressive ones\n", r.incompleteFull, r.full,
                 r.incompleteProgressive, r.progressive);
     if (!r.faults.empty()) list("BROKEN INVARIANTS", r.faults);
