@@ -83,9 +83,9 @@ void print(const testing::CutFuzzReport& r)
     };
     list("refused", r.refusals);
     list("done and repaired", r.repairs);
-    std::printf(
-        "\nworst quality %.4f, %.4f of the bound min(input, 0.15); volume kept to %.1e; at most %ld tetrahedra\n",
-        r.worstQuality, r.worstQualityShare, r.volumeDrift, r.maxTetrahedra);
+    std::printf("\nworst quality %.4f, %.4f of the bound min(input, 0.15; in shells 0.25); volume kept to %.1e; at "
+                "most %ld tetrahedra\n",
+                r.worstQuality, r.worstQualityShare, r.volumeDrift, r.maxTetrahedra);
     std::printf("incomplete: %ld of %ld full cuts, %ld of %ld progressive ones\n", r.incompleteFull, r.full,
                 r.incompleteProgressive, r.progressive);
     if (!r.faults.empty()) list("BROKEN INVARIANTS", r.faults);
@@ -159,13 +159,15 @@ int fuzzKnots(const FuzzCommandOptions& options)
 int fuzzCuts(const FuzzCommandOptions& options)
 {
     JsonFile file(options.file);
+    const bool shells = options.what == "shells";
     testing::CutFuzzDef def{.seed = static_cast<std::uint64_t>(options.seed),
                             .cuts = options.cuts,
-                            .meshes = testing::cutFuzzShapes(),
+                            .meshes = shells ? testing::shellFuzzShapes() : testing::cutFuzzShapes(),
                             .cutsPerBody = options.perBody};
     for (const char* size : {"756", "1492"})
-        def.meshes.push_back(
-            {text("bunny ", size), geometry::loadTetMesh(runtime::asset(text("meshes/bunny_", size, ".msh")))});
+        if (!shells)
+            def.meshes.push_back(
+                {text("bunny ", size), geometry::loadTetMesh(runtime::asset(text("meshes/bunny_", size, ".msh")))});
     const testing::CutFuzzReport report = testing::fuzzCuts(def);
     print(report);
     file.write(toJson(options, report));
@@ -175,9 +177,10 @@ int fuzzCuts(const FuzzCommandOptions& options)
 int fuzz(const FuzzCommandOptions& options)
 {
     if (options.what == "knots") return fuzzKnots(options);
-    if (options.what != "cut") fail("fuzz: unknown subject '", shortened(options.what), "'; known are cut and knots");
+    if (options.what != "cut" && options.what != "shells")
+        fail("fuzz: unknown subject '", shortened(options.what), "'; known are cut, shells and knots");
     if (!std::isnan(options.seconds) || options.twice)
-        fail("fuzz: --seconds and --twice apply to knots only; cut makes a number of cuts, each body twice");
+        fail("fuzz: --seconds and --twice apply to knots only; cut and shells make a number of cuts, each body twice");
     return fuzzCuts(options);
 }
 
@@ -187,43 +190,44 @@ Command fuzzCommand()
 {
     // Static: there is one command line, and its targets must outlive this function.
     static FuzzCommandOptions options;
-    return {.name = "fuzz",
-            .meaning = "Make random changes and check all invariants after each",
-            .options = {{"WHAT",
-                         &options.what,
-                         "cut: cuts and tears of small bodies; knots: threads that are tied and pulled",
-                         "",
-                         {},
-                         true},
-                        {.name = "--seed",
-                         .target = &options.seed,
-                         .meaning = "Seed of the random numbers",
-                         .type = "S",
-                         .bound = {closed(0, 1000000), "-"}},
-                        {.name = "--cuts",
-                         .target = &options.cuts,
-                         .meaning = "cut only: number of cuts, including tears",
-                         .type = "N",
-                         .bound = {closed(1, 100000000), "-"}},
-                        {.name = "--per-body",
-                         .target = &options.perBody,
-                         .meaning = "cut only: cuts made one after another in the same body",
-                         .type = "N",
-                         .bound = {closed(1, 1000), "-"}},
-                        {.name = "--seconds",
-                         .target = &options.seconds,
-                         .meaning = "knots only: simulated time",
-                         .type = "S",
-                         .bound = {openClosed(0, 1000000), "s"},
-                         .standard = text(kKnotSeconds)},
-                        {.name = "--first",
-                         .target = &options.first,
-                         .meaning = "knots only: number of the first scene, to see one again",
-                         .type = "N",
-                         .bound = {closed(0, 100000000), "-"}},
-                        {"--twice", &options.twice, "knots only: run every scene a second time and compare"},
-                        {"--json", &options.file, "Write every figure to this file", "FILE"}},
-            .run = [] { return fuzz(options); }};
+    return {
+        .name = "fuzz",
+        .meaning = "Make random changes and check all invariants after each",
+        .options = {{"WHAT",
+                     &options.what,
+                     "cut: cuts and tears of small bodies; shells: of shells; knots: threads that are tied and pulled",
+                     "",
+                     {},
+                     true},
+                    {.name = "--seed",
+                     .target = &options.seed,
+                     .meaning = "Seed of the random numbers",
+                     .type = "S",
+                     .bound = {closed(0, 1000000), "-"}},
+                    {.name = "--cuts",
+                     .target = &options.cuts,
+                     .meaning = "cut and shells only: number of cuts, including tears",
+                     .type = "N",
+                     .bound = {closed(1, 100000000), "-"}},
+                    {.name = "--per-body",
+                     .target = &options.perBody,
+                     .meaning = "cut and shells only: cuts made one after another in the same body",
+                     .type = "N",
+                     .bound = {closed(1, 1000), "-"}},
+                    {.name = "--seconds",
+                     .target = &options.seconds,
+                     .meaning = "knots only: simulated time",
+                     .type = "S",
+                     .bound = {openClosed(0, 1000000), "s"},
+                     .standard = text(kKnotSeconds)},
+                    {.name = "--first",
+                     .target = &options.first,
+                     .meaning = "knots only: number of the first scene, to see one again",
+                     .type = "N",
+                     .bound = {closed(0, 100000000), "-"}},
+                    {"--twice", &options.twice, "knots only: run every scene a second time and compare"},
+                    {"--json", &options.file, "Write every figure to this file", "FILE"}},
+        .run = [] { return fuzz(options); }};
 }
 
 } // namespace filasofia::app

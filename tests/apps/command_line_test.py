@@ -932,7 +932,7 @@ class Fuzz(Program):
         self.assertIn(report["hash"], said)
 
     def test_unknown_subjects_and_illegal_values_are_refused(self):
-        self.refused("fuzz", "cat", says=["'cat'", "known are cut and knots"])
+        self.refused("fuzz", "cat", says=["'cat'", "known are cut, shells and knots"])
         self.refused("fuzz", "cut", "--seconds", "1", says=["--seconds and --twice apply to knots only"])
         self.refused("fuzz", "knots", "--seconds", "0", says=["--seconds must be in (0, 1000000] s"])
         self.refused("fuzz", "cut", "--cuts", "0", says=["--cuts must be a whole number in [1, 100000000]", "got 0"])

@@ -13,7 +13,7 @@ struct Boundary {
     std::vector<geometry::Triangle> triangles = {}; ///< node indices, counter-clockwise seen from outside
     std::vector<std::uint8_t> opened =
         {};                       ///< per triangle, 1 if it was inside the tissue until a cut or a tear opened it
-    std::vector<int> behind = {}; ///< per triangle, the fourth node of its tetrahedron
+    std::vector<int> behind = {}; ///< per triangle, the fourth node of its tetrahedron; -1 in a shell
     std::vector<Vec3> rest = {};  ///< [m] per node of the body, in world coordinates
 };
 

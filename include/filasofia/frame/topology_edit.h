@@ -12,7 +12,13 @@
 /// What a cut or a tear did to a tetrahedral mesh, as plain data. Data per node, per element, per boundary triangle or
 /// per embedded point can be updated from it alone, without knowing the mesh. Nodes and tetrahedra are only ever
 /// appended, so an index keeps its meaning.
+///
+/// The same records tell what happened to a sheet: its triangles are elements whose fourth corner is kNoCorner, each is
+/// its own triangle of the boundary (face 3), and their edges are what opens (edge f lies opposite corner f).
 namespace filasofia::frame {
+
+inline constexpr int kNoCorner = -1;
+constexpr bool isTriangle(const geometry::Tetrahedron& nodes) { return nodes[3] == kNoCorner; }
 
 /// A node on the edge from a to b: any value that is linear along the edge is (1 - s) of a plus s of b.
 struct NewNode {

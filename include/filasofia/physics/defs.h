@@ -68,7 +68,9 @@ struct SoftBodyDef {
     Solver solver = ConjugateGradient{};
     std::vector<AttachmentDef> attachments = {};
     std::vector<NodalForce> forces = {}; ///< until changed by a command
-    double pressure = 0.0; ///< [Pa], on the whole surface, positive pushes inwards; on a shell against its normals
+    /// [Pa], on the whole surface, positive pushes inwards; on a shell against its normals, until a cut opens a closed
+    /// one
+    double pressure = 0.0;
     std::vector<CollisionDef> collision = {}; ///< its collision models; none: it collides with nothing
     double friction = 0.3; ///< [-], >= 0, Coulomb's mu; a pair of bodies uses the square root of the product of both
     /// Whether it may be cut and may tear, so that its elements change during the run. Blades are rigid bodies with a

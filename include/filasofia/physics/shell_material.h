@@ -21,6 +21,8 @@ struct ShellMaterial {
     double bendingScale = 1.0;
     /// [-], > 0 or infinite: as for FemMaterial, of the stretches in the sheet
     double validStrain = std::numeric_limits<double>::infinity();
+    /// [Pa], > 0 or infinite (never): the largest principal Cauchy stress in the sheet at which it tears
+    double tearingThreshold = std::numeric_limits<double>::infinity();
 };
 
 constexpr auto fields(const ShellMaterial*)
@@ -32,7 +34,9 @@ constexpr auto fields(const ShellMaterial*)
         field("thickness", &T::thickness, "m", positive(), "thickness at rest"),
         field("bendingScale", &T::bendingScale, "-", nonNegative(), "bending stiffness relative to that of a plate"),
         field("validStrain", &T::validStrain, "-", positiveOrInfinite(),
-              "strain up to which the constants were measured"));
+              "strain up to which the constants were measured"),
+        field("tearingThreshold", &T::tearingThreshold, "Pa", positiveOrInfinite(),
+              "largest principal stress at which it tears"));
 }
 
 } // namespace filasofia::physics

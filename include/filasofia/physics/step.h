@@ -104,7 +104,7 @@ struct ContactReport {
 /// A part of a body that was detached.
 struct LoosePiece {
     int piece = 0; ///< its number from now on: 1, 2, ... within the body; the part that it came from keeps its number
-    std::vector<int> elements = {}; ///< tetrahedra, or edges of a rod, in ascending order
+    std::vector<int> elements = {}; ///< tetrahedra, triangles of a shell, edges of a rod; ascending
     double mass = 0.0;              ///< [kg]
     Vec3 place = {};                ///< [m] its current centre of mass
     bool held = false;              ///< some of its nodes are attached to the world or to a kinematic body
@@ -115,10 +115,12 @@ struct Rupture {
     enum class Kind { Cut, Tear };
     Kind kind = Kind::Cut;
     BodyId body = {};
-    Vec3 place = {};   ///< [m] current centre of the opened surface
-    double area = 0.0; ///< [m^2] opened area at rest, of one of the two sides; of a rod, its cross-section per cut
-    int nodes = 0;     ///< [-] number of nodes added
-    int elements = 0;  ///< [-] number of elements added
+    Vec3 place = {}; ///< [m] current centre of the opened surface
+    /// [m^2] opened area at rest, of one of the two sides: in a shell length times thickness, in a rod its
+    /// cross-section per cut
+    double area = 0.0;
+    int nodes = 0;                         ///< [-] number of nodes added
+    int elements = 0;                      ///< [-] number of elements added
     std::vector<LoosePiece> detached = {}; ///< pieces that were detached
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/geometry/tet_mesh.h"
+#include "filasofia/geometry/triangle_mesh.h"
 
 #include <cstdint>
 #include <functional>
@@ -13,10 +14,13 @@ namespace filasofia::testing {
 struct CutFuzzMesh {
     std::string name = {};
     geometry::TetMesh mesh = {};
+    geometry::TriangleMesh shell = {}; ///< cut instead of `mesh` if it has triangles
 };
 
 /// A beam, a ball and a sheet one element thick.
 std::vector<CutFuzzMesh> cutFuzzShapes();
+/// Shells: sheets of a regular and of an irregular mesh, a balloon, a closed cylinder.
+std::vector<CutFuzzMesh> shellFuzzShapes();
 
 /// The parameters of a fuzzing run.
 struct CutFuzzDef {
@@ -53,11 +57,13 @@ struct CutFuzzReport {
     std::vector<CutFuzzCount> repairs = {};  ///< repairs and all other counts
     long hashesThatDiffer = 0;               ///< bodies whose second run gave another hash
     double worstQuality = 1.0;               ///< [-] the lowest quality of an element
-    double worstQualityShare = 1e9;          ///< [-] lowest quality over its bound min(input, 0.15); below 1 is a fault
-    double volumeDrift = 0.0;                ///< [-] largest relative change of a body's volume
-    long maxTetrahedra = 0;                  ///< the largest number in a body
-    std::uint64_t hash = 0;                  ///< hash of all bodies after their last cuts
-    long incompleteFull = 0, full = 0;       ///< judged cuts along planes in a few steps
+    /// [-] lowest quality over its bound, the least of the input's and the cut's (0.15; 0.25 in a shell); below 1 is a
+    /// fault
+    double worstQualityShare = 1e9;
+    double volumeDrift = 0.0;          ///< [-] largest relative change of a body's volume, or of a shell's area
+    long maxTetrahedra = 0;            ///< the largest number in a body
+    std::uint64_t hash = 0;            ///< hash of all bodies after their last cuts
+    long incompleteFull = 0, full = 0; ///< judged cuts along planes in a few steps
     long incompleteProgressive = 0, progressive = 0; ///< all other judged cuts
 
     [[nodiscard]] bool sound() const { return faults.empty() && hashesThatDiffer == 0; }

@@ -21,6 +21,17 @@ void followElement(const TopologyOp& op, std::vector<geometry::Tetrahedron>& tet
     }
 }
 
+/// The barycentric weights of a point; for a triangle those of its projection.
+std::array<double, 4> weightsIn(const geometry::Tetrahedron& nodes, Vec3 point, const std::vector<Vec3>& rest)
+{
+    const Vec3 a = rest[nodes[0]], b = rest[nodes[1]], c = rest[nodes[2]];
+    if (!isTriangle(nodes)) return geometry::barycentric(point, a, b, c, rest[nodes[3]]);
+    std::array<double, 4> weights = geometry::barycentric(point, a, b, c, a + cross(b - a, c - a));
+    weights[0] += weights[3]; // the fourth corner stood above the first
+    weights[3] = 0.0;
+    return weights;
+}
+
 /// Keeps the point in place while a corner moves: newRest = sum c_i X_i over the corners before the move, so the old
 /// corner is newRest / c_z minus the other corners times c_i / c_z. c_z > 0 is the ratio of the element's volumes.
 void stay(const NodeMove& move, const geometry::Tetrahedron& nodes, const std::vector<Vec3>& rest, EmbeddedPoint& point)
@@ -28,8 +39,7 @@ void stay(const NodeMove& move, const geometry::Tetrahedron& nodes, const std::v
     const auto at = std::ranges::find(nodes, move.node);
     if (at == nodes.end()) return;
     const int z = static_cast<int>(at - nodes.begin());
-    const std::array<double, 4> c =
-        geometry::barycentric(move.newRest, rest[nodes[0]], rest[nodes[1]], rest[nodes[2]], rest[nodes[3]]);
+    const std::array<double, 4> c = weightsIn(nodes, move.newRest, rest);
     const double w = point.weights[z] / c[z];
     for (int i = 0; i < 4; ++i) point.weights[i] = i == z ? w : point.weights[i] - w * c[i];
 }
@@ -78,6 +88,13 @@ void followPoints(const TopologyEdit& edit, std::vector<geometry::Tetrahedron>& 
 TopologyMirror::TopologyMirror(const std::vector<geometry::Tetrahedron>& tetrahedra)
     : tetrahedra_(tetrahedra), places_(tetrahedra.size(), {-1, -1, -1, -1})
 {
+    if (!tetrahedra.empty() && isTriangle(tetrahedra.front())) {
+        for (int t = 0; t < static_cast<int>(tetrahedra.size()); ++t) {
+            const auto& [a, b, c, none] = tetrahedra[t];
+            apply({BoundaryChange::Kind::Added, t, 3, {a, b, c}, false});
+        }
+        return;
+    }
     const std::vector<std::array<int, 4>> neighbours = geometry::faceNeighbours({{}, tetrahedra});
     for (int t = 0; t < static_cast<int>(tetrahedra.size()); ++t)
         for (int f = 0; f < 4; ++f)

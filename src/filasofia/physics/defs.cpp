@@ -61,8 +61,6 @@ void checkKind(const SoftBodyDef& def, const std::string& object)
         fail(object,
              ": mesh must be a tetrahedral mesh for this material, got a triangle mesh, as a box or a sheet is; a "
              "block has tetrahedra, and only a ShellMaterial has triangles");
-    if (isShell(def) && def.dynamicTopology)
-        fail(object, ": dynamicTopology must be false with a ShellMaterial: shells can be neither cut nor torn yet");
 }
 
 constexpr const char* kTouchesNothing = "a needle that touches nothing pierces nothing";
@@ -108,6 +106,8 @@ void check(const SoftBodyDef& def)
             fail(object, ": collision[", i, "].mesh must be empty with a ShellMaterial: its own triangles collide");
     if (const auto* springs = std::get_if<MassSpringMaterial>(&def.material))
         checkTearing(springs->tearingThreshold, def.dynamicTopology, object + ": material");
+    if (const auto* shell = std::get_if<ShellMaterial>(&def.material))
+        checkTearing(shell->tearingThreshold, def.dynamicTopology, object + ": material");
     const auto* fem = std::get_if<FemMaterial>(&def.material);
     if (!fem) return;
     checkTearing(fem->tearingThreshold, def.dynamicTopology, object + ": material");

@@ -78,6 +78,9 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
     if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body)) {
         auto mapped = std::make_shared<const mapping::MappedSurface>(mapSoft(*soft, surface.get(), object));
         std::shared_ptr<const mapping::OpeningSurface> opening;
+        if (surface && soft->dynamicTopology && physics::isShell(*soft))
+            fail(object, ": surface must be empty if a shell has dynamicTopology: it is drawn as its own triangles, "
+                         "which follow its cuts");
         if (surface && soft->dynamicTopology) {
             opening = mapping::OpeningSurface::make(mapped, physics::worldMesh(*soft));
             if (!opening)

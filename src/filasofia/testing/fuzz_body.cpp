@@ -39,12 +39,13 @@ Vec3 Waves::at(Vec3 p, double time) const
     return centre + std::cos(turn) * r + std::sin(turn) * cross(a1, r) + ((1.0 - std::cos(turn)) * dot(a1, r)) * a1;
 }
 
-FuzzBody::FuzzBody(const geometry::TetMesh& given, const CutFuzzDef& def, CutFuzzReport& report, RuptureReport& sums,
+FuzzBody::FuzzBody(EditableMesh given, const CutFuzzDef& def, CutFuzzReport& report, RuptureReport& sums,
                    std::string name)
-    : mesh(given), def_(def), report_(report), sums_(sums), name_(std::move(name)), mirror_(given.tetrahedra),
-      positions_(given.nodes), pieces_(mesh.data()), walked_(mesh.data())
+    : mesh(std::move(given)), def_(def), report_(report), sums_(sums), name_(std::move(name)),
+      parameters_(mesh.isSheet() ? sheetParameters() : CutParameters{}), mirror_(mesh.data().tetrahedra),
+      positions_(mesh.data().rest), pieces_(mesh.data()), walked_(mesh.data())
 {
-    bound_ = std::min(worstOf(mesh.data()), CutParameters{}.minQuality);
+    bound_ = std::min(worstOf(mesh.data()), parameters_.minQuality);
 }
 
 void FuzzBody::begin()
@@ -62,7 +63,7 @@ void FuzzBody::step(BladeStroke& stroke, std::span<const BladeSegment> blade)
         for (Vec3& p : x) p = waves.at(p, time);
         mesh.moveTo(x);
     }
-    sums_ += stroke.step(mesh, blade, {});
+    sums_ += stroke.step(mesh, blade, parameters_);
     ++report_.steps;
     follow();
 }
@@ -71,7 +72,7 @@ void FuzzBody::finish(BladeStroke& stroke)
 {
     bool done = false;
     while (!done) {
-        done = stroke.finish(mesh, {}, sums_);
+        done = stroke.finish(mesh, parameters_, sums_);
         ++report_.steps;
         follow();
     }
@@ -108,8 +109,10 @@ void FuzzBody::followPieces(const frame::TopologyEdit& edit)
 void FuzzBody::look()
 {
     ++report_.checks;
+    const TopologyBounds bounds{
+        .quality = bound_, .volume = mesh.startVolume(), .volumeTolerance = mesh.isSheet() ? 1e-6 : 1e-3};
     std::vector<TopologyViolation> found =
-        checkTopology(mesh.data(), {.quality = bound_, .volume = mesh.startVolume()});
+        mesh.isSheet() ? checkSheetTopology(mesh.data(), bounds) : checkTopology(mesh.data(), bounds);
     for (TopologyViolation& v : checkMirror(mesh.data(), mirror_, positions_)) found.push_back(std::move(v));
     for (const TopologyViolation& v : found) {
         add(report_.faults, engine::name(v.fault));

@@ -3,6 +3,7 @@
 #include "filasofia/engine/rupture/check_topology.h"
 #include "filasofia/engine/rupture/cut.h"
 #include "filasofia/engine/rupture/pieces.h"
+#include "filasofia/engine/rupture/tet_shape.h"
 #include "filasofia/testing/fuzz_cuts.h"
 #include "filasofia/testing/fuzz_random.h"
 
@@ -21,8 +22,7 @@ struct Waves {
 /// A body being cut, with the data that follow its edits and the counts of the report.
 class FuzzBody {
 public:
-    FuzzBody(const geometry::TetMesh& mesh, const CutFuzzDef& def, CutFuzzReport& report, RuptureReport& sums,
-             std::string name);
+    FuzzBody(EditableMesh mesh, const CutFuzzDef& def, CutFuzzReport& report, RuptureReport& sums, std::string name);
 
     EditableMesh mesh;
     double time = 0.0; ///< [s]
@@ -42,9 +42,7 @@ public:
         const std::vector<int> part = parts(count);
         std::vector<double> low(count, 0.0), high(count, 0.0);
         for (int t = 0; t < mesh.tetrahedra(); ++t) {
-            Vec3 centre;
-            for (int n : mesh.data().tetrahedra[t]) centre += 0.25 * mesh.data().rest[n];
-            const double h = height(centre);
+            const double h = height(middleOf(mesh.data().tetrahedra[t], mesh.data().rest));
             low[part[t]] = std::min(low[part[t]], h);
             high[part[t]] = std::max(high[part[t]], h);
         }
@@ -64,6 +62,7 @@ private:
     CutFuzzReport& report_;
     RuptureReport& sums_;
     std::string name_;
+    CutParameters parameters_;
     double bound_ = 0.0; ///< [-] lower bound of the quality of elements
     frame::TopologyMirror mirror_;
     std::vector<Vec3> positions_;

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/hash.h"
 #include "filasofia/core/text.h"
+#include "filasofia/geometry/box.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/testing/fuzz_body.h"
 
@@ -27,6 +28,24 @@ geometry::TetMesh ball(double radius, int cells)
     return mesh;
 }
 
+EditableMesh editable(const CutFuzzMesh& mesh)
+{
+    if (mesh.shell.triangles.empty()) return EditableMesh(mesh.mesh);
+    return {mesh.shell.vertices, mesh.shell.triangles, 1e-3};
+}
+
+/// Moves the inner vertices of a sheet around z by up to a fifth of a cell, in the sheet.
+geometry::TriangleMesh shaken(geometry::TriangleMesh sheet, double cell)
+{
+    FuzzRandom random(7);
+    const auto [low, high] = geometry::boxAround(sheet.vertices);
+    for (Vec3& p : sheet.vertices) {
+        const Vec3 shift{random.uniform(-0.2, 0.2) * cell, 0.0, random.uniform(-0.2, 0.2) * cell};
+        if (std::min({p.x - low.x, high.x - p.x, p.z - low.z, high.z - p.z}) > 0.5 * cell) p += shift;
+    }
+    return sheet;
+}
+
 /// Runs one body from its first cut to its last; returns its hash.
 std::uint64_t runBody(const CutFuzzDef& def, int index, int cuts, CutFuzzReport& report, RuptureReport& sums)
 {
@@ -36,7 +55,7 @@ std::uint64_t runBody(const CutFuzzDef& def, int index, int cuts, CutFuzzReport&
     seed.add(def.seed);
     seed.add(static_cast<std::uint64_t>(index));
     FuzzRandom random(seed.value());
-    FuzzBody body(mesh.mesh, def, report, sums, text("body ", index, " (", mesh.name, ")"));
+    FuzzBody body(editable(mesh), def, report, sums, text("body ", index, " (", mesh.name, ")"));
     for (int i = 0; i < cuts; ++i) {
         const auto kind = static_cast<FuzzKind>(random.below(kKinds));
         const std::optional<bool> bridged = fuzzCut(body, kind, random, i == 0);
@@ -88,6 +107,15 @@ std::vector<CutFuzzMesh> cutFuzzShapes()
     return {{"beam", *geometry::shapes::block({0.08, 0.02, 0.02}, {16, 4, 4})},
             {"ball", ball(0.03, 6)},
             {"sheet", *geometry::shapes::block({0.05, 0.05, 0.003}, {14, 14, 1})}};
+}
+
+std::vector<CutFuzzMesh> shellFuzzShapes()
+{
+    const geometry::TriangleMesh sheet = *geometry::shapes::sheet(0.06, 0.04, {18, 12});
+    return {{"sheet", {}, sheet},
+            {"irregular sheet", {}, shaken(sheet, 0.06 / 18)},
+            {"balloon", {}, *geometry::shapes::sphere(0.03, 12)},
+            {"cylinder", {}, *geometry::shapes::cylinder(0.01, 0.06, 6)}};
 }
 
 CutFuzzReport fuzzCuts(const CutFuzzDef& def)

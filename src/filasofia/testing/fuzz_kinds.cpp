@@ -22,7 +22,7 @@ CutPlane anyPlane(const EditableMesh& mesh, FuzzRandom& random)
 {
     const MeshTopology& data = mesh.data();
     const auto anyNode = [&] { return data.rest[random.below(mesh.nodes())]; };
-    const auto corners = cornersOf(data.tetrahedra[random.below(mesh.tetrahedra())], data.rest);
+    const auto corners = solidCorners(data.tetrahedra[random.below(mesh.tetrahedra())], data.rest);
     CutPlane plane{anyNode(), random.direction(), {}, {}};
     switch (random.below(6)) {
     case 0:
@@ -174,8 +174,8 @@ std::optional<bool> saw(FuzzBody& body, FuzzRandom& random, bool fresh)
     // distance are not cut off.
     double below = 0.0;
     for (int t = 0; t < body.mesh.tetrahedra(); ++t) {
-        const auto x = cornersOf(body.mesh.data().tetrahedra[t], body.mesh.data().current);
-        if (dot(plane.normal, 0.25 * (x[0] + x[1] + x[2] + x[3]) - plane.origin) < 0.0)
+        const Vec3 middle = middleOf(body.mesh.data().tetrahedra[t], body.mesh.data().current);
+        if (dot(plane.normal, middle - plane.origin) < 0.0)
             below += restVolume(body.mesh.data(), t) / body.mesh.startVolume();
     }
     const double less = std::min(below, 1.0 - below);
@@ -228,7 +228,8 @@ std::optional<bool> tears(FuzzBody& body, FuzzRandom& random)
         int node = random.below(body.mesh.nodes());
         if (last >= 0 && random.chance(0.7)) { // continue from the last node
             const std::vector<int>& around = body.mesh.data().around[last];
-            node = body.mesh.data().tetrahedra[around[random.below(static_cast<int>(around.size()))]][random.below(4)];
+            const int beside = around[random.below(static_cast<int>(around.size()))];
+            node = body.mesh.data().tetrahedra[beside][random.below(body.mesh.isSheet() ? 3 : 4)];
         }
         last = node;
         const Vec3 p = body.mesh.data().rest[node];

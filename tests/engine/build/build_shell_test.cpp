@@ -113,9 +113,6 @@ TEST_CASE("a closed shell must face outwards")
 TEST_CASE("what a shell cannot do yet is refused")
 {
     SoftBodyDef def = sheet();
-    def.dynamicTopology = true;
-    checkError(def, "dynamicTopology must be false with a ShellMaterial");
-    def = sheet();
     def.collision = {{.mesh = geometry::shapes::sphere(0.1, 2)}};
     checkError(def, "collision[0].mesh must be empty with a ShellMaterial");
 }

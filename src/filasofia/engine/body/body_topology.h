@@ -57,6 +57,7 @@ struct BodyTopology {
     mutable std::shared_ptr<const frame::Boundary> published;
     std::optional<Pieces> pieces;
     std::vector<Stroke> strokes;
+    bool closed = false;   ///< it began as a shell without a rim
     bool edited = false;   ///< the mesh has been edited
     bool followed = false; ///< the mesh moved with the body in the last step
     MovingBounds around;   ///< valid while `followed` holds
@@ -77,7 +78,7 @@ struct BodyTopology {
 /// The topology of a body at the start; empty unless the body has dynamicTopology.
 BodyTopology makeTopology(const SoftModel& model);
 
-/// The node of an element that is not on its face `face`: face f lies opposite corner f.
+/// The node of an element that is not on its face `face`: face f lies opposite corner f. -1 in a shell.
 int cornerBehind(int element, int face, const BodyTopology& topology);
 
 /// The surface as frames carry it: the same object until the next edit. Null if the body is never cut or torn.

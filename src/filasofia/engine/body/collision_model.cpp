@@ -149,6 +149,7 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
             models.push_back(modelOf(surface.mesh, each, field));
             models.back().embedding = nodeEmbedding(surface.nodes);
             models.back().behind = nodesBehind(worldMesh, surface);
+            models.back().own = true;
         }
     }
     return models;
@@ -165,6 +166,7 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
         checkPrimitives(def.collision[i], field);
         models.push_back(modelOf(worldShell, def.collision[i], field));
         models.back().embedding = nodeEmbedding(nodes);
+        models.back().own = true;
     }
     return models;
 }

@@ -19,7 +19,8 @@ struct CollisionModel {
     std::vector<Vec3> core; ///< [m] the shape's vertices, moved inwards; rigid bodies only
     double proximity = 0.0; ///< [m] proximity of the surface itself, without the inset
     int element = 0;        ///< rigid bodies only
-    /// Per triangle: the fourth node of its tetrahedron; only if the surface is the soft body's own.
+    bool own = false;       ///< soft bodies only: it is the body's own surface, and follows its cuts
+    /// Per triangle: the fourth node of its tetrahedron; only of an own surface, and not of a shell.
     std::vector<int> behind;
     geometry::Embedding embedding; ///< per vertex: its nodes and their weights; soft bodies only
 };

@@ -8,22 +8,38 @@
 
 namespace filasofia::engine {
 
-inline std::size_t elementCount(const SoftModel& model) { return model.elements.size() + model.tetrahedra.size(); }
+inline bool isShell(const SoftModel& model) { return !model.shell.membranes.empty(); }
 
-/// The nodes of a tetrahedron, in a FEM body or in a mass-spring body.
-inline const geometry::Tetrahedron& elementNodes(const SoftModel& model, std::size_t e)
+/// Tetrahedra, or triangles of a shell.
+inline std::size_t elementCount(const SoftModel& model)
 {
-    return model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes;
-}
-inline geometry::Tetrahedron& elementNodes(SoftModel& model, std::size_t e)
-{
-    return model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes;
+    return model.elements.size() + model.tetrahedra.size() + model.shell.membranes.size();
 }
 
-/// True if every node of a tetrahedron is pinned hard, for example in a removed piece: nothing will change it.
+/// The nodes of an element, in a FEM body, in a mass-spring body or in a shell, whose triangles have no fourth corner
+/// (frame::isTriangle).
+inline geometry::Tetrahedron elementNodes(const SoftModel& model, std::size_t e)
+{
+    if (!model.elements.empty()) return model.elements[e].nodes;
+    if (!isShell(model)) return model.tetrahedra[e];
+    const auto& [a, b, c] = model.shell.membranes[e].nodes;
+    return {a, b, c, frame::kNoCorner};
+}
+inline void setElementNodes(const geometry::Tetrahedron& nodes, std::size_t e, SoftModel& model)
+{
+    if (!model.elements.empty())
+        model.elements[e].nodes = nodes;
+    else if (isShell(model))
+        model.shell.membranes[e].nodes = {nodes[0], nodes[1], nodes[2]};
+    else
+        model.tetrahedra[e] = nodes;
+}
+
+/// True if every node of an element is pinned hard, for example in a removed piece: nothing will change it.
 inline bool allHeld(const SoftModel& model, std::size_t e)
 {
-    return std::ranges::all_of(elementNodes(model, e),
+    const geometry::Tetrahedron nodes = elementNodes(model, e);
+    return std::ranges::all_of(nodesOf(nodes),
                                [&](int node) { return model.pins.hard[static_cast<std::size_t>(node)]; });
 }
 

@@ -25,21 +25,39 @@ Across acrossOf(const std::vector<Triangle>& triangles)
     return across;
 }
 
-/// Adds what a triangle resists bending with, if it has a neighbour.
-void addBend(const Triangle& t, const Across& across, const std::vector<Vec3>& rest, Shell& shell)
+std::array<int, 3> acrossFrom(const Triangle& t, const Across& across)
+{
+    std::array<int, 3> nodes{-1, -1, -1};
+    for (std::size_t i = 0; i < 3; ++i)
+        if (const auto other = across.find({t[(i + 1) % 3], t[(i + 2) % 3]}); other != across.end())
+            nodes[i] = other->second;
+    return nodes;
+}
+
+/// What a triangle resists bending with: nothing if it has no neighbour.
+BendingElement bendOf(const std::array<int, 3>& t, const std::array<int, 3>& across, const std::vector<Vec3>& rest,
+                      const physics::ShellMaterial& m)
 {
     std::array<int, 6> nodes{t[0], t[1], t[2], t[0], t[1], t[2]};
     Hinged hinged{};
     for (std::size_t i = 0; i < 3; ++i)
-        if (const auto other = across.find({t[(i + 1) % 3], t[(i + 2) % 3]}); other != across.end()) {
-            nodes[3 + i] = other->second;
+        if (across[i] >= 0) {
+            nodes[3 + i] = across[i];
             hinged[i] = true;
         }
-    if (std::ranges::none_of(hinged, [](bool each) { return each; })) return;
-    const physics::ShellMaterial& m = shell.material;
     BendingElement bend = bendingOn(nodes, hinged, vectorsAt(nodes, rest), m.poissonRatio);
     bend.rigidity = m.bendingScale * plateRigidity(m.youngModulus, m.poissonRatio, m.thickness);
-    shell.bends.push_back(bend);
+    return bend;
+}
+
+MembraneElement membraneOf(const Triangle& t, int ofMesh, const std::vector<Vec3>& rest,
+                           const physics::ShellMaterial& m)
+{
+    MembraneElement element = membraneOn(t, vectorsAt(t, rest));
+    element.triangle = ofMesh;
+    element.shear = membraneShear(m.youngModulus, m.poissonRatio, m.thickness);
+    element.poissonRatio = m.poissonRatio;
+    return element;
 }
 
 template <std::size_t n> void checkNodes(const std::string& object, const std::array<int, n>& nodes, std::size_t count)
@@ -63,13 +81,36 @@ Shell makeShell(const physics::ShellMaterial& material, const std::vector<Vec3>&
     const Across across = material.bendingScale > 0.0 ? acrossOf(triangles) : Across{};
     for (int each : geometry::orderAlongCurve(centres)) {
         const Triangle& t = triangles[static_cast<std::size_t>(each)];
-        MembraneElement& element = shell.membranes.emplace_back(membraneOn(t, vectorsAt(t, rest)));
-        element.triangle = each;
-        element.shear = membraneShear(material.youngModulus, material.poissonRatio, material.thickness);
-        element.poissonRatio = material.poissonRatio;
-        if (material.bendingScale > 0.0) addBend(t, across, rest, shell);
+        shell.membranes.push_back(membraneOf(t, each, rest, material));
+        if (material.bendingScale > 0.0) shell.bends.push_back(bendOf(t, acrossFrom(t, across), rest, material));
     }
     return shell;
+}
+
+Shell makeShell(const physics::ShellMaterial& material, const std::vector<Vec3>& rest, const Shell& like)
+{
+    Shell shell{.material = material};
+    std::vector<Triangle> triangles;
+    for (const MembraneElement& each : like.membranes) triangles.push_back(each.nodes);
+    const Across across = material.bendingScale > 0.0 ? acrossOf(triangles) : Across{};
+    for (std::size_t e = 0; e < triangles.size(); ++e) {
+        shell.membranes.push_back(membraneOf(triangles[e], like.membranes[e].triangle, rest, material));
+        if (material.bendingScale > 0.0)
+            shell.bends.push_back(bendOf(triangles[e], acrossFrom(triangles[e], across), rest, material));
+    }
+    return shell;
+}
+
+void shapeTriangle(const TriangleEdit& edit, const std::vector<Vec3>& rest, Shell& shell)
+{
+    const bool bends = shell.material.bendingScale > 0.0;
+    if (edit.triangle == shell.membranes.size()) {
+        shell.membranes.push_back(MembraneElement(shell.membranes[edit.parent]));
+        if (bends) shell.bends.emplace_back();
+    }
+    MembraneElement& membrane = shell.membranes[edit.triangle];
+    membrane = membraneOf(edit.nodes, membrane.triangle, rest, shell.material);
+    if (bends) shell.bends[edit.triangle] = bendOf(edit.nodes, edit.across, rest, shell.material);
 }
 
 std::vector<std::array<int, 2>> edgesOf(const Shell& shell)
@@ -97,6 +138,8 @@ void check(const Shell& shell, std::size_t nodes, const std::string& object)
         for (double metric : each.metric)
             if (!std::isfinite(metric)) fail(name, ".metric must be finite, got ", metric);
     }
+    if (!shell.bends.empty() && shell.bends.size() != shell.membranes.size())
+        fail(object, ": bends must have ", shell.membranes.size(), " entries or none, got ", shell.bends.size());
     for (std::size_t b = 0; b < shell.bends.size(); ++b) {
         const BendingElement& each = shell.bends[b];
         const std::string name = text(object, ": bends[", b, "]");

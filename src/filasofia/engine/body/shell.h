@@ -14,12 +14,24 @@ namespace filasofia::engine {
 struct Shell {
     physics::ShellMaterial material = {};
     std::vector<MembraneElement> membranes = {}; ///< neighbours are near each other in the list
-    std::vector<BendingElement> bends = {}; ///< one per triangle with neighbours, in the same order; none in a membrane
+    std::vector<BendingElement> bends = {};      ///< one per triangle, in the same order; none in a membrane
 };
 
 /// The triangles of a shell with these nodes at rest. The mesh must pass physics::checkShell().
 Shell makeShell(const physics::ShellMaterial& material, const std::vector<Vec3>& rest,
                 const std::vector<geometry::Triangle>& triangles);
+
+/// The same triangles in the same order, of another material.
+Shell makeShell(const physics::ShellMaterial& material, const std::vector<Vec3>& rest, const Shell& like);
+
+/// Shapes one triangle again after an edit: `nodes` are its own, `across` the nodes opposite its edges in its
+/// neighbours (-1: none), where edge i lies opposite corner i. Appends it if it is the next; it is then of the same
+/// triangle of the Def's mesh as `parent`.
+struct TriangleEdit {
+    std::size_t triangle = 0, parent = 0;
+    std::array<int, 3> nodes{}, across{-1, -1, -1};
+};
+void shapeTriangle(const TriangleEdit& edit, const std::vector<Vec3>& rest, Shell& shell);
 
 /// Every edge of a shell once, lower node first, ascending.
 std::vector<std::array<int, 2>> edgesOf(const Shell& shell);

@@ -223,7 +223,10 @@ void setMaterial(const physics::SoftMaterial& material, const std::shared_ptr<co
         return;
     }
     if (const auto* shell = std::get_if<physics::ShellMaterial>(&material)) {
-        model.shell = makeShell(*shell, model.rest, model.surface);
+        model.tearingThreshold = shell->tearingThreshold;
+        // A shell that was cut keeps the order of its triangles.
+        model.shell =
+            isShell(model) ? makeShell(*shell, model.rest, model.shell) : makeShell(*shell, model.rest, model.surface);
         return;
     }
     const auto& springs = std::get<physics::MassSpringMaterial>(material);

@@ -55,6 +55,7 @@ struct SoftModel {
     std::vector<CollisionModel> collision;
     std::optional<PunctureModel> puncture; ///< none: needles cannot pierce it
     bool dynamicTopology = false;          ///< the body may be cut or torn
+    bool leaks = false;                    ///< a closed shell that was opened: its pressure has escaped
     std::vector<BodyPiece> pieces;         ///< ascending by number; empty while the body is whole
     std::set<int> removed;                 ///< removed pieces: their nodes are pinned and have no surface
     double density = 0.0;                  ///< [kg/m^3] of elements for which no region says another

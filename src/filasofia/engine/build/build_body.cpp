@@ -90,6 +90,13 @@ void addPins(const physics::AttachmentDef& def, const std::string& object, SoftM
 /// so at the start.
 void checkForCuts(const std::string& object, const EditableMesh& mesh)
 {
+    if (mesh.isSheet()) { // the rest of what a sheet must be was checked with its Def
+        const auto faults = checkSheetTopology(mesh.data(), {.volume = mesh.startVolume(), .maxViolations = 1});
+        if (!faults.empty())
+            fail(object, ": dynamicTopology needs a mesh with one fan of triangles around each vertex, got: ",
+                 name(faults.front().fault), " at ", faults.front().where);
+        return;
+    }
     const std::vector<TopologyViolation> faults =
         checkTopology(mesh.data(), {.volume = mesh.startVolume(), .maxViolations = 1});
     if (!faults.empty())

@@ -152,6 +152,35 @@ TriangleCorners stiffnessTimes(const MembraneTangent& tangent, const TriangleCor
     return {-(first + second), first, second};
 }
 
+namespace {
+
+/// [Pa] mu / J: J = A s, with the stretch A of the area and s = A (1 + q) / (q + A^2) of the thickness. Zero without an
+/// area.
+double stressScale(const MembraneElement& element, double a, double thickness)
+{
+    const double q = std::max(1.0 - 2.0 * element.poissonRatio, kLeastQ);
+    return a > 0.0 ? element.shear / thickness * (q + a) / (a * (1.0 + q)) : 0.0;
+}
+
+} // namespace
+
+// sigma = F S F^T / J has the principal values mu / J (phi' l^2 + psi' a), with the squared stretches l^2.
+double membranePrincipalStress(const MembraneElement& element, const TriangleCorners& x, double thickness)
+{
+    const SheetShape shape = shapeOf(element, x);
+    const SheetResponse at = responseAt(element.poissonRatio, shape.trace, shape.a);
+    return stressScale(element, shape.a, thickness) * (at.phi1 * (0.5 * shape.trace + shape.apart) + at.psi1 * shape.a);
+}
+
+Mat3 membraneStress(const MembraneElement& element, const TriangleCorners& x, double thickness)
+{
+    const SheetShape shape = shapeOf(element, x);
+    const auto [t11, t12, t22] = edgeStress(element, shape, responseAt(element.poissonRatio, shape.trace, shape.a));
+    return stressScale(element, shape.a, thickness) *
+           (t11 * outer(shape.e1, shape.e1) + t12 * (outer(shape.e1, shape.e2) + outer(shape.e2, shape.e1)) +
+            t22 * outer(shape.e2, shape.e2));
+}
+
 std::array<double, 2> membraneStretches(const MembraneElement& element, const TriangleCorners& x)
 {
     const SheetShape shape = shapeOf(element, x);

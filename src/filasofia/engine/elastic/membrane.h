@@ -61,6 +61,12 @@ Mat3 stiffnessBlock(const MembraneTangent& tangent, int i, int j);
 /// [N] K p
 TriangleCorners stiffnessTimes(const MembraneTangent& tangent, const TriangleCorners& p);
 
+/// [Pa] The largest principal Cauchy stress in the sheet, of this thickness [m] at rest; zero if it is crushed to a
+/// line.
+double membranePrincipalStress(const MembraneElement& element, const TriangleCorners& x, double thickness);
+/// [Pa] The Cauchy stress in the sheet.
+Mat3 membraneStress(const MembraneElement& element, const TriangleCorners& x, double thickness);
+
 /// [-] The principal stretches in the sheet, the larger one first.
 std::array<double, 2> membraneStretches(const MembraneElement& element, const TriangleCorners& x);
 

@@ -58,13 +58,14 @@ double squaredSegmentDistance(Vec3 p, Vec3 d, Vec3 q, Vec3 e)
     return lengthSquared(p + s * d - q - t * e);
 }
 
-/// n_rest ~ F^T n over the edge's elements: the normal of a surface in the tissue at rest.
+/// n_rest ~ F^T n over the edge's elements: the normal of a surface in the tissue at rest. That of a cut
+/// through a sheet leans as the blade does: all around a closed shell its side tells one half from the other.
 Vec3 normalAtRest(const MeshTopology& mesh, const std::vector<int>& star, Vec3 n)
 {
     Vec3 sum;
     for (int t : star) {
-        const std::array<Vec3, 4> p = cornersOf(mesh.tetrahedra[t], mesh.rest),
-                                  x = cornersOf(mesh.tetrahedra[t], mesh.current);
+        const std::array<Vec3, 4> p = solidCorners(mesh.tetrahedra[t], mesh.rest),
+                                  x = solidCorners(mesh.tetrahedra[t], mesh.current);
         const Vec3 e1 = p[1] - p[0], e2 = p[2] - p[0], e3 = p[3] - p[0];
         const double det = dot(e1, cross(e2, e3));
         sum += (1.0 / det) * (dot(x[1] - x[0], n) * cross(e2, e3) + dot(x[2] - x[0], n) * cross(e3, e1) +
@@ -201,7 +202,7 @@ void CrossingFinder::refresh(const EditableMesh& mesh, std::span<const BladeSegm
             return false;
         };
         for (int t : data.around[node])
-            for (int other : data.tetrahedra[t]) {
+            for (int other : nodesOf(data.tetrahedra[t])) {
                 if (seen_[other] == stamp_) continue;
                 seen_[other] = stamp_;
                 if (near_[other] == pass) continue;
@@ -220,7 +221,8 @@ void CrossingFinder::addEdgesOfNewNodes(const EditableMesh& mesh)
         for (int t : data.around[node]) {
             const geometry::Tetrahedron& n = data.tetrahedra[t];
             for (auto [i, j] : geometry::kTetrahedronEdges)
-                edges_.push_back({std::min(n[i], n[j]), std::max(n[i], n[j])});
+                if (n[i] != frame::kNoCorner && n[j] != frame::kNoCorner)
+                    edges_.push_back({std::min(n[i], n[j]), std::max(n[i], n[j])});
         }
     if (edges_.size() == old) return;
     std::ranges::sort(edges_.begin() + static_cast<std::ptrdiff_t>(old), edges_.end());

@@ -259,7 +259,7 @@ std::vector<TopologyViolation> checkMirror(const MeshTopology& mesh, const frame
     std::vector<frame::BoundaryTriangle> known = mirror.boundary(), real;
     for (int t = 0; t < static_cast<int>(mesh.tetrahedra.size()); ++t)
         for (int f = 0; f < 4; ++f)
-            if (mesh.neighbours[t][f] < 0)
+            if (isBoundaryFace(mesh, t, f))
                 real.push_back({t, f, faceNodes(mesh.tetrahedra[t], f), (mesh.opened[t] >> f & 1) != 0});
     std::ranges::sort(known, {}, order);
     std::ranges::sort(real, {}, order);

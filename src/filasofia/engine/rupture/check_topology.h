@@ -43,6 +43,8 @@ struct TopologyBounds {
 
 /// Rebuilds the topology from the elements' nodes and the rest positions alone, and compares it with the mesh's data.
 std::vector<TopologyViolation> checkTopology(const MeshTopology& mesh, const TopologyBounds& bounds);
+/// The same for a sheet: an edge has one or two triangles, which face the same way, and a node one fan.
+std::vector<TopologyViolation> checkSheetTopology(const MeshTopology& mesh, const TopologyBounds& bounds);
 
 /// Compares the mirror, and positions that followed its edits, with the mesh.
 std::vector<TopologyViolation> checkMirror(const MeshTopology& mesh, const frame::TopologyMirror& mirror,

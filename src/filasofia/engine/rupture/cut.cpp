@@ -14,7 +14,7 @@ Vec3 normalNow(const MeshTopology& mesh, int node, Vec3 rest)
 {
     Vec3 sum;
     for (int t : mesh.around[node]) {
-        const auto p = cornersOf(mesh.tetrahedra[t], mesh.rest), x = cornersOf(mesh.tetrahedra[t], mesh.current);
+        const auto p = solidCorners(mesh.tetrahedra[t], mesh.rest), x = solidCorners(mesh.tetrahedra[t], mesh.current);
         const Mat3 f = Mat3::columns(x[1] - x[0], x[2] - x[0], x[3] - x[0]) *
                        inverse(Mat3::columns(p[1] - p[0], p[2] - p[0], p[3] - p[0]));
         const Vec3 a = f.column(0), b = f.column(1), c = f.column(2);

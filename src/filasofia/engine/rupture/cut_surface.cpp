@@ -61,7 +61,7 @@ private:
         // The newest neighbour on the same sheet decides the normal's orientation.
         int guide = -1;
         for (int t : data_.around[node])
-            for (int n : data_.tetrahedra[t]) {
+            for (int n : nodesOf(data_.tetrahedra[t])) {
                 const CutLabel& l = data_.labels[n];
                 if (n == node || !hasLabel(n) || std::abs(dot(l.normal, normal)) <= kSameDirection ||
                     (guide >= 0 && l.sequence <= data_.labels[guide].sequence) ||
@@ -124,10 +124,10 @@ private:
             const double after = volumeAfter(node, toward, way, least);
             if (std::isnan(after)) continue;
             const double change = std::abs(after - volume), whole = mesh_.startVolume();
-            if (boundary && (change > parameters_.slideVolume * whole ||
-                             change + mesh_.volumeMoved() > parameters_.slideVolumes * whole))
+            if ((boundary || mesh_.isSheet()) && (change > parameters_.slideVolume * whole ||
+                                                  change + mesh_.volumeMoved() > parameters_.slideVolumes * whole))
                 continue;
-            if (boundary) mesh_.addVolumeMoved(change);
+            if (boundary || mesh_.isSheet()) mesh_.addVolumeMoved(change);
             mesh_.slide(node, toward, way);
             ++report_.moves;
             return share == 1.0;
@@ -144,12 +144,10 @@ private:
         for (int t : data_.around[node]) {
             const Tetrahedron& n = data_.tetrahedra[t];
             const int at = placeOf(n, node);
-            std::array<Vec3, 4> p = cornersOf(n, data_.rest), x = cornersOf(n, data_.current);
-            p[at] = rest;
-            x[at] = current;
-            const double volume = volumeOf(p);
-            if (tetQuality(p) < least || volumeOf(x) < parameters_.minVolumeRatio * volume) return std::nan("");
-            sum += volume;
+            const MovedElement p = afterMove(mesh_.isSheet(), solidCorners(n, data_.rest), at, rest);
+            const MovedElement x = afterMove(mesh_.isSheet(), solidCorners(n, data_.current), at, current);
+            if (p.quality < least || x.volume < parameters_.minVolumeRatio * p.volume) return std::nan("");
+            sum += p.volume;
         }
         return sum;
     }
@@ -187,21 +185,21 @@ private:
     /// sheet.
     [[nodiscard]] unsigned members(int t) const
     {
-        const Tetrahedron& n = data_.tetrahedra[t];
+        const std::span<const int> n = nodesOf(data_.tetrahedra[t]);
         int newest = -1;
         for (int k : n)
             if (hasLabel(k) && (newest < 0 || data_.labels[k].sequence > data_.labels[newest].sequence)) newest = k;
         if (newest < 0) return 0;
         const CutLabel& guide = data_.labels[newest];
         unsigned mask = 0;
-        for (int i = 0; i < 4; ++i) {
+        for (std::size_t i = 0; i < n.size(); ++i) {
             const CutLabel& l = data_.labels[n[i]];
             if (!hasLabel(n[i])) continue;
             if (n[i] == newest ||
                 (dot(l.normal, guide.normal) > kMemberDirection &&
                  std::abs(dot(guide.normal, l.point - guide.point)) <=
                      kMemberPlace * distance(data_.rest[n[i]], data_.rest[newest]) + kMemberMargin * mesh_.meanEdge()))
-                mask |= 1u << static_cast<unsigned>(i);
+                mask |= 1u << i;
         }
         return mask;
     }
@@ -209,23 +207,22 @@ private:
     /// +1 above the sheet, -1 below, 0 if the element does not lie along it. The side is decided once and then kept.
     int sideOf(int t, unsigned mask)
     {
-        const int count = std::popcount(mask);
-        if (count < 3) return 0;
+        const std::span<const int> n = nodesOf(data_.tetrahedra[t]);
+        const int count = std::popcount(mask), corners = static_cast<int>(n.size());
+        if (count < corners - 1) return 0;
         if (data_.sides[t] / 2 == sheet_) return (data_.sides[t] & 1) != 0 ? 1 : -1;
-        const Tetrahedron& n = data_.tetrahedra[t];
         const auto height = [&](Vec3 p) {
             double sum = 0.0;
-            for (int i = 0; i < 4; ++i)
+            for (int i = 0; i < corners; ++i)
                 if ((mask >> i & 1u) != 0) sum += dot(data_.labels[n[i]].normal, p - data_.labels[n[i]].point);
             return sum / count;
         };
         double h = 0.0;
-        for (int i = 0; i < 4; ++i)
+        for (int i = 0; i < corners; ++i)
             if ((mask >> i & 1u) == 0) h = height(data_.rest[n[i]]);
-        if (std::abs(h) < 1e-7 * std::cbrt(6.0 * restVolume(data_, t))) {
-            const std::array<Vec3, 4> p = cornersOf(n, data_.rest);
-            h = height(0.25 * (p[0] + p[1] + p[2] + p[3]));
-        }
+        const double size =
+            mesh_.isSheet() ? std::sqrt(2.0 * restVolume(data_, t)) : std::cbrt(6.0 * restVolume(data_, t));
+        if (std::abs(h) < 1e-7 * size) h = height(middleOf(data_.tetrahedra[t], data_.rest));
         mesh_.setSide(t, 2 * sheet_ + (h >= 0.0 ? 1 : 0));
         return h >= 0.0 ? 1 : -1;
     }
@@ -241,18 +238,19 @@ private:
             const int side = sideOf(t, mask);
             for (int f = 0; f < 4 && side != 0; ++f) {
                 const int other = data_.neighbours[t][f];
-                const unsigned face = 0xfu & ~(1u << static_cast<unsigned>(f));
+                const unsigned face = (mesh_.isSheet() ? 0x7u : 0xfu) & ~(1u << static_cast<unsigned>(f));
                 if (other < 0 || (data_.flagged[t] >> f & 1) != 0 || (mask & face) != face) continue;
                 const unsigned otherMask = members(other);
                 const int otherSide = sideOf(other, otherMask);
                 if (otherSide == 0 || otherSide == side) continue;
-                const std::array<int, 3> n = faceNodes(data_.tetrahedra[t], f);
-                if (!std::ranges::all_of(
-                        n, [&](int k) { return (otherMask >> placeOf(data_.tetrahedra[other], k) & 1u) != 0; }))
-                    continue;
+                bool both = true;
+                forEachFaceNode(data_.tetrahedra[t], f, [&](int k) {
+                    both = both && (otherMask >> placeOf(data_.tetrahedra[other], k) & 1u) != 0;
+                });
+                if (!both) continue;
                 mesh_.setFlagged(t, f, true);
                 ++report_.flagged;
-                candidates.insert(candidates.end(), n.begin(), n.end());
+                forEachFaceNode(data_.tetrahedra[t], f, [&](int k) { candidates.push_back(k); });
             }
         }
         for (int node : fresh_)
@@ -268,6 +266,7 @@ private:
     void keepFlakes(const std::vector<int>& candidates)
     {
         if (candidates.empty()) return;
+        if (mesh_.isSheet()) return keepSlivers();
         for (int node : fresh_)
             for (int t : data_.around[node]) {
                 if (data_.flagged[t] == 0) continue;
@@ -281,6 +280,38 @@ private:
             }
     }
 
+    /// In a sheet, triangles all of whose nodes are on the cut are no tissue beside it: if the cut would detach some of
+    /// them, they change to the other side.
+    void keepSlivers()
+    {
+        constexpr std::size_t kMost = 16;
+        std::vector<int> piece;
+        const auto onCut = [&](int t) {
+            return std::ranges::all_of(nodesOf(data_.tetrahedra[t]), [&](int n) { return hasLabel(n); });
+        };
+        const auto isSliver = [&](int first) { // and leaves its triangles in `piece`
+            piece = {first};
+            for (std::size_t i = 0; i < piece.size(); ++i) {
+                const int t = piece[i];
+                if (!onCut(t) || piece.size() > kMost) return false;
+                for (int f = 0; f < 3; ++f)
+                    if (const int other = data_.neighbours[t][f]; other >= 0 && (data_.flagged[t] >> f & 1) == 0 &&
+                                                                  std::ranges::find(piece, other) == piece.end())
+                        piece.push_back(other);
+            }
+            return true;
+        };
+        for (int node : fresh_)
+            for (int t : data_.around[node]) {
+                if (data_.flagged[t] == 0 || !isSliver(t)) continue;
+                ++report_.flakes;
+                for (int each : piece) {
+                    for (int f = 0; f < 3; ++f) mesh_.setFlagged(each, f, false);
+                    mesh_.setSide(each, data_.sides[each] ^ 1);
+                }
+            }
+    }
+
     EditableMesh& mesh_;
     const MeshTopology& data_;
     int sheet_;
@@ -291,6 +322,11 @@ private:
 };
 
 } // namespace
+
+CutParameters sheetParameters()
+{
+    return {.snap = 0.2, .minQuality = 0.25, .slideVolume = 1e-12, .slideVolumes = 1e-9};
+}
 
 OpeningLimits openingLimits(const CutParameters& parameters, double meanEdge)
 {

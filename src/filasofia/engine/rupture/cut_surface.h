@@ -19,6 +19,10 @@ struct CutParameters {
     int maxNewTetrahedra = 400; ///< [-], >= 1, per step; the last edge may exceed it; the rest follows in the next step
 };
 
+/// The same for a sheet: nodes slide only where it is flat, as area is kept to a billionth. A regular triangle has
+/// quality 1, half a square 0.87.
+CutParameters sheetParameters();
+
 OpeningLimits openingLimits(const CutParameters& parameters, double meanEdge);
 
 /// A point where a blade crossed an edge.

@@ -3,8 +3,6 @@
 #include "filasofia/core/assert.h"
 #include "filasofia/core/sorted.h"
 #include "filasofia/engine/rupture/tet_shape.h"
-#include "filasofia/geometry/adjacency.h"
-#include "filasofia/geometry/box.h"
 
 #include <algorithm>
 
@@ -29,21 +27,29 @@ void edgeStar(const MeshTopology& mesh, int a, int b, std::vector<int>& star)
         if (placeOf(mesh.tetrahedra[t], shorter ? b : a) >= 0) star.push_back(t);
 }
 
+bool isBoundaryFace(const MeshTopology& mesh, int t, int face)
+{
+    return frame::isTriangle(mesh.tetrahedra[t]) ? face == 3 : mesh.neighbours[t][face] < 0;
+}
+
 double restQuality(const MeshTopology& mesh, int tetrahedron)
 {
-    return tetQuality(cornersOf(mesh.tetrahedra[tetrahedron], mesh.rest));
+    const Tetrahedron& nodes = mesh.tetrahedra[tetrahedron];
+    const std::array<Vec3, 4> p = solidCorners(nodes, mesh.rest);
+    return afterMove(frame::isTriangle(nodes), p, 0, p[0]).quality;
 }
 
 double restVolume(const MeshTopology& mesh, int tetrahedron)
 {
-    return volumeOf(cornersOf(mesh.tetrahedra[tetrahedron], mesh.rest));
+    return volumeOf(solidCorners(mesh.tetrahedra[tetrahedron], mesh.rest));
 }
 
 bool onBoundary(const MeshTopology& mesh, int node)
 {
     return std::ranges::any_of(mesh.around[node], [&](int t) {
-        for (int f = 0; f < 4; ++f)
-            if (mesh.neighbours[t][f] < 0 && mesh.tetrahedra[t][f] != node) return true;
+        const std::span<const int> nodes = nodesOf(mesh.tetrahedra[t]);
+        for (std::size_t f = 0; f < nodes.size(); ++f)
+            if (mesh.neighbours[t][f] < 0 && nodes[f] != node) return true;
         return false;
     });
 }
@@ -51,60 +57,12 @@ bool onBoundary(const MeshTopology& mesh, int node)
 bool onBoundary(const MeshTopology& mesh, int a, int b)
 {
     return std::ranges::any_of(mesh.around[a], [&](int t) {
-        const Tetrahedron& n = mesh.tetrahedra[t];
-        if (placeOf(n, b) < 0) return false;
-        for (int f = 0; f < 4; ++f)
+        const std::span<const int> n = nodesOf(mesh.tetrahedra[t]);
+        if (std::ranges::find(n, b) == n.end()) return false;
+        for (std::size_t f = 0; f < n.size(); ++f)
             if (mesh.neighbours[t][f] < 0 && n[f] != a && n[f] != b) return true;
         return false;
     });
-}
-
-EditableMesh::EditableMesh(const geometry::TetMesh& mesh)
-{
-    // Reserve room for a long cut, so that no step pays for moving all arrays.
-    const std::size_t nodeRoom = 2 * mesh.nodes.size() + 1000, room = 2 * mesh.tetrahedra.size() + 1000;
-    for (std::vector<Vec3>* list : {&data_.rest, &data_.current, &data_.previous}) list->reserve(nodeRoom);
-    data_.around.reserve(nodeRoom);
-    data_.labels.reserve(nodeRoom);
-    reach_.reserve(nodeRoom);
-    for (std::vector<std::uint8_t>* list : {&data_.flagged, &data_.deferred, &data_.opened, &publishedBoundary_})
-        list->reserve(room);
-    for (std::vector<Tetrahedron>* list : {&data_.tetrahedra, &data_.neighbours, &published_}) list->reserve(room);
-    data_.sides.reserve(room);
-    data_.tetrahedra.assign(mesh.tetrahedra.begin(), mesh.tetrahedra.end());
-    for (std::vector<Vec3>* list : {&data_.rest, &data_.current, &data_.previous})
-        list->assign(mesh.nodes.begin(), mesh.nodes.end());
-    const std::vector<std::array<int, 4>> neighbours = geometry::faceNeighbours(mesh);
-    data_.neighbours.assign(neighbours.begin(), neighbours.end());
-    data_.flagged.resize(mesh.tetrahedra.size());
-    data_.deferred.resize(mesh.tetrahedra.size());
-    data_.opened.resize(mesh.tetrahedra.size());
-    data_.gone.resize(mesh.tetrahedra.size());
-    data_.sides.resize(mesh.tetrahedra.size());
-    data_.around.resize(mesh.nodes.size());
-    data_.labels.resize(mesh.nodes.size());
-    reach_.resize(mesh.nodes.size());
-    geometry::Box box;
-    for (Vec3 p : mesh.nodes) box = merged(box, p);
-    diagonal_ = distance(box.low, box.high);
-    published_.assign(mesh.tetrahedra.begin(), mesh.tetrahedra.end());
-    for (int t = 0; t < tetrahedra(); ++t) {
-        const Tetrahedron& n = data_.tetrahedra[t];
-        startVolume_ += restVolume(data_, t);
-        for (auto [i, j] : geometry::kTetrahedronEdges) {
-            const double l = distance(data_.rest[n[i]], data_.rest[n[j]]);
-            meanEdge_ += l;
-            reach_[n[i]] = std::max(reach_[n[i]], l);
-            reach_[n[j]] = std::max(reach_[n[j]], l);
-        }
-        std::uint8_t boundary = 0;
-        for (int f = 0; f < 4; ++f) {
-            data_.around[n[f]].push_back(t);
-            if (data_.neighbours[t][f] < 0) set(boundary, f);
-        }
-        publishedBoundary_.push_back(boundary);
-    }
-    meanEdge_ /= 6.0 * tetrahedra();
 }
 
 void EditableMesh::moveTo(std::span<const Vec3> positions)
@@ -170,9 +128,8 @@ double EditableMesh::qualityAfterBisecting(int a, int b, double s, const std::ve
     for (int t : star) {
         const Tetrahedron& n = data_.tetrahedra[t];
         for (int end : {a, b}) {
-            std::array<Vec3, 4> p = cornersOf(n, data_.rest);
-            p[placeOf(n, end)] = middle;
-            worst = std::min(worst, tetQuality(p));
+            const std::array<Vec3, 4> p = solidCorners(n, data_.rest);
+            worst = std::min(worst, afterMove(isSheet(), p, placeOf(n, end), middle).quality);
         }
     }
     return worst;
@@ -208,7 +165,7 @@ int EditableMesh::bisect(int a, int b, double s)
         Tetrahedron& corners = data_.tetrahedra[child];
         std::array<int, 4>& beside = data_.neighbours[child];
         for (int k = 0; k < 4; ++k) {
-            if (k == ia || k == ib) continue;
+            if (k == ia || k == ib || corners[k] == frame::kNoCorner) continue;
             if (beside[k] >= 0) beside[k] = childOf(beside[k]);
             data_.around[corners[k]].push_back(child);
             reach_[middle] = std::max(reach_[middle], distance(data_.rest[middle], data_.rest[corners[k]]));
@@ -245,7 +202,7 @@ void EditableMesh::slide(int node, int toward, double s)
     const double way = distance(old, data_.rest[node]);
     for (int t : data_.around[node]) {
         dirty_.push_back(t);
-        for (int n : data_.tetrahedra[t])
+        for (int n : nodesOf(data_.tetrahedra[t]))
             if (n != node) reach_[n] = std::max(reach_[n], distance(data_.rest[n], data_.rest[node]));
     }
     reach_[node] += way;
@@ -371,7 +328,8 @@ void EditableMesh::publish(int t, frame::TopologyEdit& edit)
     const Tetrahedron before = published_[t];
     edit.changed.push_back({t, now});
     for (int f = 0; f < 4; ++f) {
-        const bool was = has(publishedBoundary_[t], f), is = data_.neighbours[t][f] < 0;
+        const bool was = has(publishedBoundary_[t], f), is = isBoundaryFace(data_, t, f);
+        if (!was && !is) continue;
         const geometry::Triangle old = was ? faceNodes(before, f) : geometry::Triangle{}, nodes = faceNodes(now, f);
         const bool opened = has(data_.opened[t], f);
         if (was && is && old == nodes) continue;
@@ -384,6 +342,15 @@ void EditableMesh::publish(int t, frame::TopologyEdit& edit)
             clear(publishedBoundary_[t], f);
     }
     published_[t] = now;
+}
+
+double EditableMesh::faceArea(int tetrahedron, int face) const
+{
+    const Tetrahedron& t = data_.tetrahedra[tetrahedron];
+    const auto at = [&](int corner) { return data_.rest[t[corner]]; };
+    if (isSheet()) return thickness_ * distance(at((face + 1) % 3), at((face + 2) % 3));
+    const auto [a, b, c] = faceNodes(t, face);
+    return 0.5 * length(cross(data_.rest[b] - data_.rest[a], data_.rest[c] - data_.rest[a]));
 }
 
 void EditableMesh::remove(std::span<const int> tetrahedra)

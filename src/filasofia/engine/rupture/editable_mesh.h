@@ -10,6 +10,9 @@
 /// an edge divides every element around it into two; the result is conforming, positive and volume-exact by
 /// construction. Splitting a node makes one copy per group of its elements that are connected through unflagged faces.
 /// Nodes and elements are only appended.
+///
+/// The same mesh serves a sheet of triangles (frame/topology_edit.h says how they are written): what is said of faces
+/// and volumes then holds for edges and areas.
 namespace filasofia::engine {
 
 /// Marks a node that lies on a cut surface, with the surface's plane there.
@@ -42,7 +45,9 @@ struct MeshTopology {
 /// The tetrahedra around an edge, in the order of the shorter of its ends' lists.
 void edgeStar(const MeshTopology& mesh, int a, int b, std::vector<int>& star);
 double restQuality(const MeshTopology& mesh, int tetrahedron);
-double restVolume(const MeshTopology& mesh, int tetrahedron); ///< [m^3]
+double restVolume(const MeshTopology& mesh, int tetrahedron); ///< [m^3]; a triangle has an area [m^2]
+/// Whether a face belongs to the boundary: one without a neighbour, or a triangle itself.
+bool isBoundaryFace(const MeshTopology& mesh, int tetrahedron, int face);
 bool onBoundary(const MeshTopology& mesh, int node);
 bool onBoundary(const MeshTopology& mesh, int a, int b);
 
@@ -53,13 +58,18 @@ class EditableMesh {
 public:
     /// The mesh must be one that geometry::check() accepts.
     explicit EditableMesh(const geometry::TetMesh& mesh);
+    /// A sheet of this thickness [m]. Its edges must have at most two triangles, which face the same way.
+    EditableMesh(std::vector<Vec3> nodes, const std::vector<geometry::Triangle>& triangles, double thickness);
 
     [[nodiscard]] const MeshTopology& data() const { return data_; }
     [[nodiscard]] int nodes() const { return static_cast<int>(data_.rest.size()); }
     [[nodiscard]] int tetrahedra() const { return static_cast<int>(data_.tetrahedra.size()); }
+    [[nodiscard]] bool isSheet() const { return thickness_ > 0.0; }
+    /// [m^2] Area at rest of an opened face. In a sheet, the length of the edge times the thickness.
+    [[nodiscard]] double faceArea(int tetrahedron, int face) const;
     [[nodiscard]] double meanEdge() const { return meanEdge_; } ///< [m] h, at construction
     [[nodiscard]] double diagonal() const { return diagonal_; } ///< [m] diagonal of the bounding box at construction
-    [[nodiscard]] double startVolume() const { return startVolume_; }   ///< [m^3] at construction
+    [[nodiscard]] double startVolume() const { return startVolume_; }   ///< [m^3] or [m^2] at construction
     [[nodiscard]] double reach(int node) const { return reach_[node]; } ///< [m] upper bound of the node's edges at rest
 
     /// Call this after a step: the current positions become the previous ones.
@@ -122,6 +132,7 @@ public:
     frame::TopologyEdit takeEdit(BodyId body);
 
 private:
+    EditableMesh(const geometry::TetMesh& mesh, const std::vector<std::array<int, 4>>& neighbours, double thickness);
     struct SplitUndo {
         int node;
         int count; ///< number of copies
@@ -133,6 +144,7 @@ private:
     void publish(int tetrahedron, frame::TopologyEdit& edit);
 
     MeshTopology data_;
+    double thickness_ = 0.0; ///< [m] 0: tetrahedra, no sheet
     double meanEdge_ = 0.0, diagonal_ = 0.0, startVolume_ = 0.0, lastMotion_ = 0.0, volumeMoved_ = 0.0;
     std::vector<double> reach_;
     int sequence_ = 0;

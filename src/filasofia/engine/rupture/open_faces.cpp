@@ -93,6 +93,7 @@ private:
         edges_.clear();
         vertices_.clear();
         openedSides_.clear();
+        if (mesh_.isSheet()) return; // each group of triangles at a node is one fan: a split leaves a manifold
         for (const EditableMesh::OpenedFace& face : mesh_.openedFaces())
             for (auto [t, f] : {std::pair(face.tetrahedron, face.face), std::pair(face.other, face.otherFace)}) {
                 openedSides_.push_back({t, f});
@@ -283,10 +284,14 @@ private:
         report_.openedFaces += static_cast<long>(mesh_.openedFaces().size());
         report_.copies += static_cast<long>(mesh_.copies().size());
         for (const EditableMesh::OpenedFace& face : mesh_.openedFaces()) {
-            const auto [a, b, c] = faceNodes(data_.tetrahedra[face.tetrahedron], face.face);
-            const auto& x = data_.rest;
-            const double area = 0.5 * length(cross(x[b] - x[a], x[c] - x[a]));
+            const double area = mesh_.faceArea(face.tetrahedron, face.face);
             report_.openedArea += area;
+            if (mesh_.isSheet()) {
+                forEachFaceNode(data_.tetrahedra[face.tetrahedron], face.face,
+                                [&](int n) { report_.openedMoment += 0.5 * area * data_.current[n]; });
+                continue;
+            }
+            const auto [a, b, c] = faceNodes(data_.tetrahedra[face.tetrahedron], face.face);
             report_.openedMoment += (area / 3.0) * (data_.current[a] + data_.current[b] + data_.current[c]);
         }
     }
@@ -318,7 +323,7 @@ void openAll(EditableMesh& mesh, const OpeningLimits& limits, RuptureReport& rep
     for (int t = 0; t < mesh.tetrahedra(); ++t)
         for (int f = 0; f < 4; ++f)
             if (has(static_cast<std::uint8_t>(data.flagged[t] | data.deferred[t]), f))
-                for (int n : faceNodes(data.tetrahedra[t], f)) candidates.push_back(n);
+                forEachFaceNode(data.tetrahedra[t], f, [&](int n) { candidates.push_back(n); });
     openFaces(mesh, limits, std::move(candidates), report);
     // Faces can block each other, so try them one at a time as long as another one opens.
     OpeningLimits last = limits;

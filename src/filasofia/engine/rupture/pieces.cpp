@@ -26,6 +26,27 @@ std::vector<int> connectedParts(const MeshTopology& mesh, int& count)
     return part;
 }
 
+namespace {
+
+/// The elements at faces that an edit opened. For a sheet, all that it changed, if it opened any edge.
+std::vector<int> besideOpened(const MeshTopology& mesh, const frame::TopologyEdit& edit)
+{
+    std::vector<int> elements;
+    if (frame::isTriangle(mesh.tetrahedra.front())) {
+        const auto isCopy = [](const frame::TopologyOp& op) { return std::holds_alternative<frame::NodeCopy>(op); };
+        if (!std::ranges::any_of(edit.ops, isCopy)) return elements;
+        for (const frame::TetNodes& each : edit.changed) elements.push_back(each.tetrahedron);
+        return elements;
+    }
+    // A Changed face counts too: a face that became interior when its element was bisected may open in the same edit.
+    for (const frame::BoundaryChange& change : edit.boundary)
+        if (change.opened && change.kind != frame::BoundaryChange::Kind::Removed)
+            elements.push_back(change.tetrahedron);
+    return elements;
+}
+
+} // namespace
+
 Pieces::Pieces(const MeshTopology& mesh)
 {
     ids_ = connectedParts(mesh, count_);
@@ -64,17 +85,14 @@ bool Pieces::fallsApart(const MeshTopology& mesh, const frame::TopologyEdit& edi
         return search;
     };
     reached_.clear();
-    for (const frame::BoundaryChange& change : edit.boundary) {
-        // A Changed face counts too: a face that became interior when its element was bisected may open in the same
-        // edit.
-        if (!change.opened || change.kind == frame::BoundaryChange::Kind::Removed || search_[change.tetrahedron] >= 0)
-            continue;
-        search_[change.tetrahedron] = static_cast<int>(parent.size());
+    for (int element : besideOpened(mesh, edit)) {
+        if (search_[element] >= 0) continue;
+        search_[element] = static_cast<int>(parent.size());
         parent.push_back(static_cast<int>(parent.size()));
         waiting.push_back(1);
-        reached_.push_back(change.tetrahedron);
-        searchesLeft.resize(std::max<std::size_t>(searchesLeft.size(), ids_[change.tetrahedron] + 1), 0);
-        ++searchesLeft[ids_[change.tetrahedron]];
+        reached_.push_back(element);
+        searchesLeft.resize(std::max<std::size_t>(searchesLeft.size(), ids_[element] + 1), 0);
+        ++searchesLeft[ids_[element]];
     }
     auto apart = static_cast<int>(std::ranges::count_if(searchesLeft, [](int searches) { return searches > 1; }));
     bool found = false;

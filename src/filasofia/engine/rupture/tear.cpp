@@ -17,8 +17,7 @@ public:
     Parting(const MeshTopology& mesh, int node, Vec3 direction) : mesh_(mesh), node_(node)
     {
         for (int t : mesh.around[node]) {
-            const std::array<Vec3, 4> p = cornersOf(mesh.tetrahedra[t], mesh.current);
-            const Vec3 centre = 0.25 * (p[0] + p[1] + p[2] + p[3]);
+            const Vec3 centre = middleOf(mesh.tetrahedra[t], mesh.current);
             ahead_.push_back(dot(direction, centre - mesh.current[node]) >= 0.0 ? 1 : 0);
         }
         keepDebris();
@@ -77,7 +76,7 @@ bool tearAt(EditableMesh& mesh, int node, Vec3 direction, RuptureReport& report)
             mesh.setFlagged(t, f, true);
             ++report.flagged;
             faces.push_back({t, f});
-            for (int n : faceNodes(data.tetrahedra[t], f)) candidates.push_back(n);
+            forEachFaceNode(data.tetrahedra[t], f, [&](int n) { candidates.push_back(n); });
         }
     const long before = report.copies;
     openFaces(mesh, {.bisect = false}, std::move(candidates), report);
@@ -102,7 +101,8 @@ void Tearing::findCandidates(const EditableMesh& mesh, std::span<const Mat3> str
     for (int t = 0; t < mesh.tetrahedra(); ++t) {
         if (!(principalStressBound(stresses[t]) > threshold)) continue;
         const double stress = principalStress(stresses[t]).value;
-        if (stress > threshold && std::ranges::any_of(data.tetrahedra[t], mayTear)) above.emplace_back(-stress, t);
+        if (stress > threshold && std::ranges::any_of(nodesOf(data.tetrahedra[t]), mayTear))
+            above.emplace_back(-stress, t);
     }
     // A step tears only a few nodes: if many elements are above the threshold, those of the highest stress are enough.
     constexpr std::size_t kMaxElements = 256;
@@ -112,7 +112,7 @@ void Tearing::findCandidates(const EditableMesh& mesh, std::span<const Mat3> str
     }
     std::vector<int> nodes;
     for (const auto& [stress, t] : above)
-        for (int n : data.tetrahedra[t]) nodes.push_back(n);
+        for (int n : nodesOf(data.tetrahedra[t])) nodes.push_back(n);
     sortUnique(nodes);
     candidates_.clear();
     for (int node : nodes) {

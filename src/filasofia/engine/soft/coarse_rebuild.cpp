@@ -164,6 +164,7 @@ struct CoarseRebuild::Work {
     ImplicitWeights weights;
     std::vector<Element> elements;
     std::vector<Spring> springs;
+    Shell shell;
     std::vector<Vec3> rest;
     std::vector<double> masses;
     std::vector<bool> held;
@@ -174,7 +175,7 @@ struct CoarseRebuild::Work {
         : nodes(plan.nodes.begin(), plan.nodes.end()), scale(plan.scale),
           weights(implicitWeights(plan.period, {model.rayleigh.mass, model.rayleigh.stiffness},
                                   relaxationTangent(model.material.relaxation, plan.period))),
-          springs(model.springs), rest(model.rest), masses(model.masses), held(model.pins.hard),
+          springs(model.springs), shell(model.shell), rest(model.rest), masses(model.masses), held(model.pins.hard),
           pins(model.pins.springs)
     {
         elements.reserve(model.elements.size());
@@ -185,6 +186,7 @@ struct CoarseRebuild::Work {
     [[nodiscard]] std::vector<std::array<int, 2>> edges() const;
     [[nodiscard]] CoarseMatrix coarseMatrix(const geometry::CoarseLattice& lattice) const;
     void addVolumes(const geometry::CoarseLattice& lattice, CoarseMatrix& matrix) const;
+    void addShell(const geometry::CoarseLattice& lattice, CoarseMatrix& matrix) const;
 };
 
 void CoarseRebuild::Work::make()
@@ -202,6 +204,7 @@ void CoarseRebuild::Work::make()
                                                        .weights = lattice.weights});
     }
     springs = {};
+    shell = {};
     elements = {}; // freed here, as the step has no time for it
     rest = {};
 }
@@ -210,15 +213,57 @@ void CoarseRebuild::Work::make()
 std::vector<std::array<int, 2>> CoarseRebuild::Work::edges() const
 {
     std::vector<std::array<int, 2>> list;
-    list.reserve(6 * elements.size() + springs.size());
+    list.reserve(6 * elements.size() + springs.size() + 3 * shell.membranes.size());
     for (const Spring& spring : springs) list.push_back(spring.nodes);
     for (const Element& each : elements)
         for (const auto& [i, j] : geometry::kTetrahedronEdges) {
             const auto [low, high] = std::minmax(each.nodes[i], each.nodes[j]);
             list.push_back({low, high});
         }
+    for (const MembraneElement& each : shell.membranes)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const auto [low, high] = std::minmax(each.nodes[i], each.nodes[(i + 1) % 3]);
+            list.push_back({low, high});
+        }
     sortUnique(list);
     return list;
+}
+
+/// Triangles at rest. A tangent is a quadratic form in a few rates that are linear in the nodes: those by which two
+/// edges and three angles change.
+void CoarseRebuild::Work::addShell(const geometry::CoarseLattice& lattice, CoarseMatrix& matrix) const
+{
+    const double weight = scale * weights.stiffness;
+    CoarseSum<Vec3> edgeRates; // shares of the edges 01 and 02
+    for (const MembraneElement& each : shell.membranes) {
+        const MembraneTangent k = membraneTangent(each, vectorsAt(each.nodes, rest));
+        edgeRates.clear();
+        edgeRates.add(lattice, static_cast<std::size_t>(each.nodes[0]), {-1.0, -1.0, 0.0});
+        edgeRates.add(lattice, static_cast<std::size_t>(each.nodes[1]), {1.0, 0.0, 0.0});
+        edgeRates.add(lattice, static_cast<std::size_t>(each.nodes[2]), {0.0, 1.0, 0.0});
+        forEachPair(edgeRates, matrix, [&](const CoarseMatrix::Block& block, Vec3 a, Vec3 b) {
+            for (std::size_t r = 0; r < 3; ++r)
+                for (std::size_t c = 0; c < 3; ++c)
+                    block.add(r, c,
+                              weight * (a.x * b.x * k.aa[r][c] + a.x * b.y * k.ab[r][c] + a.y * b.x * k.ab[c][r] +
+                                        a.y * b.y * k.bb[r][c]));
+        });
+    }
+    CoarseSum<Mat3> angleRates; // the gradients of the three angles as rows
+    for (const BendingElement& each : shell.bends) {
+        const BendingTangent k = bendingTangent(each, vectorsAt(each.nodes, rest));
+        const auto& [s00, s01, s02, s11, s12, s22] = k.stiffness;
+        const Mat3 s = Mat3::columns({s00, s01, s02}, {s01, s11, s12}, {s02, s12, s22});
+        angleRates.clear();
+        for (std::size_t i = 0; i < 6; ++i)
+            angleRates.add(lattice, static_cast<std::size_t>(each.nodes[i]),
+                           transpose(Mat3::columns(k.gradients[0][i], k.gradients[1][i], k.gradients[2][i])));
+        forEachPair(angleRates, matrix, [&](const CoarseMatrix::Block& block, const Mat3& a, const Mat3& b) {
+            const Mat3 product = weight * (transpose(a) * (s * b));
+            for (std::size_t r = 0; r < 3; ++r)
+                for (std::size_t c = 0; c < 3; ++c) block.add(r, c, product[r][c]);
+        });
+    }
 }
 
 /// The volumes of nodes (nodal_volume.h).
@@ -269,6 +314,7 @@ CoarseMatrix CoarseRebuild::Work::coarseMatrix(const geometry::CoarseLattice& la
         });
     }
     addVolumes(lattice, matrix);
+    addShell(lattice, matrix);
     CoarseSum<double> ends;
     for (const Spring& spring : springs) {
         const Mat3 stiffness = scale * springMatrix(spring, weights, rest);
@@ -314,7 +360,8 @@ int stepsToBuild(std::size_t elements, std::size_t freeNodes, double period)
 CoarseRebuild::CoarseRebuild(const SoftModel& model, const PreconditionerPlan& plan, BackgroundThread& meanwhile)
     : work_(std::make_shared<Work>(model, plan)),
       job_(std::make_shared<BackgroundJob>([work = work_] { work->make(); })),
-      stepsLeft_(stepsToBuild(model.elements.size() + model.springs.size(), plan.nodes.size(), plan.period))
+      stepsLeft_(stepsToBuild(model.elements.size() + model.springs.size() + 3 * model.shell.membranes.size(),
+                              plan.nodes.size(), plan.period))
 {
     meanwhile.submit(job_);
 }

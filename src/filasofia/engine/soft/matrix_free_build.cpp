@@ -41,8 +41,7 @@ MatrixFreeSystem::MatrixFreeSystem(const SoftModel& model, double period)
     orderNodes(model);
     makeElements(model);
     makeSprings(model);
-    shell_ = ShellSystem(model.shell, model.rest, slotOf_, scale_);
-    if (!shell_.empty()) quaternions_.resize(shell_.rotationGroups());
+    makeShell(model);
     makeGather(model);
     makeVolumes(model);
     if (preconditioned_)
@@ -182,6 +181,12 @@ void MatrixFreeSystem::makeSprings(const SoftModel& model)
     }
 }
 
+void MatrixFreeSystem::makeShell(const SoftModel& model)
+{
+    shell_ = ShellSystem(model.shell, model.rest, slotOf_, scale_, model.dynamicTopology);
+    if (!shell_.empty()) quaternions_.resize(shell_.rotationGroups());
+}
+
 void MatrixFreeSystem::makeGather(const SoftModel& model)
 {
     corners_.resize(4 * elements_.size() + 2 * springs_.size() + shell_.groups());
@@ -204,7 +209,7 @@ void MatrixFreeSystem::makeGather(const SoftModel& model)
             if (const int slot = slotOf_[node]; slot < freeNodes_)
                 turns[slot].push_back(static_cast<int>(4 * group) * 64 + linalg::laneOffset(lane));
         };
-        ShellSystem::forEachCorner(model.shell, add, turn);
+        shell_.forEachCorner(model.shell, add, turn);
         turns_ = linalg::Gather(thinned(turns, kRotationsPerNode));
     }
     gather_ = linalg::Gather(places);

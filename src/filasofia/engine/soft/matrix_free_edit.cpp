@@ -1,7 +1,6 @@
 // Updates a MatrixFreeSystem after an edit of its body's mesh, only where the edit has changed the mesh.
 #include "filasofia/engine/soft/matrix_free_system.h"
 
-#include "filasofia/core/assert.h"
 #include "filasofia/core/sorted.h"
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/body/tissue.h"
@@ -70,7 +69,6 @@ template <class Block> void resizeLists(std::vector<Block>& lists, std::size_t c
 
 bool MatrixFreeSystem::edit(const SoftModel& model, const MeshEdit& edit)
 {
-    FILASOFIA_ASSERT(shell_.empty()); // shells cannot be cut
     const bool grown = reserve(model, edit);
     const bool sharing = model.nodalVolumes && !volumes_.empty() && !grown;
     if (!sharing) volumes_ = {}; // made anew below, as slots have moved
@@ -78,7 +76,9 @@ bool MatrixFreeSystem::edit(const SoftModel& model, const MeshEdit& edit)
     for (std::size_t i = 0; i < edit.nodes.size(); ++i) addNode(model, known + static_cast<int>(i), edit.nodes[i]);
     if (rebuild_) rebuild_->add(edit.nodes);
     parted_ = parted_ || std::ranges::any_of(edit.nodes, [](const auto& each) { return each.first == each.second; });
-    if (model.elements.empty()) { // springs have much less data than elements: rebuild them
+    if (!shell_.empty()) {
+        editShell(model, edit, grown);
+    } else if (model.elements.empty()) { // springs have much less data than elements: rebuild them
         makeSprings(model);
         makeGather(model);
     } else {
@@ -102,8 +102,10 @@ bool MatrixFreeSystem::reserve(const SoftModel& model, const MeshEdit& edit)
     strains_.resize(kBlock * blocks);
     resizeLists(fibres_, model.fibres.size(), blocks);
     resizeLists(fibreTangents_, model.fibres.size(), blocks);
-    quaternions_.resize(blocks);
-    corners_.resize(4 * blocks);
+    if (shell_.empty()) {
+        quaternions_.resize(blocks);
+        corners_.resize(4 * blocks);
+    }
     if (!volumes_.empty()) volumes_.resize(blocks);
 
     int free = 0, held = 0;
@@ -135,6 +137,17 @@ bool MatrixFreeSystem::reserve(const SoftModel& model, const MeshEdit& edit)
     turns_.resize(slots);
     if (preconditioned_) preconditioner_.grow(freeBlocks_);
     return true;
+}
+
+void MatrixFreeSystem::editShell(const SoftModel& model, const MeshEdit& edit, bool grown)
+{
+    if (grown || !shell_.hasRoomFor(model.shell)) {
+        makeShell(model);
+        makeGather(model);
+        return;
+    }
+    shell_.edit(model.shell, model.rest, slotOf_, edit.elements, {gather_, turns_, kRotationsPerNode, freeNodes_});
+    corners_.resize(shell_.groups());
 }
 
 void MatrixFreeSystem::addNode(const SoftModel& model, int node, const MeshEdit::Node& made)
@@ -235,6 +248,11 @@ void MatrixFreeSystem::refreshNode(const SoftModel& model, int slot)
     Mat3 diagonal =
         (scale_ * weights.mass * mass + weights.stiffness * pins_[static_cast<std::size_t>(slot)]) * Mat3::identity();
     const auto list = static_cast<std::size_t>(slot);
+    if (!shell_.empty()) {
+        diagonal += shell_.diagonalAtRest(model.shell, model.rest, weights, {gather_.begin(list), gather_.end(list)});
+        preconditioner_.setDiagonal(slot, diagonal);
+        return;
+    }
     for (const int* place = gather_.begin(list); place != gather_.end(list); ++place) {
         if (model.elements.empty()) {
             const Spring& spring = model.springs[static_cast<std::size_t>(elementAt(*place, 2))];

@@ -111,6 +111,7 @@ private:
     void writeFibres(const SoftModel& model, int source, int element, bool real);
     void makeElements(const SoftModel& model);
     void makeSprings(const SoftModel& model);
+    void makeShell(const SoftModel& model);
     void makeGather(const SoftModel& model);
     void makeVolumes(const SoftModel& model);
     [[nodiscard]] PreconditionerPlan plan() const;
@@ -119,6 +120,8 @@ private:
     void addNode(const SoftModel& model, int node, const MeshEdit::Node& made);
     void interpolate(int slot, const MeshEdit::Node& made);
     void moveElement(const SoftModel& model, int element);
+    /// `grown`: slots have moved.
+    void editShell(const SoftModel& model, const MeshEdit& edit, bool grown);
     void refreshNode(const SoftModel& model, int slot);
 
     void load(std::span<const Vec3> from, Vec3 origin, linalg::NodeArray& to, WorkerPool& pool) const;

@@ -20,40 +20,49 @@ std::size_t blocksOf(std::size_t count) { return static_cast<std::size_t>(linalg
 
 } // namespace
 
-ShellSystem::ShellSystem(const Shell& shell, std::span<const Vec3> rest, std::span<const int> slotOf, double scale)
-    : membranes_(blocksOf(shell.membranes.size())), membraneTangents_(membranes_.size()),
+ShellSystem::ShellSystem(const Shell& shell, std::span<const Vec3> rest, std::span<const int> slotOf, double scale,
+                         bool grows)
+    : scale_(scale), used_(blocksOf(shell.membranes.size())), count_(shell.membranes.size()),
+      membranes_(grows && used_ > 0 ? used_ + used_ / 4 + 1 : used_), membraneTangents_(membranes_.size()),
       bends_(blocksOf(shell.bends.size())), bendingTangents_(bends_.size())
 {
-    // Unused lanes repeat the last triangle, without stiffness.
-    for (std::size_t lane = 0; lane < kBlock * membranes_.size(); ++lane) {
-        const MembraneElement& e = shell.membranes[std::min(lane, shell.membranes.size() - 1)];
-        MembraneBlock& block = membranes_[lane / kBlock];
-        const std::size_t l = lane % kBlock;
-        for (std::size_t i = 0; i < 3; ++i)
-            block.nodes[i][l] = membraneTangents_[lane / kBlock].nodes[i][l] = 4 * slotOf[e.nodes[i]];
-        for (std::size_t k = 0; k < 3; ++k) block.metric[k][l] = asFloat(e.metric[k]);
-        block.det[l] = asFloat(e.metric[0] * e.metric[2] - e.metric[1] * e.metric[1]);
-        block.weight[l] = lane < shell.membranes.size() ? asFloat(scale * e.area * e.shear) : 0.0f;
-        block.q[l] = asFloat(std::max(1.0 - 2.0 * e.poissonRatio, kLeastQ));
-        const std::array<Vec3, 2> frame = frameOf(vectorsAt(e.nodes, rest));
-        for (std::size_t k = 0; k < 6; ++k) block.frame[k][l] = asFloat(frame[k / 3][static_cast<int>(k % 3)]);
-    }
-    for (std::size_t lane = 0; lane < kBlock * bends_.size(); ++lane) {
-        const BendingElement& e = shell.bends[std::min(lane, shell.bends.size() - 1)];
-        BendingBlock& block = bends_[lane / kBlock];
-        const std::size_t l = lane % kBlock;
-        for (std::size_t i = 0; i < 6; ++i)
-            block.nodes[i][l] = bendingTangents_[lane / kBlock].nodes[i][l] = 4 * slotOf[e.nodes[i]];
-        for (std::size_t k = 0; k < 3; ++k) block.restAngles[k][l] = asFloat(e.restAngles[k]);
-        const double weight = lane < shell.bends.size() ? scale * e.rigidity : 0.0;
-        for (std::size_t k = 0; k < 6; ++k) block.stiffness[k][l] = asFloat(weight * e.shape[k]);
-        block.leastArea[l] = asFloat(e.leastArea);
-    }
+    for (std::size_t lane = 0; lane < kBlock * used_; ++lane) writeMembrane(shell, rest, slotOf, lane);
+    for (std::size_t lane = 0; lane < kBlock * bends_.size(); ++lane) writeBend(shell, slotOf, lane);
 }
 
-void ShellSystem::forEachCorner(const Shell& shell, const Add& add, const Add& turn)
+// Unused lanes repeat the last triangle, without stiffness.
+void ShellSystem::writeMembrane(const Shell& shell, std::span<const Vec3> rest, std::span<const int> slotOf,
+                                std::size_t lane)
 {
-    const std::size_t membraneGroups = 3 * blocksOf(shell.membranes.size());
+    const MembraneElement& e = shell.membranes[std::min(lane, shell.membranes.size() - 1)];
+    MembraneBlock& block = membranes_[lane / kBlock];
+    const std::size_t l = lane % kBlock;
+    for (std::size_t i = 0; i < 3; ++i)
+        block.nodes[i][l] = membraneTangents_[lane / kBlock].nodes[i][l] = 4 * slotOf[e.nodes[i]];
+    for (std::size_t k = 0; k < 3; ++k) block.metric[k][l] = asFloat(e.metric[k]);
+    block.det[l] = asFloat(e.metric[0] * e.metric[2] - e.metric[1] * e.metric[1]);
+    block.weight[l] = lane < shell.membranes.size() ? asFloat(scale_ * e.area * e.shear) : 0.0f;
+    block.q[l] = asFloat(std::max(1.0 - 2.0 * e.poissonRatio, kLeastQ));
+    const std::array<Vec3, 2> frame = frameOf(vectorsAt(e.nodes, rest));
+    for (std::size_t k = 0; k < 6; ++k) block.frame[k][l] = asFloat(frame[k / 3][static_cast<int>(k % 3)]);
+}
+
+void ShellSystem::writeBend(const Shell& shell, std::span<const int> slotOf, std::size_t lane)
+{
+    const BendingElement& e = shell.bends[std::min(lane, shell.bends.size() - 1)];
+    BendingBlock& block = bends_[lane / kBlock];
+    const std::size_t l = lane % kBlock;
+    for (std::size_t i = 0; i < 6; ++i)
+        block.nodes[i][l] = bendingTangents_[lane / kBlock].nodes[i][l] = 4 * slotOf[e.nodes[i]];
+    for (std::size_t k = 0; k < 3; ++k) block.restAngles[k][l] = asFloat(e.restAngles[k]);
+    const double weight = lane < shell.bends.size() ? scale_ * e.rigidity : 0.0;
+    for (std::size_t k = 0; k < 6; ++k) block.stiffness[k][l] = asFloat(weight * e.shape[k]);
+    block.leastArea[l] = asFloat(e.leastArea);
+}
+
+void ShellSystem::forEachCorner(const Shell& shell, const Add& add, const Add& turn) const
+{
+    const std::size_t membraneGroups = 3 * membranes_.size();
     for (std::size_t e = 0; e < shell.membranes.size(); ++e)
         for (std::size_t i = 0; i < 3; ++i) {
             const int node = shell.membranes[e].nodes[i], lane = static_cast<int>(e % kBlock);
@@ -70,7 +79,7 @@ void ShellSystem::update(const BlockInput& input, std::span<float> corners, std:
 {
     const std::span<float> stretching = corners.first(kMembraneCorners * membranes_.size());
     const std::span<float> bending = corners.subspan(stretching.size());
-    const linalg::Parts membranes = elementParts(membranes_.size()), bends = elementParts(bends_.size());
+    const linalg::Parts membranes = elementParts(used_), bends = elementParts(bends_.size());
     pool.run(membranes.count(), [&](int part) {
         updateMembranes(membranes_, input, membranes[part], {membraneTangents_, stretching, quaternions});
     });
@@ -81,7 +90,7 @@ void ShellSystem::multiply(const linalg::NodeArray& p, std::span<float> corners,
 {
     const std::span<float> stretching = corners.first(kMembraneCorners * membranes_.size());
     const std::span<float> bending = corners.subspan(stretching.size());
-    const linalg::Parts membranes = elementParts(membranes_.size()), bends = elementParts(bends_.size());
+    const linalg::Parts membranes = elementParts(used_), bends = elementParts(bends_.size());
     pool.run(membranes.count(),
              [&](int part) { multiplyMembranes(membraneTangents_, p, stretching, membranes[part]); });
     pool.run(bends.count(), [&](int part) { multiplyBends(bendingTangents_, p, bending, bends[part]); });

@@ -2,6 +2,8 @@
 
 #include "filasofia/engine/body/shell.h"
 #include "filasofia/engine/elastic/shell_blocks.h"
+#include "filasofia/engine/integration/euler.h"
+#include "filasofia/linalg/node_kernels.h"
 
 #include <functional>
 
@@ -19,11 +21,12 @@ class ShellSystem {
 public:
     ShellSystem() = default;
     /// `rest` [m] and `slotOf`: per node of the model, its place at rest and its slot. `scale` [1/kg]: factor on all
-    /// stiffnesses.
-    ShellSystem(const Shell& shell, std::span<const Vec3> rest, std::span<const int> slotOf, double scale);
+    /// stiffnesses. `grows`: keeps room for the triangles of cuts.
+    ShellSystem(const Shell& shell, std::span<const Vec3> rest, std::span<const int> slotOf, double scale, bool grows);
 
     [[nodiscard]] bool empty() const { return membranes_.empty(); }
-    /// Number of groups of sixteen corners that the triangles write.
+    /// Number of groups of sixteen corners that the triangles write: those of membranes with their room, then those of
+    /// bends.
     [[nodiscard]] std::size_t groups() const { return 3 * membranes_.size() + 6 * bends_.size(); }
     /// Number of groups of sixteen rotations.
     [[nodiscard]] std::size_t rotationGroups() const { return membranes_.size(); }
@@ -31,7 +34,23 @@ public:
     /// Calls add(node, group, lane) for each corner of each triangle, and turn(node, group, lane) for the rotations
     /// around each node.
     using Add = std::function<void(int node, std::size_t group, int lane)>;
-    static void forEachCorner(const Shell& shell, const Add& add, const Add& turn);
+    void forEachCorner(const Shell& shell, const Add& add, const Add& turn) const;
+
+    /// What a node gathers: its corners of triangles, and the rotations of some of them.
+    struct Around {
+        linalg::Gather& corners;
+        linalg::Gather& turns;
+        std::size_t mostTurns; ///< per node
+        int freeNodes;         ///< slots below have lists
+    };
+    /// True if the triangles of a shell that was cut fit into the room.
+    [[nodiscard]] bool hasRoomFor(const Shell& shell) const;
+    /// Writes these triangles again after an edit, ascending; new ones are appended.
+    void edit(const Shell& shell, std::span<const Vec3> rest, std::span<const int> slotOf,
+              std::span<const int> triangles, const Around& around);
+    /// The sum of the triangles' blocks of a node in the step's matrix, at rest. `corners`: what the node gathers.
+    [[nodiscard]] Mat3 diagonalAtRest(const Shell& shell, std::span<const Vec3> rest, ImplicitWeights weights,
+                                      std::span<const int> corners) const;
 
     /// As updateElements() and multiplyElements(), for all triangles. `corners`: those of groups().
     void update(const BlockInput& input, std::span<float> corners, std::span<float> quaternions, WorkerPool& pool);
@@ -42,6 +61,14 @@ public:
     static bool fits(const Shell& shell, double perStiffness);
 
 private:
+    void writeMembrane(const Shell& shell, std::span<const Vec3> rest, std::span<const int> slotOf, std::size_t lane);
+    void writeBend(const Shell& shell, std::span<const int> slotOf, std::size_t lane);
+    void moveCorner(int before, int after, std::size_t group, std::size_t lane, const Around& around) const;
+    void moveTurn(int before, int after, std::size_t lane, const Around& around) const;
+
+    double scale_ = 1.0;    ///< [1/kg]
+    std::size_t used_ = 0;  ///< blocks of membranes that have triangles; the others are room
+    std::size_t count_ = 0; ///< triangles
     std::vector<MembraneBlock> membranes_;
     std::vector<MembraneTangentBlock> membraneTangents_;
     std::vector<BendingBlock> bends_;

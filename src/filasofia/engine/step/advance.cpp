@@ -85,7 +85,7 @@ void finishPieces(std::size_t index, double dt, const std::vector<Constraint>& c
     const SoftModel& model = body.model;
     SoftSystem& system = body.system;
     const auto isFragment = [](const BodyPiece& piece) { return !piece.elements.empty(); };
-    if (std::ranges::none_of(model.pieces, isFragment) || !system.matrixFree || model.elements.empty() ||
+    if (std::ranges::none_of(model.pieces, isFragment) || !system.matrixFree || !model.springs.empty() ||
         !std::holds_alternative<physics::ImplicitEuler>(model.integrator))
         return;
     const ImplicitWeights weights = implicitWeights(dt, {model.rayleigh.mass, model.rayleigh.stiffness},

@@ -17,7 +17,7 @@ void addExternalForces(const SoftModel& model, Vec3 gravity, const SoftState& st
     for (std::size_t i = 0; i < forces.size(); ++i)
         forces[i] = state.forces[i] + (model.gravity ? model.masses[i] * gravity : Vec3{});
     addPinForces(model.pins, state.x, forces);
-    if (state.pressure == 0.0) return;
+    if (state.pressure == 0.0 || model.leaks) return;
     for (const geometry::Triangle& t : model.surface) {
         const Vec3 area = 0.5 * cross(state.x[t[1]] - state.x[t[0]], state.x[t[2]] - state.x[t[0]]); // outwards
         for (int node : t) forces[node] -= state.pressure / 3.0 * area;

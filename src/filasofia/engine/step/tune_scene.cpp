@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/body/nodal_volume.h"
 #include "filasofia/engine/contact/warm_start.h"
 #include "filasofia/engine/scene/check_scene.h"
@@ -33,10 +34,10 @@ void checkSameMesh(const SoftModel& before, const SoftBody& body)
         fail("tune: ", describe(model), ": dynamicTopology must not change");
     if (!topology.mesh) return;
     const MeshTopology& mesh = topology.mesh->data();
-    bool same = model.rest == mesh.rest && model.surface == before.surface &&
-                model.elements.size() + model.tetrahedra.size() == mesh.tetrahedra.size();
+    bool same =
+        model.rest == mesh.rest && model.surface == before.surface && elementCount(model) == mesh.tetrahedra.size();
     for (std::size_t e = 0; same && e < mesh.tetrahedra.size(); ++e)
-        same = mesh.tetrahedra[e] == (model.elements.empty() ? model.tetrahedra[e] : model.elements[e].nodes);
+        same = mesh.tetrahedra[e] == elementNodes(model, e);
     if (!same)
         fail("tune: soft body '", model.name, "': nodes at rest, elements and surface must not change: it may be cut");
 }

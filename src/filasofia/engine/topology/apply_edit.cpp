@@ -54,15 +54,27 @@ std::vector<int> reachedElements(const TopologyEdit& edit, const MeshTopology& m
     return elements;
 }
 
+/// Adds the triangles beside these: how they bend depends on the corners across their edges.
+void addNeighbours(const MeshTopology& mesh, std::vector<int>& triangles)
+{
+    const std::size_t count = triangles.size();
+    for (std::size_t i = 0; i < count; ++i)
+        for (int other : mesh.neighbours[static_cast<std::size_t>(triangles[i])])
+            if (other >= 0) triangles.push_back(other);
+    sortUnique(triangles);
+}
+
 /// The nodes of these elements before and after the edit, ascending.
 std::vector<int> reachedNodes(const std::vector<int>& elements, const MeshTopology& mesh, const SoftModel& model)
 {
     std::vector<int> nodes;
     for (int element : elements) {
         const auto e = static_cast<std::size_t>(element);
-        nodes.insert(nodes.end(), mesh.tetrahedra[e].begin(), mesh.tetrahedra[e].end());
-        if (e < elementCount(model))
-            nodes.insert(nodes.end(), elementNodes(model, e).begin(), elementNodes(model, e).end());
+        const auto add = [&](const geometry::Tetrahedron& of) {
+            for (int node : nodesOf(of)) nodes.push_back(node);
+        };
+        add(mesh.tetrahedra[e]);
+        if (e < elementCount(model)) add(elementNodes(model, e));
     }
     sortUnique(nodes);
     return nodes;
@@ -120,10 +132,12 @@ void followState(const TopologyEdit& edit, const MeshTopology& mesh, SoftModel& 
 /// Adds (sign 1) or subtracts (sign -1) the element's mass at its nodes.
 void addMass(const SoftModel& model, std::size_t element, double sign, std::vector<double>& masses)
 {
-    const geometry::Tetrahedron& nodes = elementNodes(model, element);
+    const geometry::Tetrahedron nodes = elementNodes(model, element);
     const double density = model.elements.empty() ? model.density : model.elements[element].density;
-    const double massPerNode = 0.25 * density * volumeOf(cornersOf(nodes, model.rest));
-    for (int node : nodes) masses[static_cast<std::size_t>(node)] += sign * massPerNode;
+    const double massPerNode =
+        isShell(model) ? model.density * model.shell.material.thickness / 3.0 * model.shell.membranes[element].area
+                       : 0.25 * density * volumeOf(cornersOf(nodes, model.rest));
+    for (int node : nodesOf(nodes)) masses[static_cast<std::size_t>(node)] += sign * massPerNode;
 }
 
 /// Appends the children of divided elements, which inherit their parents' material, rotation and relaxation.
@@ -132,7 +146,7 @@ void addElements(const TopologyEdit& edit, SoftModel& model, SoftState& state)
     const bool fem = !model.elements.empty();
     for (const frame::TopologyOp& op : edit.ops) {
         const auto* split = std::get_if<frame::TetSplit>(&op);
-        if (!split) continue;
+        if (!split || isShell(model)) continue;
         if (!fem) {
             model.tetrahedra.emplace_back();
             continue;
@@ -169,13 +183,45 @@ void followSprings(const std::vector<int>& reached, const MeshTopology& mesh, So
     model.springs = std::move(all);
 }
 
+/// The corner of the triangle across an edge of a sheet that is not on the edge; -1 if there is none.
+int cornerAcross(const MeshTopology& mesh, std::size_t triangle, std::size_t edge)
+{
+    const int other = mesh.neighbours[triangle][edge];
+    if (other < 0) return -1;
+    const geometry::Tetrahedron& own = mesh.tetrahedra[triangle];
+    for (int node : nodesOf(mesh.tetrahedra[static_cast<std::size_t>(other)]))
+        if (node != own[(edge + 1) % 3] && node != own[(edge + 2) % 3]) return node;
+    return -1;
+}
+
+/// Shapes the triangles of a shell again, with their angles at rest; new ones are of their parents' triangles.
+void followTriangles(const TopologyEdit& edit, const std::vector<int>& triangles, const MeshTopology& mesh,
+                     SoftModel& model)
+{
+    std::vector<std::size_t> parents;
+    const std::size_t known = model.shell.membranes.size();
+    for (const frame::TopologyOp& op : edit.ops)
+        if (const auto* split = std::get_if<frame::TetSplit>(&op))
+            parents.push_back(static_cast<std::size_t>(split->parent));
+    for (int each : triangles) { // ascending: parents come before their children
+        const auto t = static_cast<std::size_t>(each);
+        const auto& [a, b, c, none] = mesh.tetrahedra[t];
+        TriangleEdit to{.triangle = t, .nodes = {a, b, c}};
+        if (t >= known) to.parent = parents[t - known];
+        for (std::size_t f = 0; f < 3; ++f) to.across[f] = cornerAcross(mesh, t, f);
+        shapeTriangle(to, model.rest, model.shell);
+        addMass(model, t, 1.0, model.masses);
+    }
+}
+
 void followElements(const TopologyEdit& edit, const MeshEdit& changed, const MeshTopology& mesh, SoftModel& model,
                     SoftState& state)
 {
+    if (isShell(model)) return followTriangles(edit, changed.elements, mesh, model);
     addElements(edit, model, state);
     for (int element : changed.elements) {
         const auto e = static_cast<std::size_t>(element);
-        elementNodes(model, e) = mesh.tetrahedra[e];
+        setElementNodes(mesh.tetrahedra[e], e, model);
         addMass(model, e, 1.0, model.masses);
         if (!model.elements.empty()) shapeElement(model.rest, model.elements[e]);
     }
@@ -185,6 +231,7 @@ void followElements(const TopologyEdit& edit, const MeshEdit& changed, const Mes
 MeshEdit meshEdit(const TopologyEdit& edit, const MeshTopology& mesh, const SoftModel& model)
 {
     MeshEdit out{.nodes = {}, .elements = reachedElements(edit, mesh), .reached = {}};
+    if (isShell(model)) addNeighbours(mesh, out.elements);
     out.reached = reachedNodes(out.elements, mesh, model);
     for (const frame::TopologyOp& op : edit.ops)
         if (const auto* made = std::get_if<frame::NewNode>(&op))
@@ -232,6 +279,8 @@ OwnSurfaceEdit applyEdit(const TopologyEdit& edit, double period, SoftBody& body
         if (const auto e = static_cast<std::size_t>(element); e < elementCount(model))
             addMass(model, e, -1.0, model.masses);
 
+    const auto opens = [](const frame::TopologyOp& op) { return std::holds_alternative<frame::NodeCopy>(op); };
+    model.leaks = model.leaks || (topology.closed && std::ranges::any_of(edit.ops, opens));
     followPins(edit, model);
     followState(edit, mesh, model, state);
     followElements(edit, changed, mesh, model, state);

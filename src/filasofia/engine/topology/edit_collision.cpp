@@ -71,7 +71,7 @@ void editCollision(const OwnSurfaceEdit& edit, int model, SoftModel& body, Scene
     CollisionShape now = editShape(*before, edit.surface, change);
     collision.inset = editInset(collision.inset, *before, now, change, insetDepth(collision.proximity));
     setProximity(collision.proximity, collision.inset, now);
-    collision.behind = behindNow(edit, change, collision.behind);
+    if (!collision.behind.empty()) collision.behind = behindNow(edit, change, collision.behind);
     addToEmbedding(edit.nodes, collision.embedding);
     const SurfaceName name{body.id, model};
     editMemories(name, *before, now, change, scene.contacts);

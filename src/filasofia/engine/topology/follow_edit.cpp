@@ -21,7 +21,8 @@ public:
         for (const frame::TetNodes& changed : edit.changed) {
             if (static_cast<std::size_t>(changed.tetrahedron) >= count()) continue;
             changed_.push_back(changed.tetrahedron);
-            for (int node : nodes(changed.tetrahedron)) reached_.push_back(node);
+            const geometry::Tetrahedron old = nodes(changed.tetrahedron);
+            for (int node : nodesOf(old)) reached_.push_back(node);
         }
         std::ranges::sort(reached_);
     }
@@ -43,7 +44,7 @@ public:
         for (int element : mesh_.around[static_cast<std::size_t>(*std::begin(wanted))]) look(element);
         return found;
     }
-    [[nodiscard]] const geometry::Tetrahedron& nodes(int element) const
+    [[nodiscard]] geometry::Tetrahedron nodes(int element) const
     {
         return elementNodes(model_, static_cast<std::size_t>(element));
     }
@@ -80,8 +81,8 @@ public:
     void follow(const TopologyEdit& edit, const EditableMesh& mesh, const SoftModel& model)
     {
         if (points_.empty()) return;
-        std::vector<geometry::Tetrahedron> tetrahedra = model.tetrahedra;
-        for (const FemElement& element : model.elements) tetrahedra.push_back(element.nodes);
+        std::vector<geometry::Tetrahedron> tetrahedra;
+        for (std::size_t e = 0; e < elementCount(model); ++e) tetrahedra.push_back(elementNodes(model, e));
         std::vector<Vec3> rest = model.rest;
         frame::followPoints(edit, tetrahedra, rest, points_);
         for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -137,7 +138,7 @@ void followRiders(const TopologyEdit& edit, const EditableMesh& mesh, SoftModel&
         addPoint(channel.end);
     }
     for (CollisionModel& collision : soft.collision)
-        if (collision.behind.empty()) addEmbedding(collision.embedding, riders);
+        if (!collision.own) addEmbedding(collision.embedding, riders);
     riders.follow(edit, mesh, soft);
 }
 

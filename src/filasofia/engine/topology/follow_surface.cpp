@@ -136,7 +136,7 @@ OwnSurfaceEdit takeOffSurface(const std::vector<char>& elements, BodyTopology& t
 void editOwnCollision(const OwnSurfaceEdit& surface, SoftModel& model, Scene& scene)
 {
     for (int m = 0; m < static_cast<int>(model.collision.size()); ++m)
-        if (!model.collision[static_cast<std::size_t>(m)].behind.empty()) editCollision(surface, m, model, scene);
+        if (model.collision[static_cast<std::size_t>(m)].own) editCollision(surface, m, model, scene);
 }
 
 } // namespace filasofia::engine

@@ -20,14 +20,16 @@ public:
         for (int node : piece.nodes) masses_.push_back(weights.mass * model.masses[static_cast<std::size_t>(node)]);
         for (int each : piece.elements) {
             const auto e = static_cast<std::size_t>(each);
+            if (isShell(model)) {
+                addTriangle(model.shell, e, piece, weights, state);
+                continue;
+            }
             const FemElement& element = model.elements[e];
             Part& part = parts_.emplace_back();
             part.element = &element;
             const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
             part.tangent = stepTangent(model, e, {f, toMat3(rotationOf(state.rotations, e))}, weights);
-            for (std::size_t k = 0; k < 4; ++k)
-                part.places[k] = static_cast<std::size_t>(std::ranges::lower_bound(piece.nodes, element.nodes[k]) -
-                                                          piece.nodes.begin());
+            part.places = placesOf(element.nodes, piece);
         }
     }
 
@@ -41,6 +43,8 @@ public:
             const Corners forces = stiffnessTimes(part.tangent, *part.element, corners);
             for (std::size_t k = 0; k < 4; ++k) q[part.places[k]] += stiffness_ * forces[k];
         }
+        for (const auto& [places, tangent] : membranes_) addProduct(places, tangent, p, q);
+        for (const auto& [places, tangent] : bends_) addProduct(places, tangent, p, q);
         return q;
     }
 
@@ -50,9 +54,38 @@ private:
         TissueTangent tangent;
         std::array<std::size_t, 4> places{};
     };
+    template <std::size_t n>
+    static std::array<std::size_t, n> placesOf(const std::array<int, n>& nodes, const BodyPiece& piece)
+    {
+        std::array<std::size_t, n> places;
+        for (std::size_t k = 0; k < n; ++k)
+            places[k] = static_cast<std::size_t>(std::ranges::lower_bound(piece.nodes, nodes[k]) - piece.nodes.begin());
+        return places;
+    }
+    void addTriangle(const Shell& shell, std::size_t e, const BodyPiece& piece, ImplicitWeights weights,
+                     const SoftState& state)
+    {
+        const MembraneElement& membrane = shell.membranes[e];
+        membranes_.emplace_back(placesOf(membrane.nodes, piece),
+                                membraneTangent(membrane, vectorsAt(membrane.nodes, state.x), weights.turning));
+        if (shell.bends.empty()) return;
+        const BendingElement& bend = shell.bends[e];
+        bends_.emplace_back(placesOf(bend.nodes, piece), bendingTangent(bend, vectorsAt(bend.nodes, state.x)));
+    }
+    template <std::size_t n, class Tangent> void addProduct(const std::array<std::size_t, n>& places,
+                                                            const Tangent& tangent, const std::vector<Vec3>& p,
+                                                            std::vector<Vec3>& q) const
+    {
+        std::array<Vec3, n> corners;
+        for (std::size_t k = 0; k < n; ++k) corners[k] = p[places[k]];
+        const std::array<Vec3, n> forces = stiffnessTimes(tangent, corners);
+        for (std::size_t k = 0; k < n; ++k) q[places[k]] += stiffness_ * forces[k];
+    }
     double stiffness_;
     std::vector<double> masses_;
     std::vector<Part> parts_;
+    std::vector<std::pair<std::array<std::size_t, 3>, MembraneTangent>> membranes_;
+    std::vector<std::pair<std::array<std::size_t, 6>, BendingTangent>> bends_;
 };
 
 double dot(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
@@ -97,7 +130,8 @@ std::vector<BodyPiece> findPieces(const SoftModel& model, const Pieces& pieces)
     for (std::size_t p = 0; p < list.size(); ++p) list[p].number = static_cast<int>(p);
     std::vector<int> ofNode(model.rest.size(), -1);
     for (std::size_t e = 0; e < pieceOf.size(); ++e) {
-        for (int node : elementNodes(model, e)) ofNode[static_cast<std::size_t>(node)] = pieceOf[e];
+        const geometry::Tetrahedron of = elementNodes(model, e);
+        for (int node : nodesOf(of)) ofNode[static_cast<std::size_t>(node)] = pieceOf[e];
         std::vector<int>& elements = list[static_cast<std::size_t>(pieceOf[e])].elements;
         if (elements.size() <= kMaxFragment) elements.push_back(static_cast<int>(e));
     }

@@ -1,6 +1,7 @@
 #include "filasofia/engine/topology/remove_piece.h"
 
 #include "filasofia/engine/contact/attachments.h"
+#include "filasofia/engine/rupture/tet_shape.h"
 #include "filasofia/engine/topology/cut_rods.h"
 #include "filasofia/engine/topology/follow_surface.h"
 
@@ -83,7 +84,7 @@ bool removePiece(int piece, SoftBody& body, Scene& scene)
         if (!there || pieces[e] != piece) continue;
         goes[e] = 1;
         elements.push_back(static_cast<int>(e));
-        for (int node : mesh.tetrahedra[e]) gone[static_cast<std::size_t>(node)] = true;
+        for (int node : nodesOf(mesh.tetrahedra[e])) gone[static_cast<std::size_t>(node)] = true;
     }
     if (elements.empty() || left == 0) return false;
 

@@ -121,14 +121,13 @@ std::vector<Tool> toolsNear(SoftBody& body, const std::vector<Blade>& blades, ph
     return tools;
 }
 
-constexpr CutParameters kCut{};
-
 /// Performs one step of a stroke. `tool` is null if the tool is no longer near the body.
 RuptureReport continueStroke(EditableMesh& mesh, const Tool* tool, Stroke& stroke)
 {
     RuptureReport done;
+    const CutParameters parameters = mesh.isSheet() ? sheetParameters() : CutParameters{};
     if (!stroke.leaving && tool) {
-        done = stroke.stroke.step(mesh, tool->segments, kCut);
+        done = stroke.stroke.step(mesh, tool->segments, parameters);
         stroke.sinceCrossing = done.crossings > 0 ? 0.0 : stroke.sinceCrossing + tool->way;
         stroke.hasCut = stroke.hasCut || done.crossings > 0;
         if (!stroke.arrived && !stroke.stroke.away()) { // a returning blade continues the surface that it finds
@@ -139,7 +138,7 @@ RuptureReport continueStroke(EditableMesh& mesh, const Tool* tool, Stroke& strok
     }
     const bool through = stroke.hasCut && (stroke.stroke.away() || stroke.sinceCrossing > 2.0 * mesh.meanEdge());
     stroke.leaving = stroke.leaving || !tool || through;
-    if (stroke.leaving) stroke.over = stroke.stroke.finish(mesh, kCut, done);
+    if (stroke.leaving) stroke.over = stroke.stroke.finish(mesh, parameters, done);
     return done;
 }
 

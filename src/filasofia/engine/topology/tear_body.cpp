@@ -40,6 +40,16 @@ Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, dou
     return isBelow && !std::holds_alternative<physics::Corotational>(model.material.law) ? Mat3{} : stress;
 }
 
+/// That in a triangle; zero below what other elements leave out.
+Mat3 stressInSheet(const SoftModel& model, const SoftState& state, std::size_t e, double threshold)
+{
+    const MembraneElement& element = model.shell.membranes[e];
+    const TriangleCorners x = vectorsAt(element.nodes, state.x);
+    const double thickness = model.shell.material.thickness;
+    const bool isBelow = membranePrincipalStress(element, x, thickness) < kStressNear * threshold;
+    return isBelow ? Mat3{} : membraneStress(element, x, thickness);
+}
+
 Mat3 stressOf(const SoftModel& model, const SoftState& state, std::size_t e, const SpringsOfElements& springs)
 {
     const Corners corners = cornersOf(model.tetrahedra[e], state.x);
@@ -75,7 +85,9 @@ bool findStresses(const SoftModel& model, const SoftState& state, const StressSe
                 stresses[e] = {};
                 continue;
             }
-            stresses[e] = fem ? stressOf(model, state, e, threshold, changes) : stressOf(model, state, e, springs);
+            stresses[e] = fem              ? stressOf(model, state, e, threshold, changes)
+                          : isShell(model) ? stressInSheet(model, state, e, threshold)
+                                           : stressOf(model, state, e, springs);
             if (fem && model.elements[e].tearingThreshold != threshold) // relative to what this element bears
                 stresses[e] = threshold / model.elements[e].tearingThreshold * stresses[e];
             if (principalStressBound(stresses[e]) > threshold) above[static_cast<std::size_t>(part)] = 1;
@@ -113,7 +125,7 @@ void tearBody(SoftBody& body, WorkerPool& pool, physics::TopologyReport& report)
     if (body.system.matrixFree && !model.elements.empty() &&
         !body.system.matrixFree->findStressed(model, state, kStressNear * threshold, pool, stressed))
         return;
-    if (model.elements.empty() && topology.springs.ofElement.empty()) topology.springs = springsOfElements(model);
+    if (!model.springs.empty() && topology.springs.ofElement.empty()) topology.springs = springsOfElements(model);
     if (!findStresses(model, state, {threshold, topology.springs, stressed}, pool, topology.stresses)) return;
     EditableMesh& mesh = *topology.mesh;
     if (!topology.followed) mesh.placeAt(state.x); // otherwise cutBodies() has moved it already
