@@ -1,0 +1,30 @@
+"""From an image to an organ that moves: docs/guide/patient.md is the guide.
+
+Label maps and surfaces become tetrahedra of several organs that share nodes where they touch, and scene files. Needs SciPy:
+pip install 'filasofia[anatomy]'."""
+
+from __future__ import annotations
+
+from ._anatomy import Anatomy, Organ, Quality, mesh_labels
+from ._labels import LabelMap
+from ._names import kind_of, read_names
+from ._picture import Picture
+from ._read import read_labels
+from ._scene import write_scene
+from ._write import write_anatomy, write_msh, write_obj
+
+__all__ = [
+    "Anatomy",
+    "LabelMap",
+    "Organ",
+    "Picture",
+    "Quality",
+    "kind_of",
+    "mesh_labels",
+    "read_labels",
+    "read_names",
+    "write_anatomy",
+    "write_msh",
+    "write_obj",
+    "write_scene",
+]

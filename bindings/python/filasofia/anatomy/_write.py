@@ -1,0 +1,103 @@
+"""Files of an anatomy: Gmsh for the engine, OBJ for surfaces, JSON for lists."""
+
+from __future__ import annotations
+
+import json as _json
+import os as _os
+import typing as _typing
+
+import numpy as np
+
+from filasofia import Error
+
+from ._anatomy import Anatomy
+from ._names import plain
+from ._picture import Picture
+from ._types import Array
+
+
+def _save(file: str, parts: _typing.Iterable[str]) -> None:
+    """Whole or not at all."""
+    try:
+        with open(file + ".part", "w", encoding="utf-8", newline="\n") as stream:
+            stream.writelines(parts)
+        _os.replace(file + ".part", file)
+    except OSError as problem:
+        raise Error(f"{file}: {problem.strerror or problem}") from None
+
+
+def _rows(form: str, table: Array) -> str:
+    return (form * len(table)) % tuple(table.ravel().tolist())
+
+
+def write_msh(file: str, nodes: Array, tetrahedra: Array, labels: Array, names: _typing.Mapping[int, str]) -> None:
+    """Gmsh 2.2: labels are physical groups with names. Coordinates are written so that reading gives the same bits."""
+    present = [label for label in names if (labels == label).any()]
+    group = "".join(f'3 {label} "{names[label]}"\n' for label in present)
+    at = np.array([f"{x!r} {y!r} {z!r}" for x, y, z in nodes.tolist()], dtype=object)
+    table = np.concatenate([np.arange(1, len(tetrahedra) + 1)[:, None], labels[:, None], labels[:, None], tetrahedra + 1], axis=1)
+    _save(file, [
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n",
+        f"$PhysicalNames\n{len(present)}\n{group}$EndPhysicalNames\n",
+        f"$Nodes\n{len(nodes)}\n", "".join(f"{i} {words}\n" for i, words in enumerate(at, 1)), "$EndNodes\n",
+        f"$Elements\n{len(tetrahedra)}\n", _rows("%d 4 2 %d %d %d %d %d %d\n", table), "$EndElements\n",
+    ])  # fmt: skip
+
+
+def write_obj(file: str, surface: _typing.Union[Picture, tuple[Array, Array]]) -> None:
+    """Metres; with uv and normals if the surface has them."""
+    corner = surface[1] + 1
+    parts = [_rows("v %.9g %.9g %.9g\n", surface[0])]
+    if isinstance(surface, Picture):
+        parts += [_rows("vt %.6f %.6f\n", surface.uv), _rows("vn %.6f %.6f %.6f\n", surface.normals)]
+        parts.append(_rows("f %d/%d/%d %d/%d/%d %d/%d/%d\n", np.repeat(corner, 3, axis=1)))
+    else:
+        parts.append(_rows("f %d %d %d\n", corner))
+    _save(file, parts)
+
+
+def write_json(file: str, value: _typing.Any) -> None:
+    _save(file, [_json.dumps(value, indent=1), "\n"])
+
+
+def report_of(anatomy: Anatomy) -> dict[str, _typing.Any]:
+    """What was measured of each organ, landmarks, and which nodes neighbours share."""
+    organs = {}
+    for name in anatomy.names.values():
+        organs[name] = {**anatomy.quality(name)._asdict(), "landmarks": anatomy.landmarks(name)}
+    shared = []
+    for first, second in anatomy.neighbours():
+        nodes, to = anatomy.shared(first, second)
+        shared.append({"first": first, "second": second, "nodes": nodes.tolist(), "to_nodes": to.tolist()})
+    return {"element_size": anatomy.size, "organs": organs, "attachments": shared, "notes": anatomy.notes}
+
+
+def write_anatomy(anatomy: Anatomy, file: str, parts: _typing.Optional[str] = None, detail: int = 2) -> dict[str, _typing.Any]:
+    """The mesh as one file; into the folder `parts` the organs' own meshes, surfaces, and report.json. Returns the report."""
+    anatomy.mesh()  # the engine's own check
+    write_msh(file, anatomy.nodes, anatomy.tetrahedra, anatomy.labels, anatomy.names)
+    report = report_of(anatomy)
+    if parts is None:
+        return report
+    try:
+        _os.makedirs(parts, exist_ok=True)
+    except OSError as problem:
+        raise Error(f"{parts}: {problem.strerror or problem}") from None
+    for name, stem in file_names(anatomy).items():
+        organ = anatomy.organ(name)
+        label = anatomy.label(name)
+        path = _os.path.join(parts, stem)
+        write_msh(path + ".msh", organ.nodes, organ.tetrahedra, np.full(len(organ.tetrahedra), label), {label: name})
+        write_obj(path + ".obj", anatomy.picture(name, detail))
+        write_obj(path + "_collision.obj", anatomy.collision(name))
+    write_json(_os.path.join(parts, "report.json"), report)
+    return report
+
+
+def file_names(anatomy: Anatomy) -> dict[str, str]:
+    """Names that files can have, each once."""
+    out: dict[str, str] = {}
+    for label, name in anatomy.names.items():
+        short = plain(name)
+        out[name] = short if short not in out.values() else f"{short}_{label}"
+    return out
