@@ -6,11 +6,14 @@ pip install 'filasofia[anatomy]'."""
 from __future__ import annotations
 
 from ._anatomy import Anatomy, Organ, Quality, mesh_labels
+from ._draw import draw
+from ._input import anatomy_of
 from ._labels import LabelMap
 from ._names import kind_of, read_names
 from ._picture import Picture
 from ._read import read_labels
 from ._scene import write_scene
+from ._solids import mesh_surfaces
 from ._write import write_anatomy, write_msh, write_obj
 
 __all__ = [
@@ -19,8 +22,11 @@ __all__ = [
     "Organ",
     "Picture",
     "Quality",
+    "anatomy_of",
+    "draw",
     "kind_of",
     "mesh_labels",
+    "mesh_surfaces",
     "read_labels",
     "read_names",
     "write_anatomy",

@@ -9,7 +9,9 @@ import numpy as np
 import filasofia as _fs
 
 from . import _shapes
+from ._distance import between
 from ._fields import Fields, make_fields
+from ._level import level_distance
 from ._labels import LabelMap
 from ._mesh import LEAST_ANGLE, mesh_fields, size_for
 from ._picture import Picture, picture_of
@@ -47,6 +49,7 @@ class Anatomy:
         self.nodes, self.tetrahedra, self.labels, self.names = nodes, tetrahedra, labels, names
         self.fields, self.size = fields, size
         self.wanted: dict[int, float] = {}
+        self.surfaces: dict[int, tuple[Array, Array]] = {}  # what it was made of, if that was closed surfaces
         self.notes: list[str] = []
 
     def label(self, name: str) -> int:
@@ -107,17 +110,20 @@ class Anatomy:
         organ = self.organ(name)
         volume = _shapes.volumes(organ.nodes, organ.tetrahedra)
         angles = _shapes.dihedral_angles(organ.nodes, organ.tetrahedra)
-        hausdorff, mean = 0.0, 0.0
-        if self.fields is not None:
-            from ._level import level_distance
-
-            hausdorff, mean = level_distance(self.fields, self.label(name), *self.collision(name))
+        hausdorff, mean = self._distance(name)
         flat = angles.min(axis=1) < LEAST_ANGLE
         worst = organ.nodes[organ.tetrahedra[angles.min(axis=1).argmin()]].mean(axis=0)
         return Quality(
             len(volume), float(volume.sum()), self.wanted.get(self.label(name), float(volume.sum())), hausdorff, mean,
             float(angles.min()), float(angles.max()), int(flat.sum()), tuple(float(x) for x in worst),
         )  # fmt: skip
+
+
+    def _distance(self, name: str) -> tuple[float, float]:
+        label = self.label(name)
+        if label in self.surfaces:
+            return between(self.collision(name), self.surfaces[label], 0.25 * self.size)
+        return level_distance(self.fields, label, *self.collision(name)) if self.fields is not None else (0.0, 0.0)
 
 
 def checked_number(what: str, value: _typing.Any, low: float, high: float) -> float:

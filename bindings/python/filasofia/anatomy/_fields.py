@@ -54,14 +54,16 @@ class Fields:
         slope = np.stack([b[1] - b[0], dy[0] + x * (dy[1] - dy[0]), dz_y[0] + x * (dz_y[1] - dz_y[0])], axis=1)
         return value, slope / self.step
 
-    def largest(self, points: Array) -> Array:
-        """Row of the largest field at each point."""
-        best, out = self.sample(points, np.zeros(len(points), int)), np.zeros(len(points), int)
+    def leader(self, points: Array) -> tuple[Array, Array]:
+        """Row of the largest field at each point, and by how much it is larger than the next one."""
+        first = self.sample(points, np.zeros(len(points), int))
+        second, out = np.full(len(points), -np.inf), np.zeros(len(points), int)
         for row in range(1, len(self.labels)):
             value = self.sample(points, np.full(len(points), row))
-            better = value > best
-            best, out = np.where(better, value, best), np.where(better, row, out)
-        return out
+            better = value > first
+            second = np.where(better, first, np.maximum(second, value))
+            first, out = np.where(better, value, first), np.where(better, row, out)
+        return out, first - second
 
 
 def _signed_distance(inside: Array, spacing: Array, sigma: float) -> Array:

@@ -8,10 +8,17 @@ from __future__ import annotations
 import numpy as np
 
 from ._fields import Fields
+from ._needs import need
 from ._shapes import EDGES, faces_of, neighbours
 from ._types import Array
 
-_INNER = 0.45  # samples of a tetrahedron: its middle, and points at this share of the way to its corners
+# Points of a tetrahedron: the 20 of a cubic element, each a quarter of the way to the middle.
+_POINTS = [
+    0.75 * np.array([i, j, k, 3 - i - j - k]) / 3.0 + 0.0625
+    for i in range(4) for j in range(4 - i) for k in range(4 - i - j)
+]  # fmt: skip
+_ENOUGH = 2  # of those points
+_AWAY = 0.8  # times the reach of a tetrahedron from its middle, 0.56 of the size of the lattice: neighbours are nearer
 
 
 def lattice(origin: Array, shape: Array, size: float) -> tuple[Array, Array]:
@@ -33,22 +40,36 @@ def lattice(origin: Array, shape: Array, size: float) -> tuple[Array, Array]:
     return nodes, np.concatenate(out)
 
 
-def _means(fields: Fields, nodes: Array, tetrahedra: Array) -> Array:
-    """Mean of each field over each tetrahedron, (labels, n)."""
+def _votes(fields: Fields, nodes: Array, tetrahedra: Array) -> Array:
+    """Row that has most of 20 points in each tetrahedron; the field at the middle decides where it is far ahead."""
     corner = nodes[tetrahedra]
     middle = corner.mean(axis=1)
-    points = [middle, *(middle + 2.0 * _INNER * (corner[:, k] - middle) for k in range(4))]
-    weight = [0.4, 0.15, 0.15, 0.15, 0.15]
-    out = np.zeros((len(fields.labels), len(middle)))
-    for row in range(len(fields.labels)):
-        rows = np.full(len(middle), row)
-        for point, share in zip(points, weight):
-            out[row] += share * fields.sample(point, rows)
+    out, ahead = fields.leader(middle)
+    reach = np.linalg.norm(corner - middle[:, None], axis=2).max(axis=1)
+    open_ = np.flatnonzero(ahead < 2.0 * reach)
+    count = np.zeros((len(fields.labels), len(open_)))
+    for weight in _POINTS:
+        row = fields.leader(np.einsum("k,nki->ni", weight, corner[open_]))[0]
+        count[row, np.arange(len(open_))] += 1.0
+    count[out[open_], np.arange(len(open_))] += 0.5  # of equal votes the middle's counts
+    out[open_] = count.argmax(axis=0)
+    _keep_thin(middle, out, open_, count, float(reach.max()))
     return out
 
 
+def _keep_thin(middle: Array, rows: Array, open_: Array, count: Array, reach: float) -> None:
+    """What is thinner than a tetrahedron has the majority nowhere: there a tenth of the points is enough."""
+    tree = need("scipy.spatial", "scipy", "meshing").cKDTree
+    for row in range(1, len(count)):
+        few = open_[(count[row] >= _ENOUGH) & (rows[open_] == 0)]
+        mine = np.flatnonzero(rows == row)
+        if len(few) and len(mine):
+            few = few[tree(middle[mine]).query(middle[few])[0] > _AWAY * reach]
+        rows[few] = row
+
+
 def labelled(fields: Fields, size: float) -> tuple[Array, Array, Array]:
-    """Nodes, tetrahedra and the row of the field that is the largest in each; those far outside are left out."""
+    """Nodes, tetrahedra and the row of the field that has most of each; those far outside are left out."""
     room = (np.array(fields.values.shape[1:]) - 1) * fields.step
     shape = np.ceil(room / size).astype(int) + 2
     origin = fields.origin - 0.5 * (shape * size - room)
@@ -58,7 +79,7 @@ def labelled(fields: Fields, size: float) -> tuple[Array, Array, Array]:
     near = outside < 1.6 * size
     inside_box = ((middle > fields.origin) & (middle < fields.origin + room)).all(axis=1)
     tetrahedra = tetrahedra[near & inside_box]
-    return nodes, tetrahedra, _means(fields, nodes, tetrahedra).argmax(axis=0)
+    return nodes, tetrahedra, _votes(fields, nodes, tetrahedra)
 
 
 def tidy(nodes: Array, tetrahedra: Array, rows: Array, smallest: int = 6) -> Array:

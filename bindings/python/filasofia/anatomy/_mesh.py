@@ -18,6 +18,7 @@ _MOST_TETRAHEDRA = 5_000_000
 _PULLS = ((5.0, 40), (50.0, 50), (300.0, 60), (2000.0, 120))  # weight of the surfaces, steps
 # Tetrahedra after the fit per tetrahedron of the lattice inside: those at the rim are divided. Measured: 1.1 to 1.3.
 _GROWTH = 1.2
+_FARTHEST = 0.12  # of the elements' size: how far surfaces may be moved to correct volumes
 
 
 def size_for(volume: float, tetrahedra: float) -> float:
@@ -95,14 +96,17 @@ def _to_volume(
     fields: Fields, nodes: Array, tetrahedra: Array, rows: Array, faces: _fit.Interface, wanted: Array, size: float
 ) -> Array:
     """Shifts the fields until the organs of the mesh have the wanted volumes: corners on a round surface cut it short."""
-    pull = _PULLS[-1][0]
+    pull, moved = _PULLS[-1][0], np.zeros(len(wanted))
     for _ in range(5):
         now = np.bincount(rows, _shapes.volumes(nodes, tetrahedra), len(fields.labels))[1:]
         if np.all(np.abs(now - wanted) < 2e-3 * wanted):
             break
+        shift = (wanted - now) / _areas(nodes, faces, len(fields.labels))[1:]
+        # Not further: what is missing because it is thinner than the elements must not be made up for elsewhere.
+        shift = np.clip(moved + shift, -_FARTHEST * size, _FARTHEST * size) - moved
+        moved += shift
         # Half of the difference of two fields is a distance, so a field moves by twice of what its surface shall.
-        shift = 2.0 * (wanted - now) / _areas(nodes, faces, len(fields.labels))[1:]
-        fields.values[1:] += np.clip(shift, -0.2 * size, 0.2 * size)[:, None, None, None].astype(np.float32)
+        fields.values[1:] += (2.0 * shift)[:, None, None, None].astype(np.float32)
         nodes = _fit.fit(fields, nodes, tetrahedra, faces, size, pull, 60)
     return nodes
 

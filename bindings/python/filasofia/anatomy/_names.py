@@ -39,7 +39,7 @@ _KINDS: list[tuple[str, Kind]] = [
     ("colon_wall", Kind("colon")),
     ("bowel_wall", Kind("small_bowel")),
     ("stomach_wall", Kind("stomach")),
-    ("bladder stomach colon bowel duodenum esophag oesophag trachea aorta arter vein vena vessel heart atrium ventricle rectum", Kind(None, note=_HOLLOW)),
+    ("gallbladder bladder stomach colon bowel duodenum esophag oesophag trachea aorta arter vein vena vessel heart atrium ventricle rectum", Kind(None, note=_HOLLOW)),
     ("kidney", Kind("kidney")),
     ("liver hepat", Kind("liver")),
     ("spleen", Kind("spleen")),

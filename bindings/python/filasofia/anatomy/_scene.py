@@ -66,8 +66,12 @@ def _material(names: list[str], plan: Plan) -> Json:
 def _show(name: str, surface: str, bone: bool) -> Json:
     if bone:
         return {"surface": surface, "material": "BoneMaterial"}
-    colour = next((c for words, c in _COLOURS if any(word in plain(name) for word in words.split())), (0.62, 0.38, 0.30))
-    return {"surface": surface, "material": {"baseColor": list(colour), "subsurfaceColor": [min(1.0, 1.5 * c) for c in colour]}}
+    colour = colour_of(name)
+    return {"surface": surface, "material": {"baseColor": list(colour), "subsurfaceColor": [0.8 * c for c in colour]}}
+
+
+def colour_of(name: str) -> tuple[float, float, float]:
+    return next((c for words, c in _COLOURS if any(word in plain(name) for word in words.split())), (0.62, 0.38, 0.30))
 
 
 def groups_of(anatomy: Anatomy, plan: Plan, separate: bool) -> list[list[str]]:

@@ -10,10 +10,13 @@ import numpy as np
 
 from filasofia import Error
 
-from ._anatomy import Anatomy
+from ._anatomy import Anatomy, Quality
+from ._mesh import LEAST_ANGLE
 from ._names import plain
 from ._picture import Picture
 from ._types import Array
+
+_FAR = 0.75  # of the elements' size
 
 
 def _save(file: str, parts: _typing.Iterable[str]) -> None:
@@ -60,16 +63,33 @@ def write_json(file: str, value: _typing.Any) -> None:
     _save(file, [_json.dumps(value, indent=1), "\n"])
 
 
+def _warnings(anatomy: Anatomy, name: str, quality: Quality) -> list[str]:
+    """What a person should look at before they trust the mesh."""
+    out = []
+    if quality.hausdorff > _FAR * anatomy.size:
+        out.append(f"'{name}' differs from its surface by up to {1e3 * quality.hausdorff:.1f} mm: parts of it are thinner than the elements of "
+                   f"{1e3 * anatomy.size:.1f} mm; ask for more tetrahedra")  # fmt: skip
+    off = quality.volume / quality.wanted_volume - 1.0
+    if abs(off) > 0.01:
+        out.append(f"the volume of '{name}' is off by {100 * off:+.1f} %; ask for more tetrahedra")
+    if quality.flat:
+        at = ", ".join(f"{1e3 * x:.1f}" for x in quality.flat_at)
+        out.append(f"'{name}' has {quality.flat} tetrahedra with an angle below {LEAST_ANGLE:g} degrees, the worst {quality.least_angle:.1f} at ({at}) mm")
+    return out
+
+
 def report_of(anatomy: Anatomy) -> dict[str, _typing.Any]:
     """What was measured of each organ, landmarks, and which nodes neighbours share."""
-    organs = {}
+    organs, notes = {}, list(anatomy.notes)
     for name in anatomy.names.values():
-        organs[name] = {**anatomy.quality(name)._asdict(), "landmarks": anatomy.landmarks(name)}
+        quality = anatomy.quality(name)
+        organs[name] = {**quality._asdict(), "landmarks": anatomy.landmarks(name)}
+        notes += _warnings(anatomy, name, quality)
     shared = []
     for first, second in anatomy.neighbours():
         nodes, to = anatomy.shared(first, second)
         shared.append({"first": first, "second": second, "nodes": nodes.tolist(), "to_nodes": to.tolist()})
-    return {"element_size": anatomy.size, "organs": organs, "attachments": shared, "notes": anatomy.notes}
+    return {"element_size": anatomy.size, "organs": organs, "attachments": shared, "notes": notes}
 
 
 def write_anatomy(anatomy: Anatomy, file: str, parts: _typing.Optional[str] = None, detail: int = 2) -> dict[str, _typing.Any]:
