@@ -14,7 +14,7 @@ from ._picture import Picture
 from ._read import read_labels
 from ._scene import write_scene
 from ._solids import mesh_surfaces
-from ._write import write_anatomy, write_msh, write_obj
+from ._write import write_anatomy, write_labels, write_msh, write_obj
 
 __all__ = [
     "Anatomy",
@@ -30,6 +30,7 @@ __all__ = [
     "read_labels",
     "read_names",
     "write_anatomy",
+    "write_labels",
     "write_msh",
     "write_obj",
     "write_scene",

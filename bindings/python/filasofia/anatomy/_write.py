@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gzip
 import json as _json
 import os as _os
+import struct
 import typing as _typing
 
 import numpy as np
@@ -12,6 +14,7 @@ from filasofia import Error
 
 from ._anatomy import Anatomy, Quality
 from ._mesh import LEAST_ANGLE
+from ._labels import LabelMap
 from ._names import plain
 from ._picture import Picture
 from ._types import Array
@@ -57,6 +60,30 @@ def write_obj(file: str, surface: _typing.Union[Picture, tuple[Array, Array]]) -
     else:
         parts.append(_rows("f %d %d %d\n", corner))
     _save(file, parts)
+
+
+def write_labels(map_: LabelMap, file: str) -> None:
+    """A label map as NIfTI-1 (.nii, .nii.gz): 16 bits per voxel, millimetres."""
+    if not file.lower().endswith((".nii", ".nii.gz")):
+        raise Error(f"{file}: a label map must end with .nii or .nii.gz")
+    if max(map_.labels) > 32767 or max(map_.array.shape) > 32767:
+        raise Error(f"{file}: labels and sizes must be at most 32767")
+    head = bytearray(352)
+    struct.pack_into("<i", head, 0, 348)
+    struct.pack_into("<8h", head, 40, 3, *map_.array.shape, 1, 1, 1, 1)
+    struct.pack_into("<2h", head, 70, 4, 16)
+    struct.pack_into("<8f", head, 76, 1, *(1e3 * map_.spacing), 0, 0, 0, 0)
+    struct.pack_into("<3f", head, 108, 352, 1, 0)
+    struct.pack_into("<b", head, 123, 2)
+    struct.pack_into("<h", head, 254, 1)
+    struct.pack_into("<12f", head, 280, *(1e3 * map_.affine[:3]).ravel())
+    head[344:348] = b"n+1\0"
+    data = bytes(head) + map_.array.astype("<i2").tobytes(order="F")
+    try:
+        with open(file, "wb") as stream:
+            stream.write(gzip.compress(data, 6, mtime=0) if file.lower().endswith(".gz") else data)
+    except OSError as problem:
+        raise Error(f"{file}: {problem.strerror or problem}") from None
 
 
 def write_json(file: str, value: _typing.Any) -> None:
