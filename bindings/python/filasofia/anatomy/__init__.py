@@ -5,7 +5,7 @@ pip install 'filasofia[anatomy]'."""
 
 from __future__ import annotations
 
-from ._anatomy import Anatomy, Organ, Quality, mesh_labels
+from ._anatomy import Anatomy, Organ, Quality, fitting_size, mesh_labels, thickness
 from ._draw import draw
 from ._input import anatomy_of
 from ._labels import LabelMap
@@ -24,11 +24,13 @@ __all__ = [
     "Quality",
     "anatomy_of",
     "draw",
+    "fitting_size",
     "kind_of",
     "mesh_labels",
     "mesh_surfaces",
     "read_labels",
     "read_names",
+    "thickness",
     "write_anatomy",
     "write_labels",
     "write_msh",

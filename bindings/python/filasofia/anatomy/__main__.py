@@ -36,10 +36,11 @@ def _parser() -> _Parser:
     new = scene.add_parser("new", help="a scene that runs, from a label map, surfaces or a mesh")
     new.add_argument("-o", "--output", metavar="FILE.json", help="the scene (default: INPUT.json in this folder)")
     new.add_argument("--separate", action="store_true", help="each organ is a body of its own, attached node to node")
+    new.add_argument("--gravity", action="store_true", help="organs sag from the shape that the image shows")
     new.add_argument("--force", action="store_true", help="replaces the scene and its folder")
     for each in (mesh, new):
         each.add_argument("input", nargs="+", metavar="INPUT", help="a label map, a mesh of tetrahedra, or a surface for each organ")
-        each.add_argument("--tetrahedra", type=int, metavar="N", help="about so many in all (default: 10000)")
+        each.add_argument("--tetrahedra", type=int, metavar="N", help="about so many in all (default: 10000, or as many as the thinnest organ needs)")
         each.add_argument("--size", type=_length, metavar="LENGTH", help="size of the elements, such as 4mm, in place of a number")
         each.add_argument("--names", metavar="FILE", help="names of labels: an ITK-SNAP label file, or JSON")
         each.add_argument("--labels", metavar="LIST", help="only these, by number or name: 1,2,spleen")
@@ -92,7 +93,7 @@ def _scene(words: argparse.Namespace, tell: typing.Callable[[str], None]) -> Non
     from ._write import report_of
 
     report = report_of(made)
-    notes = _anatomy.write_scene(made, file, tissues, separate=words.separate, detail=words.detail, overwrite=words.force)
+    notes = _anatomy.write_scene(made, file, tissues, separate=words.separate, gravity=words.gravity, detail=words.detail, overwrite=words.force)
     _table(report)
     _notes(report["notes"] + notes, words.quiet)
     print(f"wrote {file} and {file[:-5]}_files; it runs with: filasofia run {file}")

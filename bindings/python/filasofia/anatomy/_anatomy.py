@@ -13,11 +13,13 @@ from ._distance import between
 from ._fields import Fields, make_fields
 from ._level import level_distance
 from ._labels import LabelMap
-from ._mesh import LEAST_ANGLE, mesh_fields, size_for
+from ._mesh import GROWTH, LEAST_ANGLE, mesh_fields, size_for
+from ._needs import scipy_ndimage
 from ._picture import Picture, picture_of
 from ._types import Array, Tell, silent
 
 _FEWEST, _MOST = 20, 5_000_000
+_NEEDED = 1.0  # size of elements relative to what they shall fill: then no organ of a thousand lost its volume
 
 
 class Organ(_typing.NamedTuple):
@@ -137,6 +139,24 @@ def checked_number(what: str, value: _typing.Any, low: float, high: float) -> fl
     return number
 
 
+def thickness(map_: LabelMap) -> dict[int, float]:
+    """Of each organ at its thickest place [m]: the diameter of the largest ball in it."""
+    ndimage = scipy_ndimage()
+    out = {}
+    for label in map_.labels:
+        cut = tuple(slice(int(i.min()), int(i.max()) + 1) for i in np.nonzero(map_.array == label))
+        inside = np.pad(map_.array[cut] == label, 1)
+        out[label] = 2.0 * float(ndimage.distance_transform_edt(inside, sampling=map_.spacing).max())
+    return out
+
+
+def fitting_size(map_: LabelMap, least: int = 10_000, most: int = 60_000) -> float:
+    """Size of elements [m] for `least` tetrahedra, or as small as the thinnest organ needs, for at most about `most` tetrahedra."""
+    volume = sum(map_.volume(label) for label in map_.labels)
+    thin = _NEEDED * min(thickness(map_).values())
+    return max(min(size_for(volume, least), thin), size_for(volume, most))
+
+
 def mesh_labels(
     map_: LabelMap,
     tetrahedra: _typing.Optional[int] = None,
@@ -145,18 +165,21 @@ def mesh_labels(
     smoothing: float = 0.8,
     tell: Tell = silent,
 ) -> Anatomy:
-    """Meshes all organs of a label map together: about so many `tetrahedra` (10,000 if nothing is said), or elements of
-    `size` [m]. `smoothing` is in voxels."""
+    """Meshes all organs of a label map together: about so many `tetrahedra`, or elements of `size` [m]. If nothing is
+    said, 10,000 tetrahedra, or as many as the thinnest organ needs. `smoothing` is in voxels."""
     if tetrahedra is not None and size is not None:
         raise _fs.Error("mesh: tetrahedra and size exclude each other")
     checked_number("mesh: smoothing", smoothing, 0.0, 10.0)
     wanted = np.array([map_.volume(label) for label in map_.labels])
     number = None
-    if size is None:
-        number = int(checked_number("mesh: tetrahedra", 10_000 if tetrahedra is None else tetrahedra, _FEWEST, _MOST))
+    if size is not None:
+        checked_number("mesh: size", size, 1e-6, 1.0)
+    elif tetrahedra is not None:
+        number = int(checked_number("mesh: tetrahedra", tetrahedra, _FEWEST, _MOST))
         size = size_for(float(wanted.sum()), number)
     else:
-        checked_number("mesh: size", size, 1e-6, 1.0)
+        size = fitting_size(map_)
+        number = int(round(12.0 * wanted.sum() * GROWTH / size**3))
     fields = make_fields(map_, size / 4.0, smoothing)
     tell(f"{len(map_.labels)} labels on a grid of {fields.step * 1e3:.2f} mm")
     made = mesh_fields(fields, wanted, size, number, tell)

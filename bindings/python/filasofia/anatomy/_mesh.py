@@ -17,13 +17,13 @@ _WANTED_ANGLE = 12.0
 _MOST_TETRAHEDRA = 5_000_000
 _PULLS = ((5.0, 40), (50.0, 50), (300.0, 60), (2000.0, 120))  # weight of the surfaces, steps
 # Tetrahedra after the fit per tetrahedron of the lattice inside: those at the rim are divided. Measured: 1.1 to 1.3.
-_GROWTH = 1.2
+GROWTH = 1.2
 _FARTHEST = 0.12  # of the elements' size: how far surfaces may be moved to correct volumes
 
 
 def size_for(volume: float, tetrahedra: float) -> float:
     """Edge [m] of the lattice's cubes with which a volume has so many tetrahedra."""
-    return float((12.0 * volume * _GROWTH / tetrahedra) ** (1.0 / 3.0))
+    return float((12.0 * volume * GROWTH / tetrahedra) ** (1.0 / 3.0))
 
 
 class Meshed(_typing.NamedTuple):

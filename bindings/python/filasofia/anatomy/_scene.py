@@ -110,7 +110,7 @@ def _attachments(anatomy: Anatomy, name: str, numbers: Array, placed: list[tuple
     return out
 
 
-def scene_of(anatomy: Anatomy, folder: str, tissues: _typing.Mapping[str, str], separate: bool, detail: int) -> tuple[Json, list[str]]:
+def scene_of(anatomy: Anatomy, folder: str, tissues: _typing.Mapping[str, str], separate: bool, detail: int, gravity: bool) -> tuple[Json, list[str]]:
     """The scene, and what had to be assumed. Writes the meshes into `folder`."""
     plan = plan_of(anatomy, tissues)
     stems, beside = file_names(anatomy), _os.path.basename(folder)
@@ -129,6 +129,8 @@ def scene_of(anatomy: Anatomy, folder: str, tissues: _typing.Mapping[str, str], 
         body: Json = {"name": stem, "mesh": f"{beside}/{stem}.msh", "material": _material(names, plan)}
         if plan.kinds[names[0]].tissue is None:
             body["mass"] = {"type": "Density", "value": 1050.0}
+        if not gravity:
+            body["gravity"] = False  # the image shows the organs as they lie: their weight is in their shape
         body["attachments"] = _attachments(anatomy, stem, numbers, placed, plan.notes)
         body["collision"] = [{}]
         body["show"] = [_show(name, f"{beside}/{stems[name]}.obj", False) for name in names]
@@ -168,11 +170,13 @@ def write_scene(
     tissues: _typing.Optional[_typing.Mapping[str, str]] = None,
     *,
     separate: bool = False,
+    gravity: bool = False,
     detail: int = 2,
     overwrite: bool = False,
 ) -> list[str]:
     """Writes a scene file and its folder of meshes. Organs that touch are one body with regions; with `separate` each is
-    a body of its own, attached node to node. Returns what had to be assumed."""
+    a body of its own, attached node to node. An image shows organs as they lie, so gravity does not act again, unless
+    `gravity` says so. Returns what had to be assumed."""
     if not file.lower().endswith(".json"):
         raise _fs.Error(f"{file}: a scene file must end with .json")
     folder = file[:-5] + "_files"
@@ -183,6 +187,6 @@ def write_scene(
         _os.makedirs(folder, exist_ok=True)
     except OSError as problem:
         raise _fs.Error(f"{folder}: {problem.strerror or problem}") from None
-    scene, notes = scene_of(anatomy, folder, dict(tissues or {}), separate, detail)
+    scene, notes = scene_of(anatomy, folder, dict(tissues or {}), separate, detail, gravity)
     write_json(file, scene)
     return notes
