@@ -9,6 +9,7 @@ from ._anatomy import Anatomy, Organ, Quality, fitting_size, mesh_labels, thickn
 from ._draw import draw
 from ._input import anatomy_of
 from ._labels import LabelMap
+from ._lines import centre_line
 from ._names import kind_of, read_names
 from ._picture import Picture
 from ._read import read_labels
@@ -23,6 +24,7 @@ __all__ = [
     "Picture",
     "Quality",
     "anatomy_of",
+    "centre_line",
     "draw",
     "fitting_size",
     "kind_of",

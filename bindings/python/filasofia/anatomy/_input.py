@@ -18,7 +18,7 @@ from ._solids import mesh_surfaces
 from ._types import Array, Tell, silent
 
 SURFACES = (".stl", ".ply", ".obj", ".gltf", ".glb", ".vtp")
-TETRAHEDRA = (".msh", ".vtu", ".node", ".ele", ".inp", ".xdmf", ".med", ".mesh", ".bdf")
+TETRAHEDRA = (".msh", ".vtu", ".node", ".ele", ".inp", ".xdmf", ".med", ".mesh")
 _OURS = (".msh", ".vtk", ".vtu", ".node", ".ele")
 
 
@@ -36,12 +36,13 @@ def is_tetrahedra(file: str) -> bool:
 
 def read_surface(file: str) -> tuple[Array, Array]:
     """Vertices and triangles in the file's own unit."""
-    read_bytes(file)[:1]
+    read_bytes(file)  # says what is wrong with the file, before others do
     if _ending(file) != ".vtp":
         mesh = _fs.load_triangle_mesh(file)
         return mesh.vertices, mesh.triangles
+    vtk = need("pyvista", "pyvista", f"{file}: VTP")
     try:
-        mesh = need("pyvista", "pyvista", f"{file}: VTP").read(file).triangulate()
+        mesh = vtk.read(file).triangulate()
         return np.array(mesh.points, float), np.array(mesh.faces).reshape(-1, 4)[:, 1:]
     except (RuntimeError, ValueError, AttributeError) as problem:
         raise _fs.Error(f"{file}: VTK cannot read it: {str(problem).strip()[:200]}") from None
@@ -80,7 +81,7 @@ def read_tetrahedra(file: str, scale: _typing.Optional[float] = None) -> Anatomy
 
 def _with_meshio(file: str) -> tuple[Array, Array, Array, dict[int, str]]:
     meshio = need("meshio", "meshio", f"{file}: this kind of mesh")
-    read_bytes(file)[:1]
+    read_bytes(file)  # says what is wrong with the file, before others do
     try:
         mesh = meshio.read(file)
         blocks = [i for i, block in enumerate(mesh.cells) if block.type == "tetra"]
@@ -156,7 +157,7 @@ def _chosen(map_: LabelMap, words: _typing.Sequence[str]) -> list[int]:
     for word in words:
         if word in by_name:
             out.append(by_name[word])
-        elif word.isdigit() and len(word) < 10:
+        elif word.isascii() and word.isdigit() and len(word) < 10:
             out.append(int(word))
         else:
             raise _fs.Error(f"{map_.source}: has no label '{word}'; it has {', '.join(by_name)}")

@@ -21,6 +21,7 @@ class LabelMap:
     voxel at the origin. `names` are the organs' names by label.
     """
 
+    @np.errstate(all="ignore")  # what is not finite is refused
     def __init__(
         self,
         array: _typing.Any,

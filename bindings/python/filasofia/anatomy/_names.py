@@ -78,7 +78,7 @@ def read_names(file: str) -> tuple[dict[int, str], dict[str, str]]:
             raise Error(f"{file}: is not JSON: {problem}") from None
         for key, value in given.items():
             name = value.get("name") if isinstance(value, dict) else value
-            if not key.isdigit() or len(key) > 9 or not isinstance(name, str) or not name:
+            if not (key.isascii() and key.isdigit()) or len(key) > 9 or not isinstance(name, str) or not name:
                 raise Error(f"{file}: '{key[:40]}' must be a label, a whole number, with a name")
             names[int(key)] = name
             tissue = value.get("tissue") if isinstance(value, dict) else None

@@ -38,12 +38,13 @@ _TO_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])  # ITK's axes point to the left and to
 def read_bytes(file: str) -> bytes:
     """The whole file, or an Error with its name."""
     try:
-        if _os.path.getsize(file) > MOST_BYTES:
-            raise Error(f"{file}: files may have {MOST_BYTES} bytes, got {_os.path.getsize(file)}")
-        with open(file, "rb") as stream:
-            return stream.read()
-    except OSError as problem:
-        raise Error(f"{file}: {problem.strerror or problem}") from None
+        regular, size = _os.path.isfile(file) or not _os.path.exists(file), _os.path.getsize(file)
+        if regular and size <= MOST_BYTES:
+            with open(file, "rb") as stream:
+                return stream.read()
+    except (OSError, ValueError) as problem:  # ValueError: a name with a zero in it
+        raise Error(f"{file}: {getattr(problem, 'strerror', None) or problem}") from None
+    raise Error(f"{file}: files may have {MOST_BYTES} bytes, got {size}" if regular else f"{file}: must be a file")
 
 
 def _inflated(data: bytes, most: int, file: str, wrapper: int = 47) -> bytes:
@@ -96,6 +97,7 @@ def _three(array: Array, file: str) -> Array:
     return array
 
 
+@np.errstate(all="ignore")  # what is not finite is refused
 def parse_nifti(data: bytes, file: str, voxels: _typing.Optional[bytes] = None) -> tuple[Array, Array]:
     """Array and affine [m] of NIfTI-1 and 2, packed or not. `voxels` are those of an .img file."""
     packed = data[:2] == b"\x1f\x8b"
@@ -202,7 +204,7 @@ def _numbers(fields: dict[str, str], key: str, count: int, file: str, standard: 
 
 def _sizes(fields: dict[str, str], key: str, file: str) -> list[int]:
     words = fields.get(key, "").split()
-    if len(words) != 3 or not all(word.isdigit() and len(word) < 12 for word in words):
+    if len(words) != 3 or not all(word.isascii() and word.isdigit() and len(word) < 12 for word in words):
         raise Error(f"{file}: {key} must be 3 whole numbers > 0 (one label per voxel, one segmentation), got '{fields.get(key, '')[:60]}'")
     return [int(word) for word in words]
 
@@ -214,6 +216,7 @@ def _beside(file: str, name: str) -> bytes:
     return read_bytes(_os.path.join(_os.path.dirname(file), name))
 
 
+@np.errstate(all="ignore")  # what is not finite is refused
 def parse_nrrd(data: bytes, file: str) -> tuple[Array, Array, dict[int, str]]:
     """Array, affine [m] and 3D Slicer's names of segments."""
     if not data.startswith(b"NRRD"):
@@ -250,11 +253,12 @@ def _segment_names(fields: dict[str, str]) -> dict[int, str]:
     for key, value in fields.items():
         if key.startswith("segment") and key.endswith("_name"):
             label = fields.get(key[:-5] + "_labelvalue", "")
-            if label.isdigit() and len(label) < 10:
+            if label.isascii() and label.isdigit() and len(label) < 10:
                 names[int(label)] = value
     return names
 
 
+@np.errstate(all="ignore")  # what is not finite is refused
 def parse_meta(data: bytes, file: str) -> tuple[Array, Array]:
     """Array and affine [m] of MetaImage."""
     fields, at = _lines(data, "=", lambda line: line.lower().startswith("elementdatafile"), file)
