@@ -87,6 +87,7 @@ def one(name, file, names, tetrahedra, folder, steps, separate=False):
     scene = os.path.join(folder, "scene.json")
     anatomy.write_scene(made, scene, overwrite=True, separate=separate)
     with fs.load(scene, threads=2) as sim:
+        sim.step()
         soft = [body for body in sim.bodies if hasattr(sim.frame[body], "positions")]
         rest = {body: sim.frame[body].positions.copy() for body in soft}
         largest = max(soft, key=lambda body: len(rest[body]))
@@ -94,14 +95,14 @@ def one(name, file, names, tetrahedra, folder, steps, separate=False):
         depth = min(0.01, 0.2 * float(np.ptp(rest[largest][:, 1])))
         sim.remove(sim.bodies[-1])  # the scene's probe
         ball = sim.add(fs.RigidBodyDef(name="ball", elements=[top + [0, 0.009, 0]], mesh=fs.shapes.sphere(0.008), collision=[fs.CollisionDef()]))
-        sim.step()
         seconds = time.perf_counter() - begin
+        sim.step()
         begin = time.perf_counter()
         sim.step(int(0.3 * steps), moves={ball: top + [0, 0.008 - depth, 0]})
         moved = max(float(np.linalg.norm(sim.frame[body].positions - rest[body], axis=1).max()) for body in soft)
         sim.step(int(0.2 * steps), moves={ball: top + [0, 0.03, 0]})
-        sim.step(steps - 1 - int(0.3 * steps) - int(0.2 * steps))
-        rate = (steps - 1) / (time.perf_counter() - begin)
+        sim.step(steps - 3 - int(0.3 * steps) - int(0.2 * steps))
+        rate = (steps - 3) / (time.perf_counter() - begin)
         report = sim.report()
         left = max(float(np.linalg.norm(sim.frame[body].positions - rest[body], axis=1).max()) for body in soft)
         finite = all(np.isfinite(sim.frame[body].positions).all() for body in soft)
@@ -142,6 +143,8 @@ def at_random(first, count):
     fine, said, far = 0, [], []
     for seed in range(first, first + count):
         map_ = ph.random_anatomy(seed)
+        if seed > first and (seed - first) % 25 == 0:
+            print(f"{fine} of {seed - first}", flush=True)
         try:
             made = anatomy.mesh_labels(map_, size=anatomy.fitting_size(map_, 2000, 30_000))
             made.mesh()

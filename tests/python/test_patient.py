@@ -22,12 +22,12 @@ ROOT = os.environ["FILASOFIA_ROOT"]
 def patient():
     """Liver, gallbladder, vein and vertebra."""
     map_ = phantoms.liver_and_gallbladder(4e-3)
-    return map_, anatomy.mesh_labels(map_, 2500)
+    return map_, anatomy.mesh_labels(map_, 6000)
 
 
 def test_organs_have_their_volumes_and_no_flat_elements(patient):
     map_, made = patient
-    assert abs(len(made.tetrahedra) - 2500) < 250
+    assert abs(len(made.tetrahedra) - 6000) < 600
     for label, name in map_.names.items():
         quality = made.quality(name)
         assert quality.wanted_volume == pytest.approx(map_.volume(label))
@@ -53,7 +53,7 @@ def test_neighbours_share_nodes_and_the_engine_accepts_every_mesh(patient):
 
 def test_the_same_input_gives_the_same_bits(patient):
     map_, made = patient
-    again = anatomy.mesh_labels(map_, 2500)
+    again = anatomy.mesh_labels(map_, 6000)
     assert np.array_equal(again.nodes, made.nodes) and np.array_equal(again.tetrahedra, made.tetrahedra)
 
 
@@ -63,7 +63,7 @@ def test_surfaces_of_the_mesh_lie_on_a_known_sphere():
     map_ = phantoms.label_map({"liver": phantoms.ellipsoid((0, 0, 0), (radius,) * 3)}, (-0.04,) * 3, (0.04,) * 3, 1e-3)
     made = anatomy.mesh_labels(map_, 4000)
     off = np.linalg.norm(made.collision("liver")[0], axis=1) - radius
-    assert np.abs(off).max() < 1.0e-3 and np.abs(off).mean() < 0.3e-3  # a voxel, a third of one
+    assert np.abs(off).max() < 0.2 * made.size and np.abs(off).mean() < 0.05 * made.size
     picture = made.picture("liver")
     off = np.linalg.norm(picture.vertices, axis=1) - radius
     assert np.abs(off).max() < 0.7e-3 and np.abs(off).mean() < 0.2e-3
@@ -120,11 +120,13 @@ def test_a_scene_of_a_label_map_moves_and_stays_whole(patient, tmp_path, separat
         assert stiff["gallbladder"] == fs.tissue("bladder").material.young_modulus
     with fs.load(file, threads=1) as sim:
         soft = sim.bodies[1]
+        sim.step()
         rest = sim.frame[soft].positions.copy()
         sim.step(20)
         assert np.abs(sim.frame[soft].positions - rest).max() < 1e-6  # the image shows them at rest
         top = rest[rest[:, 1].argmax()]
         ball = sim.add(fs.RigidBodyDef(name="ball", elements=[top + [0, 0.009, 0]], mesh=fs.shapes.sphere(0.008), collision=[fs.CollisionDef()]))
+        sim.step()
         report = sim.step(80, moves={ball: top + [0, -0.002, 0]})
         moved = np.abs(sim.frame[soft].positions - rest).max()
         assert 0.003 < moved < 0.02 and report.inverted.count == 0
@@ -137,20 +139,20 @@ def bunny():
 
 def test_broken_surfaces_are_told_and_repaired():
     v, f = bunny()
-    whole = anatomy.mesh_surfaces({"bunny": (v, f)}, 3000)
+    whole = anatomy.mesh_surfaces({"bunny": (v, f)}, 2000)
     quality = whole.quality("bunny")
     volume = _shapes.enclosed(v, f)
     assert whole.notes == [] and abs(quality.volume / volume - 1) < 0.01 and quality.least_angle >= 10
     mixed = np.where(np.random.default_rng(0).random(len(f))[:, None] < 0.1, f[:, ::-1], f)
     far = np.linalg.norm(v[f].mean(axis=1) - v[f[100]].mean(axis=0), axis=1) > 0.012
-    broken = anatomy.mesh_surfaces({"bunny": (1e3 * v, mixed[far])}, 3000)
+    broken = anatomy.mesh_surfaces({"bunny": (1e3 * v, mixed[far])}, 2000)
     assert [re.sub(r"\d[\d.]*", "N", note) for note in broken.notes] == [
         "bunny: it is N large, so its unit is taken for millimetres (--scale N says metres)",
         "bunny: N edges have a triangle on one side only: its holes are closed",
         "bunny: N triangles faced the other way than their neighbours and were turned",
     ]
     assert abs(broken.quality("bunny").volume / volume - 1) < 0.01
-    soup = anatomy.mesh_surfaces({"bunny": (v[f].reshape(-1, 3), np.arange(3 * len(f)).reshape(-1, 3)[:, ::-1])}, 3000)
+    soup = anatomy.mesh_surfaces({"bunny": (v[f].reshape(-1, 3), np.arange(3 * len(f)).reshape(-1, 3)[:, ::-1])}, 2000)
     assert "vertices lay on others" in soup.notes[0] and "faced inwards" in soup.notes[1]
     assert np.array_equal(soup.tetrahedra, whole.tetrahedra)
 
@@ -283,7 +285,7 @@ def test_wrong_words_are_refused_in_one_line(tmp_path, monkeypatch, capsys):
         "mesh": "the following arguments are required",
         "mesh a.nii -o a.txt": "--output must end with .msh, got 'a.txt'",
         "mesh none.nii -o a.msh": "none.nii: No such file or directory",
-        "mesh b.nii -o a.msh": "b.nii: the header announces 43152 bytes of voxels, but the file has 648",
+        "mesh b.nii -o a.msh": "b.nii: the header announces 15686 bytes of voxels, but the file has 648",
         "mesh a.nii -o a.msh --labels 7": "a.nii: has no label 7; it has [1]",
         "mesh a.nii -o a.msh --size 4parsec": "must be a length such as 4mm",
         "mesh a.nii -o none/a.msh": "the folder of 'none/a.msh' must exist",

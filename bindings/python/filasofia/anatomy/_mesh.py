@@ -35,12 +35,13 @@ class Meshed(_typing.NamedTuple):
 
 def mesh_fields(fields: Fields, wanted: Array, size: float, number: _typing.Optional[int], tell: Tell) -> Meshed:
     """Tetrahedra of all fields but the background. `wanted` [m^3] are the organs' volumes; `number` corrects the size."""
-    for turn in range(3):
+    for turn in range(6):
         nodes, tetrahedra, rows = _start(fields, size)
         tell(f"lattice of {size * 1e3:.2f} mm: {len(tetrahedra)} tetrahedra")
-        if number is None or abs(len(tetrahedra) - number) < 0.05 * number or turn == 2:
+        if number is None or abs(len(tetrahedra) - number) < 0.05 * number or turn == 5:
             break
-        size *= float(np.clip(len(tetrahedra) / number, 0.2, 5.0) ** (1.0 / 3.0))
+        # By a little less each time: the number jumps as layers of the lattice come and go.
+        size *= float(np.clip(len(tetrahedra) / number, 0.2, 5.0) ** (1.0 / (3.0 + turn)))
     _refuse_lost(fields, rows, wanted, size)
     for pull, steps in _PULLS:
         faces = _fit.interface_of(tetrahedra, rows)
@@ -51,10 +52,13 @@ def mesh_fields(fields: Fields, wanted: Array, size: float, number: _typing.Opti
     return Meshed(nodes, tetrahedra, rows, size)
 
 
+def refuse_too_small(size: float, room: float) -> None:
+    """`room` [m^3] is that of the box around all organs."""
+    if room / size**3 * 12 > 20 * _MOST_TETRAHEDRA:
+        raise Error(f"mesh: elements of {size * 1e3:.3g} mm are too small for this image: the box around the organs has room for {room / size**3 * 12:.1e}")
+
+
 def _start(fields: Fields, size: float) -> tuple[Array, Array, Array]:
-    expected = np.prod(np.array(fields.values.shape[1:]) * fields.step / size) * 12
-    if expected > 20 * _MOST_TETRAHEDRA:
-        raise Error(f"mesh: elements of {size * 1e3:.3g} mm are too small for this image: more than {_MOST_TETRAHEDRA} tetrahedra")
     nodes, tetrahedra, rows = _lattice.labelled(fields, size)
     rows = _lattice.tidy(nodes, tetrahedra, rows)
     tetrahedra, rows = tetrahedra[rows > 0], rows[rows > 0]

@@ -13,7 +13,7 @@ from ._anatomy import Anatomy, checked_number
 from ._dirty import Surface, clean, inside
 from ._distance import samples, to_triangles
 from ._fields import Fields, filled
-from ._mesh import mesh_fields, size_for
+from ._mesh import mesh_fields, refuse_too_small, size_for
 from ._needs import need
 from ._types import Array, Tell, silent
 
@@ -83,6 +83,7 @@ def mesh_surfaces(
         size = size_for(min(rough, float(np.prod(high - low))), number)
     else:
         checked_number("mesh: size", size, 1e-6, 1.0)
+    refuse_too_small(size, float(np.prod(high - low)))
     fields = _fields_of(parts, low, high, size, notes)
     wanted = filled(fields)[0]
     for row, part in enumerate(parts.values()):

@@ -90,7 +90,7 @@ def liver_and_gallbladder(spacing: float = 2e-3) -> LabelMap:
     organs = {
         "liver": liver,
         "gallbladder": ellipsoid((0.03, 0.028, -0.05), (0.014, 0.014, 0.026)),
-        "hepatic_vein": tube([(0.0, -0.01, 0.09), (0.0, 0.0, 0.02), (0.03, 0.0, -0.02)], 0.007),
+        "hepatic_vein": tube([(0.0, -0.01, 0.09), (0.0, 0.0, 0.02), (0.03, 0.0, -0.02)], 0.009),
         "vertebra": without(ellipsoid((0.0, -0.065, 0.0), (0.03, 0.025, 0.04)), ellipsoid((0, 0, 0), (0.09, 0.05, 0.06))),
     }
     return label_map(organs, (-0.1, -0.1, -0.09), (0.1, 0.06, 0.1), spacing)
