@@ -236,6 +236,9 @@ def test_readers_agree_on_one_patient(tmp_path):
         assert np.array_equal(read.array, map_.array)
         assert np.allclose(read.affine, map_.affine, atol=1e-7)
     assert anatomy.read_labels(str(tmp_path / "a.nrrd")).names == {1: "portal vein"}
+    anatomy.write_labels(map_, str(tmp_path / "b.nrrd"))
+    read = anatomy.read_labels(str(tmp_path / "b.nrrd"))
+    assert np.array_equal(read.array, map_.array) and np.allclose(read.affine, map_.affine, atol=1e-9) and read.names == map_.names
 
 
 def test_names_come_from_itk_snap_and_json(tmp_path):

@@ -5,6 +5,7 @@ pip install 'filasofia[anatomy]'."""
 
 from __future__ import annotations
 
+from . import phantoms
 from ._anatomy import Anatomy, Organ, Quality, fitting_size, mesh_labels, thickness
 from ._draw import draw
 from ._input import anatomy_of
@@ -30,6 +31,7 @@ __all__ = [
     "kind_of",
     "mesh_labels",
     "mesh_surfaces",
+    "phantoms",
     "read_labels",
     "read_names",
     "thickness",

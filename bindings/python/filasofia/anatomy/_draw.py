@@ -20,19 +20,20 @@ _WIDTH, _HEIGHT = 640, 600
 def voxel_surface(map_: LabelMap, label: int) -> tuple[Array, Array]:
     """Faces of the label's voxels."""
     inside = np.pad(map_.array == label, 1)
-    vertices, triangles = [], []
+    vertices: list[Array] = []
+    triangles: list[Array] = []
     for axis in range(3):
         for sign in (1, -1):
             rim = np.argwhere(inside & ~np.roll(inside, -sign, axis)) - 1
             u, v = np.eye(3)[(axis + 1) % 3], np.eye(3)[(axis + 2) % 3]
             middle = rim + 0.5 * sign * np.eye(3)[axis]
             ring = [middle - 0.5 * u - 0.5 * v, middle + 0.5 * u - 0.5 * v, middle + 0.5 * u + 0.5 * v, middle - 0.5 * u + 0.5 * v]
-            at = len(rim) * np.arange(4)[None, :] + np.arange(len(rim))[:, None] + sum(len(part) for part in vertices)
+            at = len(rim) * np.arange(4)[None, :] + np.arange(len(rim))[:, None] + sum([len(part) for part in vertices])
             order = at if sign > 0 else at[:, ::-1]
             vertices.append(np.concatenate(ring))
             triangles += [order[:, [0, 1, 2]], order[:, [0, 2, 3]]]
-    out = map_.world(np.concatenate(vertices)), np.concatenate(triangles)
-    return out if np.linalg.det(map_.affine[:3, :3]) > 0 else (out[0], out[1][:, ::-1])
+    places, order = map_.world(np.concatenate(vertices)), np.concatenate(triangles)
+    return places, order if np.linalg.det(map_.affine[:3, :3]) > 0 else order[:, ::-1]
 
 
 def _render(surfaces: _typing.Mapping[str, tuple[Array, Array]], low: Array, high: Array) -> _typing.Any:

@@ -103,8 +103,8 @@ def _sets_of(mesh: _typing.Any, blocks: list[int], count: int) -> tuple[Array, d
     labels, names = np.zeros(count, np.int64), {}
     start = np.concatenate([[0], np.cumsum([len(mesh.cells[i].data) for i in blocks])])
     for number, (name, lists) in enumerate(mesh.cell_sets.items(), 1):
-        mine = [start[k] + np.asarray(lists[i], np.int64) for k, i in enumerate(blocks) if lists[i] is not None]
-        mine = np.concatenate(mine) if mine else np.zeros(0, np.int64)
+        parts = [start[k] + np.asarray(lists[i], np.int64) for k, i in enumerate(blocks) if lists[i] is not None]
+        mine = np.concatenate(parts) if parts else np.zeros(0, np.int64)
         mine = mine[labels[mine] == 0]
         labels[mine] = number
         if len(mine):

@@ -63,11 +63,26 @@ def write_obj(file: str, surface: _typing.Union[Picture, tuple[Array, Array]]) -
 
 
 def write_labels(map_: LabelMap, file: str) -> None:
-    """A label map as NIfTI-1 (.nii, .nii.gz): 16 bits per voxel, millimetres."""
-    if not file.lower().endswith((".nii", ".nii.gz")):
-        raise Error(f"{file}: a label map must end with .nii or .nii.gz")
+    """A label map as NIfTI-1 (.nii, .nii.gz), or as NRRD (.nrrd), which keeps the names: 16 bits per voxel, millimetres."""
+    lower = file.lower()
+    if not lower.endswith((".nii", ".nii.gz", ".nrrd")):
+        raise Error(f"{file}: a label map must end with .nii, .nii.gz or .nrrd")
     if max(map_.labels) > 32767 or max(map_.array.shape) > 32767:
         raise Error(f"{file}: labels and sizes must be at most 32767")
+    voxels = map_.array.astype("<i2").tobytes(order="F")
+    if lower.endswith(".nrrd"):
+        data = _nrrd_header(map_).encode() + gzip.compress(voxels, 6, mtime=0)
+    else:
+        data = _nifti_header(map_) + voxels
+        data = gzip.compress(data, 6, mtime=0) if lower.endswith(".gz") else data
+    try:
+        with open(file, "wb") as stream:
+            stream.write(data)
+    except OSError as problem:
+        raise Error(f"{file}: {problem.strerror or problem}") from None
+
+
+def _nifti_header(map_: LabelMap) -> bytes:
     head = bytearray(352)
     struct.pack_into("<i", head, 0, 348)
     struct.pack_into("<8h", head, 40, 3, *map_.array.shape, 1, 1, 1, 1)
@@ -78,12 +93,21 @@ def write_labels(map_: LabelMap, file: str) -> None:
     struct.pack_into("<h", head, 254, 1)
     struct.pack_into("<12f", head, 280, *(1e3 * map_.affine[:3]).ravel())
     head[344:348] = b"n+1\0"
-    data = bytes(head) + map_.array.astype("<i2").tobytes(order="F")
-    try:
-        with open(file, "wb") as stream:
-            stream.write(gzip.compress(data, 6, mtime=0) if file.lower().endswith(".gz") else data)
-    except OSError as problem:
-        raise Error(f"{file}: {problem.strerror or problem}") from None
+    return bytes(head)
+
+
+def _nrrd_header(map_: LabelMap) -> str:
+    """With the names as 3D Slicer writes those of segments."""
+
+    def place(numbers: Array) -> str:
+        return "(" + ",".join(f"{1e3 * x:.9g}" for x in numbers) + ")"
+
+    names = "".join(f"Segment{i}_LabelValue:={label}\nSegment{i}_Name:={name}\n" for i, (label, name) in enumerate(map_.names.items()))
+    directions = " ".join(place(map_.affine[:3, k]) for k in range(3))
+    return (
+        f"NRRD0004\ntype: int16\ndimension: 3\nspace: right-anterior-superior\nsizes: {' '.join(map(str, map_.array.shape))}\n"
+        f"space directions: {directions}\nkinds: domain domain domain\nendian: little\nencoding: gzip\nspace origin: {place(map_.affine[:3, 3])}\n{names}\n"
+    )
 
 
 def write_json(file: str, value: _typing.Any) -> None:

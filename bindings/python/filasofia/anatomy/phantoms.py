@@ -12,7 +12,7 @@ from ._types import Array
 Shape = _typing.Callable[[Array], Array]  # signed distance [m], or something like it, negative inside
 
 
-def ellipsoid(centre: _typing.Sequence[float], half_axes: _typing.Sequence[float]) -> Shape:
+def ellipsoid(centre: Array, half_axes: Array) -> Shape:
     """Near the surface the value is a distance to first order."""
     c, r = np.array(centre), np.array(half_axes)
 
@@ -24,7 +24,7 @@ def ellipsoid(centre: _typing.Sequence[float], half_axes: _typing.Sequence[float
     return value
 
 
-def tube(points: _typing.Sequence[_typing.Sequence[float]], radius: float) -> Shape:
+def tube(points: Array, radius: float) -> Shape:
     """A capsule along each part of a line."""
     line = np.array(points, float)
 
@@ -133,6 +133,10 @@ def vessel(spacing: float = 1e-3) -> LabelMap:
     )  # fmt: skip
 
 
+def _moved(shape: Shape, at: Array, turn: Array) -> Shape:
+    return lambda p: shape((p - at) @ turn)
+
+
 def random_anatomy(seed: int) -> LabelMap:
     """One to five organs that touch, overlap or stand alone: ellipsoids with bumps, tubes, sheets; with noise, and voxels that need not be cubes."""
     random = np.random.default_rng(seed)
@@ -149,8 +153,7 @@ def random_anatomy(seed: int) -> LabelMap:
         else:
             turn = np.linalg.qr(random.normal(size=(3, 3)))[0]
             axes = np.array([random.uniform(0.02, 0.04), random.uniform(0.02, 0.04), random.uniform(0.002, 0.005)])
-            flat = ellipsoid((0, 0, 0), axes)
-            shape = lambda p, turn=turn, at=at, flat=flat: flat((p - at) @ turn)  # noqa: E731
+            shape = _moved(ellipsoid((0, 0, 0), axes), at, turn)
         organs[f"organ_{i + 1}"] = shape
     spacing = random.choice([0.00125, 0.0015, 0.002]) * np.array([1.0, 1.0, random.choice([1.0, 1.0, 2.5])])
     noise = float(random.choice([0.0, 0.0, 0.0003, 0.0008]))
