@@ -12,7 +12,7 @@ from . import _shapes
 from ._distance import between
 from ._fields import Fields, make_fields
 from ._level import level_distance
-from ._labels import LabelMap
+from ._labels import LabelMap, box
 from ._mesh import GROWTH, LEAST_ANGLE, mesh_fields, refuse_too_small, size_for
 from ._needs import scipy_ndimage
 from ._picture import Picture, picture_of
@@ -144,7 +144,7 @@ def thickness(map_: LabelMap) -> dict[int, float]:
     ndimage = scipy_ndimage()
     out = {}
     for label in map_.labels:
-        cut = tuple(slice(int(i.min()), int(i.max()) + 1) for i in np.nonzero(map_.array == label))
+        cut = tuple(slice(a, b + 1) for a, b in zip(*box(map_.array == label)))
         inside = np.pad(map_.array[cut] == label, 1)
         out[label] = 2.0 * float(ndimage.distance_transform_edt(inside, sampling=map_.spacing).max())
     return out
@@ -180,7 +180,8 @@ def mesh_labels(
     else:
         size = fitting_size(map_)
         number = int(round(12.0 * wanted.sum() * GROWTH / size**3))
-    refuse_too_small(size, float(np.prod(np.ptp(np.argwhere(map_.array != 0), axis=0) + 1) * np.prod(map_.spacing)))
+    low, high = box(map_.array != 0)
+    refuse_too_small(size, float(np.prod((high - low + 1) * map_.spacing)))
     fields = make_fields(map_, size / 4.0, smoothing)
     tell(f"{len(map_.labels)} labels on a grid of {fields.step * 1e3:.2f} mm")
     made = mesh_fields(fields, wanted, size, number, tell)

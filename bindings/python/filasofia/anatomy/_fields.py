@@ -9,7 +9,7 @@ import dataclasses as _dataclasses
 
 import numpy as np
 
-from ._labels import LabelMap
+from ._labels import LabelMap, box
 from ._needs import scipy_ndimage
 from ._types import Array
 
@@ -88,8 +88,8 @@ def make_fields(map_: LabelMap, step: float, smoothing: float = 0.8) -> Fields:
     """Fields of all labels of a map on a grid of about `step` [m]; `smoothing` in voxels."""
     ndimage = scipy_ndimage()
     labels = np.array([0, *map_.labels])
-    filled = np.argwhere(map_.array != 0)
-    origin, step, shape = _grid(map_, filled.min(0) - 0.5, filled.max(0) + 0.5, step, len(labels))
+    first, last = box(map_.array != 0)
+    origin, step, shape = _grid(map_, first - 0.5, last + 0.5, step, len(labels))
     axes = [origin[k] + step * np.arange(shape[k]) for k in range(3)]
     index = map_.index(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)).T
     # A grid coarser than the voxels must not see what is finer than itself.
@@ -99,9 +99,8 @@ def make_fields(map_: LabelMap, step: float, smoothing: float = 0.8) -> Fields:
     values = np.full((len(labels), *shape), far, np.float32)
     for row, label in enumerate(labels):
         where = map_.array != 0 if label == 0 else map_.array == label
-        voxels = np.argwhere(where)
-        low, high = voxels.min(0), voxels.max(0)
-        cut = tuple(slice(max(0, a), b + 1) for a, b in zip(low, high))
+        low, high = box(where)
+        cut = tuple(slice(a, b + 1) for a, b in zip(low, high))
         inside = np.pad(where[cut], [(p, p) for p in pad])
         distance = _signed_distance(inside, map_.spacing, sigma)
         local = index - (low - pad)[:, None]

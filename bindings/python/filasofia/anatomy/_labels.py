@@ -89,3 +89,9 @@ class LabelMap:
         if absent:
             raise Error(f"{self.source}: has no label {absent[0]}; it has {self.labels}")
         return LabelMap(np.where(np.isin(self.array, sorted(kept)), self.array, 0), self.affine, names=self.names, source=self.source)
+
+
+def box(inside: Array) -> tuple[Array, Array]:
+    """First and last index of what is true along each axis. By projections: an image has hundreds of millions of voxels."""
+    ends = [np.flatnonzero(inside.any(axis=tuple(k for k in range(3) if k != axis)))[[0, -1]] for axis in range(3)]
+    return np.array([end[0] for end in ends]), np.array([end[1] for end in ends])
