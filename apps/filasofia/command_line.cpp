@@ -136,6 +136,7 @@ int understandAndRun(int argc, char** argv, const std::vector<Command>& commands
 int runCommandLine(int argc, char** argv, const std::vector<Command>& commands)
 {
     try {
+        if (isForPython(argc, argv)) handOverToPython(argc, argv);
         const int code = understandAndRun(argc, argv, commands);
         // A full disk or a closed pipe shows only when the last bytes are written.
         if (!std::cout.flush()) return refuse("cannot write to standard output", kFailed);

@@ -42,8 +42,15 @@ Command reportCommand();  ///< writes an instructor's report of a session
 Command fuzzCommand();    ///< makes random cuts and checks everything after each
 Command tissuesCommand(); ///< lists the tissue library
 Command saveCommand();    ///< writes a recorded run as a scene file
+Command meshCommand();    ///< meshes an image of a patient, in Python
+Command sceneCommand();   ///< makes a scene file of an image of a patient, in Python
 Command schemaCommand();  ///< prints the JSON Schema of scene files
 Command doctorCommand();  ///< reports what this machine offers for the simulation, and what is missing
+
+/// Whether Python knows the rest of the words: `filasofia mesh` and `filasofia scene`.
+bool isForPython(int argc, char** argv);
+/// This process becomes Python's. Returns only with an Error: if there is no Python.
+[[noreturn]] void handOverToPython(int argc, char** argv);
 
 /// Legal range of --threads; 0 leaves the choice to the engine.
 inline constexpr Bound kThreads = {closed(0, 256), "-"};

@@ -6,5 +6,6 @@ int main(int argc, char** argv)
     using namespace filasofia::app;
     return runCommandLine(argc, argv,
                           {runCommand(), replayCommand(), reportCommand(), benchCommand(), fuzzCommand(),
-                           tissuesCommand(), saveCommand(), schemaCommand(), doctorCommand()});
+                           tissuesCommand(), meshCommand(), sceneCommand(), saveCommand(), schemaCommand(),
+                           doctorCommand()});
 }

@@ -71,6 +71,16 @@ class Words(Program):
         self.assertEqual((done.returncode, done.stdout), (2, ""))
         self.assertIn("doctor", done.stderr)
 
+    def test_commands_of_the_python_package_say_what_is_missing(self):
+        """Images of patients are meshed in Python. Here it is one that finds no packages, and none at all."""
+        with tempfile.TemporaryDirectory() as folder:
+            bare = Path(folder) / "python"
+            bare.write_text(f'#!/bin/sh\nexec "{sys.executable}" -I -S "$@"\n')
+            bare.chmod(0o755)
+            for command in ("mesh", "scene"):
+                self.refused(command, "new", FILASOFIA_PYTHON=str(bare), says=[f"{command} needs the Python package", "pip install"])
+                self.refused(command, FILASOFIA_PYTHON=folder + "/none", says=[command, "cannot be started", "none"])
+
     def test_an_unknown_command_is_named_with_the_nearest_one(self):
         self.refused("docotr", says=["'docotr'", "did you mean 'doctor'?"])
         self.refused("docotr", "--json", "-", says=["command 'docotr'"])
