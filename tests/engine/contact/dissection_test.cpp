@@ -74,7 +74,7 @@ TEST_CASE("a strip that is drawn off its bed lets go point by point, at the forc
     std::size_t before = 39, fewest = 39, most = 0;
     double largest = 0.0; // [m] that a spring was drawn out at the start of a step in which it held
     for (int i = 0; i < 3000 && !scene.broken; ++i) {
-        scene.lifted = std::min(0.03, i * 2e-5);
+        scene.lifted = std::min(0.06, i * 2e-5);
         scene.step();
         most = std::max(most, before - scene.points());
         before = scene.points();

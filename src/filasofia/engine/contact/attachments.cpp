@@ -285,7 +285,7 @@ int erasePairs(std::size_t attachment, const std::vector<bool>& gone, Scene& sce
     std::size_t kept = 0;
     for (std::size_t p = 0; p < forces.size(); ++p) {
         if (p < gone.size() && gone[p]) continue;
-        if (p < made.pairs.size()) made.pairs[kept] = std::move(made.pairs[p]);
+        if (p < made.pairs.size() && kept != p) made.pairs[kept] = std::move(made.pairs[p]);
         forces[kept++] = forces[p];
     }
     const std::size_t erased = forces.size() - kept;
