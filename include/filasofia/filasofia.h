@@ -42,6 +42,7 @@ using event::PhysicsUpdateEvent;
 using event::TextInputEvent;
 using event::VisualUpdateEvent;
 using event::WindowEvent;
+using frame::connected;
 using frame::Contact;
 using frame::forceOn;
 using frame::FrameRef;

@@ -57,7 +57,7 @@ nb::handle attachmentType()
         {"id", "u4", offsetof(Attachment, id)},          {"body", "u4", offsetof(Attachment, body)},
         {"to", "u4", offsetof(Attachment, to)},          {"force", "3f8", offsetof(Attachment, force)},
         {"torque", "3f8", offsetof(Attachment, torque)}, {"points", "i4", offsetof(Attachment, points)},
-        {"broken", "?", offsetof(Attachment, broken)}};
+        {"broken", "?", offsetof(Attachment, broken)},   {"parted", "i4", offsetof(Attachment, parted)}};
     return typeOf<Attachment>(columns);
 }
 nb::handle channelType()
@@ -192,7 +192,7 @@ void bindFrame(nb::module_& module)
             return recordsOf(nb::cast<const HeldFrame&>(self).get().attachments, attachmentType(), self);
         },
         nb::for_getter(nb::sig("def attachments(self) -> numpy.typing.NDArray[numpy.void]")),
-        "One row per attachment: id, body, to, force (on the body), points, broken.");
+        "One row per attachment: id, body, to, force (on the body), points, broken, parted (points that let go).");
     whole.def_prop_ro(
         "channels",
         [](nb::handle self) { return recordsOf(nb::cast<const HeldFrame&>(self).get().channels, channelType(), self); },
