@@ -132,7 +132,7 @@ TEST_CASE("save: what a program did becomes a scene file with the same hash afte
 TEST_CASE("save: a scene file without include, defaults and classes has the same states, also in another folder")
 {
     const SceneFolder folder;
-    for (const char* name : {"bunny", "poke", "friction", "jaws", "cut", "pull", "shell"}) {
+    for (const char* name : {"bunny", "poke", "friction", "jaws", "cut", "pull", "shell", "peritoneum", "dissection"}) {
         CAPTURE(name);
         const SceneDef scene = loadScene(text(FILASOFIA_SOURCE_DIR, "/examples/scenes/", name, ".json"));
         const std::string file = folder.file(text(name, ".json"));
