@@ -11,11 +11,9 @@ namespace {
 
 // Ties are made anew if an attachment has lost or gained this share of its pairs, or if its bodies have turned against
 // each other by this angle, as two flaps do that are sewn along an edge. That is looked at every so many steps.
-constexpr std::size_t kOtherPairs = 8; // one in so many
-constexpr double kOtherTurn = 0.3;     // [rad]
-constexpr std::uint64_t kLookEvery = 16;
-// Penalty of a hard pair times the compliance of its points, as CoupledLimits has it.
-constexpr double kHolding = 10.0;
+constexpr std::size_t kOtherPairs = 8;   // one in so many
+constexpr double kOtherTurn = 0.3;       // [rad]
+constexpr std::uint64_t kLookEvery = 16; // steps
 
 /// A body whose coarse level can be tied.
 const SoftBody* tieable(const Scene& scene, BodyId id)
@@ -143,7 +141,7 @@ public:
         });
         for (std::size_t p = 0; p < compliance.size(); ++p) {
             const bool hard = tie.attachment->stiffness == physics::kHard;
-            const double sigma = hard ? kHolding / compliance[p] : dt_ * dt_ * tie.attachment->stiffness;
+            const double sigma = hard ? Kappa{}.holding / compliance[p] : dt_ * dt_ * tie.attachment->stiffness;
             if (compliance[p] > 0.0) out[first + p].stiffness = sigma / (1.0 + sigma * yielded[p]);
         }
     }
