@@ -54,9 +54,9 @@ struct Attachment {
     double breakForce = 0.0;
     /// [N] a pair lets go if its force exceeds this; may be infinite
     double pointBreakForce = std::numeric_limits<double>::infinity();
-    double cutDistance = 0.0;                   ///< [m] how near to a pair a blade parts it; 0: it does not
+    double cutDistance = 0.0;                        ///< [m] how near to a pair a blade parts it; 0: it does not
     std::shared_ptr<const AttachedPairs> whole = {}; ///< if pairs can let go one by one: those that a reset brings back
-    int parted = 0;                             ///< number of pairs that blades have parted since the last report
+    int parted = 0;                                  ///< number of pairs that blades have parted since the last report
 };
 
 /// A grasp that is waiting for the contacts of the next step.
