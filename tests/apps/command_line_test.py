@@ -975,12 +975,13 @@ class BenchContact(Program):
         cells = report["cells"]
         self.assertEqual([(cell["body"], cell["scene"]) for cell in cells],
                          [("bunny 3004", "at rest on a floor"), ("bunny 3004", "scraped at 0.1 m/s"),
-                          ("bunny 3004", "scraped at 1 m/s"), ("blocks", "soft on soft"), ("tower", "five boxes")])
+                          ("bunny 3004", "scraped at 1 m/s"), ("blocks", "soft on soft"), ("tower", "five boxes"),
+                          ("three blocks", "tied by 60 N/m"), ("three blocks", "tied hard")])
         for cell in cells:
             self.assertEqual([(run_["threads"], run_["contacts"]) for run_ in cell["runs"]][:2],
                              [(1, True), (1, False)])
             self.assertGreater(cell["step_over_contact_free"]["median"], 0)
-            self.assertGreater(cell["force_n"]["median"], 0)
+            (self.assertEqual if cell["body"] == "three blocks" else self.assertGreater)(cell["force_n"]["median"], 0)
             self.assertLessEqual(cell["pushing"]["max"], cell["found"]["max"])
             for run_ in cell["runs"]:
                 self.assertEqual(run_["steps_counted"], 180)
@@ -995,6 +996,8 @@ class BenchContact(Program):
         scraped = [cell["runs"][0]["step_s"] for cell in cells if cell["scene"].startswith("scraped")]
         self.assertEqual(met("3004 tetrahedra, scraped: median"), max(s["median"] for s in scraped) <= 0.2e-3)
         self.assertEqual(met("3004 tetrahedra, scraped: p99"), max(s["p99"] for s in scraped) <= 0.8e-3)
+        tied = [cell["step_over_contact_free"]["median"] for cell in cells if cell["body"] == "three blocks"]
+        self.assertEqual(met("three tied blocks"), max(tied) <= 1.3)
         self.assertEqual(met("number of contacts is at least 60"), cells[1]["found"]["median"] >= 60)
         for part in ("10000 tetrahedra", "on 30000 tetrahedra"):
             self.assertIsNone(met(part))
