@@ -2,6 +2,7 @@
 
 #include "filasofia/linalg/eigen_blocking.h"
 #include "filasofia/linalg/small_pieces.h"
+#include "filasofia/linalg/write_panels.h"
 
 #include <Eigen/Cholesky>
 
@@ -103,14 +104,6 @@ Eigen::MatrixXd pieceInverseOf(Eigen::MatrixXd piece)
     for (Eigen::Index i : unused)
         if (inverse.size() > 0) inverse(i, i) = 0.0;
     return inverse;
-}
-
-void writePanels(const Eigen::MatrixXd& inverse, int rows, PanelRow* panels)
-{
-    for (Eigen::Index i = 0; i < inverse.rows(); ++i)
-        for (Eigen::Index j = 0; j < inverse.cols(); ++j)
-            panels[j / kBlock * rows + i].values[j % kBlock] =
-                static_cast<float>(0.5 * (inverse(i, j) + inverse(j, i)));
 }
 
 std::optional<CoarseInverse> panelsOf(const Eigen::MatrixXd& lattice, int coarseNodes,

@@ -1,6 +1,7 @@
 #include "filasofia/linalg/parallel_sum.h"
 
 #include "filasofia/linalg/eigen_blocking.h"
+#include "filasofia/linalg/write_panels.h"
 
 #include <Eigen/Cholesky>
 
@@ -22,12 +23,9 @@ std::optional<std::vector<PanelRow>> parallelSum(std::span<const double> b, std:
     const Eigen::MatrixXd w = stiffness - half.transpose() * half;
     if (!w.allFinite()) return std::nullopt;
 
-    const auto rows = static_cast<std::size_t>((n + 3) / 4 * 4);
-    std::vector<PanelRow> panels(static_cast<std::size_t>(blocksFor(n)) * rows);
-    for (int i = 0; i < n; ++i)
-        for (int k = 0; k < n; ++k)
-            panels[static_cast<std::size_t>(i / kBlock) * rows + static_cast<std::size_t>(k)].values[i % kBlock] =
-                static_cast<float>(0.5 * (w(i, k) + w(k, i)));
+    const int rows = (n + 3) / 4 * 4;
+    std::vector<PanelRow> panels(static_cast<std::size_t>(blocksFor(n)) * static_cast<std::size_t>(rows));
+    writePanels(w, rows, panels.data());
     return panels;
 }
 

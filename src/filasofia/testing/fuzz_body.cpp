@@ -42,8 +42,8 @@ Vec3 Waves::at(Vec3 p, double time) const
 FuzzBody::FuzzBody(EditableMesh given, const CutFuzzDef& def, CutFuzzReport& report, RuptureReport& sums,
                    std::string name)
     : mesh(std::move(given)), def_(def), report_(report), sums_(sums), name_(std::move(name)),
-      parameters_(mesh.isSheet() ? sheetParameters() : CutParameters{}), mirror_(mesh.data().tetrahedra),
-      positions_(mesh.data().rest), pieces_(mesh.data()), walked_(mesh.data())
+      parameters_(parametersFor(mesh)), mirror_(mesh.data().tetrahedra), positions_(mesh.data().rest),
+      pieces_(mesh.data()), walked_(mesh.data())
 {
     bound_ = std::min(worstOf(mesh.data()), parameters_.minQuality);
 }

@@ -58,6 +58,23 @@ double product(std::span<const float> a, std::span<const float> b)
     return sum;
 }
 
+/// A body's part of a vector over the picked coarse nodes of all bodies of a tie.
+struct PartOf {
+    std::size_t first = 0, count = 0;
+    std::span<float> operator()(std::vector<float>& all) const { return std::span(all).subspan(first, count); }
+};
+
+/// Calls use(body, its picked coarse nodes, its part) for the bodies of a tie.
+template <class Use> void forEachPart(const SolvedTie& tie, const Use& use)
+{
+    PartOf part;
+    for (std::size_t k = 0; k < tie.bodies.size(); ++k) {
+        const std::span<const int> nodes = tie.coarse->nodesOf(k);
+        part = {part.first + part.count, 3 * nodes.size()};
+        use(tie.bodies[k], nodes, part);
+    }
+}
+
 } // namespace
 
 void CoarseCorrection::begin(std::span<const SolvedTie> ties)
@@ -68,7 +85,8 @@ void CoarseCorrection::begin(std::span<const SolvedTie> ties)
         Tie& made = ties_.emplace_back();
         made.tie = &each;
         made.y.assign(each.coarse->paddedSize(), 0.0f);
-        made.c.assign((each.coarse->size() + linalg::kBlock - 1) / linalg::kBlock * linalg::kBlock, 0.0f);
+        made.c.assign(
+            static_cast<std::size_t>(linalg::kBlock * linalg::blocksFor(static_cast<int>(each.coarse->size()))), 0.0f);
     }
 }
 
@@ -137,14 +155,10 @@ void CoarseCorrection::addTies(std::span<const CoupledBody> bodies, std::size_t 
         const TiedCoarse& coarse = *each.tie->coarse;
         each.t.assign(size, std::vector<float>(each.y.size()));
         each.wt.assign(size, std::vector<float>(each.c.size()));
-        std::size_t first = 0;
-        for (std::size_t k = 0; k < coarse.bodies(); ++k) {
-            const std::size_t b = each.tie->bodies[k], count = 3 * coarse.nodesOf(k).size();
+        forEachPart(*each.tie, [&](std::size_t b, std::span<const int> nodes, const PartOf& part) {
             for (std::size_t i = 0; i < rows_[b].size(); ++i)
-                bodies[b].deflation()->readColumn(static_cast<int>(i), coarse.nodesOf(k),
-                                                  std::span(each.t[rows_[b][i]]).subspan(first, count));
-            first += count;
-        }
+                bodies[b].deflation()->readColumn(static_cast<int>(i), nodes, part(each.t[rows_[b][i]]));
+        });
         for (std::size_t i = 0; i < size; ++i) {
             if (std::ranges::all_of(each.t[i], [](float value) { return value == 0.0f; })) continue;
             coarse.multiply(each.t[i], each.wt[i]);
@@ -157,15 +171,10 @@ void CoarseCorrection::addTies(std::span<const CoupledBody> bodies, std::size_t 
 void CoarseCorrection::answerTies(std::span<const CoupledBody> bodies)
 {
     for (Tie& each : ties_) {
-        const TiedCoarse& coarse = *each.tie->coarse;
-        std::size_t first = 0;
-        for (std::size_t k = 0; k < coarse.bodies(); ++k) {
-            const std::size_t count = 3 * coarse.nodesOf(k).size();
-            bodies[each.tie->bodies[k]].deflation()->readAnswer(coarse.nodesOf(k),
-                                                                std::span(each.y).subspan(first, count));
-            first += count;
-        }
-        coarse.multiply(each.y, each.c);
+        forEachPart(*each.tie, [&](std::size_t b, std::span<const int> nodes, const PartOf& part) {
+            bodies[b].deflation()->readAnswer(nodes, part(each.y));
+        });
+        each.tie->coarse->multiply(each.y, each.c);
     }
 }
 
@@ -173,16 +182,12 @@ void CoarseCorrection::answerTies(std::span<const CoupledBody> bodies)
 void CoarseCorrection::subtractTies(std::span<const CoupledBody> bodies)
 {
     for (Tie& each : ties_) {
-        const TiedCoarse& coarse = *each.tie->coarse;
         for (std::size_t i = 0; i < sums_.size(); ++i)
-            for (std::size_t k = 0; k < coarse.size(); ++k) each.c[k] -= static_cast<float>(sums_[i]) * each.wt[i][k];
-        std::size_t first = 0;
-        for (std::size_t k = 0; k < coarse.bodies(); ++k) {
-            const std::size_t count = 3 * coarse.nodesOf(k).size();
-            bodies[each.tie->bodies[k]].deflation()->subtract(coarse.nodesOf(k),
-                                                              std::span(each.c).subspan(first, count));
-            first += count;
-        }
+            for (std::size_t k = 0; k < each.tie->coarse->size(); ++k)
+                each.c[k] -= static_cast<float>(sums_[i]) * each.wt[i][k];
+        forEachPart(*each.tie, [&](std::size_t b, std::span<const int> nodes, const PartOf& part) {
+            bodies[b].deflation()->subtract(nodes, part(each.c));
+        });
     }
 }
 

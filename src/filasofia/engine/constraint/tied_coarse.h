@@ -53,7 +53,6 @@ public:
         return finish(b, pairs);
     }
 
-    [[nodiscard]] std::size_t bodies() const { return picked_.size(); }
     [[nodiscard]] std::span<const int> nodesOf(std::size_t body) const { return picked_[body]; }
     /// The numbers of an input of multiply() that are in use; the input has paddedSize() of them.
     [[nodiscard]] std::size_t size() const { return 3 * count_; }

@@ -79,8 +79,8 @@ bool stillServe(const Scene& scene, std::span<const Between> now)
     return true;
 }
 
-/// Bodies that attachments connect; each is listed by its least member's place.
-std::vector<std::vector<const SoftBody*>> connected(std::span<const Between> ties)
+/// The groups of bodies that attachments connect, each ascending.
+std::vector<std::vector<const SoftBody*>> groupsOf(std::span<const Between> ties)
 {
     std::vector<std::vector<const SoftBody*>> groups;
     for (const Between& tie : ties) {
@@ -209,7 +209,7 @@ void makeTies(double dt, std::span<const Between> between, Scene& scene)
     scene.ties = {};
     for (const Between& each : between)
         scene.ties.made.push_back({each.attachment->id, each.attachment->pairs.size(), turnOf(each)});
-    for (const std::vector<const SoftBody*>& group : connected(between)) {
+    for (const std::vector<const SoftBody*>& group : groupsOf(between)) {
         TiedBodies tied{{}, tieGroup(dt, group, between, scene.ties.made)};
         for (std::size_t i = 0; i < between.size(); ++i)
             if (std::ranges::count(group, between[i].sides[0]) > 0) scene.ties.made[i].tied = tied.coarse != nullptr;

@@ -22,6 +22,11 @@ struct CutParameters {
 /// The same for a sheet: nodes slide only where it is flat, as area is kept to a billionth. A regular triangle has
 /// quality 1, half a square 0.87.
 CutParameters sheetParameters();
+/// Those of what the mesh is.
+inline CutParameters parametersFor(const EditableMesh& mesh)
+{
+    return mesh.isSheet() ? sheetParameters() : CutParameters{};
+}
 
 OpeningLimits openingLimits(const CutParameters& parameters, double meanEdge);
 

@@ -5,6 +5,7 @@
 #include "filasofia/geometry/distance.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace filasofia::engine {
 namespace {

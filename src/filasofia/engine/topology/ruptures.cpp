@@ -125,7 +125,7 @@ std::vector<Tool> toolsNear(SoftBody& body, const std::vector<Blade>& blades, ph
 RuptureReport continueStroke(EditableMesh& mesh, const Tool* tool, Stroke& stroke)
 {
     RuptureReport done;
-    const CutParameters parameters = mesh.isSheet() ? sheetParameters() : CutParameters{};
+    const CutParameters parameters = parametersFor(mesh);
     if (!stroke.leaving && tool) {
         done = stroke.stroke.step(mesh, tool->segments, parameters);
         stroke.sinceCrossing = done.crossings > 0 ? 0.0 : stroke.sinceCrossing + tool->way;
