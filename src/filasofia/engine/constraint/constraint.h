@@ -73,7 +73,7 @@ struct Constraint {
     double softness = 0.0;          ///< [kg] impulse per velocity of a spring; 0 if the constraint is rigid
     double yielding = 1.0;          ///< [-] factor on the penalty of a rigid constraint, > 0
     /// If only one side can move along the normal, as between a body and a kinematic one: another such factor, in
-    /// (0, 1], and the fraction that the carried normal impulse loses.
+    /// (0, 1], and the fraction that the carried normal impulse loses; both for kRigidKappa.
     double trappedYielding = 1.0, trappedLoss = 0.0;
     /// [N s] Bound on the impulse along the normal. The constraint yields beyond it.
     double maxImpulse = std::numeric_limits<double>::infinity();

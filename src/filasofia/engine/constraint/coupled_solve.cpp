@@ -303,7 +303,9 @@ bool CoupledSolve::updateMultipliers()
         if (!isRigid(each) || rows_[c].stiffness.x == 0.0) continue;
         if (std::abs(each.impulse.x) >= each.maxImpulse) continue; // the constraint has yielded
         const Vec3 missed = each.bias + rows_[c].u;
-        worst = std::max(worst, (each.bilateral() ? length(missed) : -missed.x) / each.tolerance);
+        // What was trapped and is let go would fly off by the impulse that it was held with.
+        const bool thrown = rows_[c].trapped && rows_[c].impulse.x > 0.0 && missed.x > 0.0;
+        worst = std::max(worst, (each.bilateral() ? length(missed) : thrown ? missed.x : -missed.x) / each.tolerance);
     }
     if (worst <= 1.0 || worst > kUpdateHelps * missed_) return false;
     missed_ = worst;

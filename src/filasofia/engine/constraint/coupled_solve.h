@@ -17,6 +17,10 @@ struct Kappa {
     double holding = 10.0; ///< of bilateral ones
 };
 
+/// [-] Kappa of contacts where all bodies are rigid. They may have no room, which the constraint's `trappedYielding`
+/// and `trappedLoss` are chosen for at this kappa.
+inline constexpr double kRigidKappa = 1e4;
+
 /// Limits and parameters of a coupled solve.
 struct CoupledLimits {
     linalg::SolveLimits linear; ///< for all iterations together
@@ -86,16 +90,17 @@ public:
                         std::span<const SolvedTie> ties = {});
 
 private:
-    struct Row {           ///< scratch of a constraint, in the order of the rows
-        Vec3 stiffness;    ///< [kg] Sigma of an active constraint
-        Vec3 u;            ///< [m/s] velocity
-        Vec3 impulse;      ///< [N s] impulse that acts
-        Vec3 step, along;  ///< [m/s] velocity of z; velocity of the direction
-        Vec3 change;       ///< [N s] change of the impulse along the direction, for cones of fixed radius
-        double cone = 0.0; ///< [N s] radius of the friction cone along the direction
-        Projected now;     ///< the current projection onto the law
-        Projected state;   ///< the projection when the filter was built
-        Vec3 sigma;        ///< [kg] Sigma in that state: zero if inactive, less if sliding
+    struct Row {              ///< scratch of a constraint, in the order of the rows
+        Vec3 stiffness;       ///< [kg] Sigma of an active constraint
+        Vec3 u;               ///< [m/s] velocity
+        Vec3 impulse;         ///< [N s] impulse that acts
+        Vec3 step, along;     ///< [m/s] velocity of z; velocity of the direction
+        Vec3 change;          ///< [N s] change of the impulse along the direction, for cones of fixed radius
+        bool trapped = false; ///< a contact of which only one side can move: its impulse may have grown without bound
+        double cone = 0.0;    ///< [N s] radius of the friction cone along the direction
+        Projected now;        ///< the current projection onto the law
+        Projected state;      ///< the projection when the filter was built
+        Vec3 sigma;           ///< [kg] Sigma in that state: zero if inactive, less if sliding
         Vec3 scratch;
     };
 

@@ -142,7 +142,7 @@ CoupledLimits coupledLimitsOf(const StepContext& context, const Scene& scene, co
 {
     // Rigid bodies in a tower sway as one body with more inertia than each has by itself: their penalties must be
     // larger than that. They may be, as the filter of all constraints together makes no iterations of them.
-    constexpr double rigidStiffening = 1e4, rigidHolding = 1000.0; // friction does not bear more
+    constexpr double rigidHolding = 1000.0; // friction does not bear more
     // If a heavy body rests on a light one, the compliance of the contact is that of the light body, but the mass that
     // sways is that of the heavy one: the penalty is at least this times the heaviest mass.
     constexpr double rigidBearing = 1.0;
@@ -166,7 +166,7 @@ CoupledLimits coupledLimitsOf(const StepContext& context, const Scene& scene, co
         how.kappa.contact = softStiffening(scene, island);
     }
     if (island.soft.empty()) {
-        how.exactKappa.contact = rigidStiffening;
+        how.exactKappa.contact = kRigidKappa;
         how.bearing = rigidBearing;
         how.multiplierUpdates = rigidUpdates;
         how.tolerance *= rigidTolerance;
