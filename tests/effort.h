@@ -10,3 +10,10 @@ constexpr int cases(int all)
     return all;
 #endif
 }
+
+/// Threads that are more than most machines have cores. They take turns there, which the sanitizers make slow.
+#ifdef FILASOFIA_FEWER_CASES
+constexpr int kManyThreads = 3;
+#else
+constexpr int kManyThreads = 8;
+#endif

@@ -5,6 +5,7 @@
 #include "filasofia/core/hash.h"
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/runtime/assets.h"
+#include "filasofia/testing/fuzz_contacts.h"
 #include "filasofia/testing/fuzz_cuts.h"
 #include "filasofia/testing/fuzz_knots.h"
 
@@ -25,6 +26,7 @@ struct FuzzCommandOptions {
     int seed = 1;
     int cuts = 2000;
     int perBody = 4;
+    int scenes = 200;
     double seconds = std::numeric_limits<double>::quiet_NaN(); ///< [s] knots only; NaN if not given
     int first = 0;
     bool twice = false;
@@ -143,6 +145,69 @@ void print(const testing::KnotFuzzReport& r)
                 r.hashesThatDiffer);
 }
 
+json toJson(const FuzzCommandOptions& options, const testing::ContactFuzzReport& r)
+{
+    json kinds = json::array();
+    for (const testing::ContactFuzzKind& kind : r.kinds)
+        kinds.push_back({{"kind", kind.name},
+                         {"scenes", kind.scenes},
+                         {"steps", kind.steps},
+                         {"not_converged", kind.notConverged},
+                         {"overlapping", kind.overlapping},
+                         {"still_overlapping", kind.crowded},
+                         {"inverted", kind.inverted},
+                         {"restless", kind.restless}});
+    return {{"fuzz", options.what},
+            {"seed", options.seed},
+            {"first", options.first},
+            {"seconds", r.seconds},
+            {"scenes", r.scenes},
+            {"steps", r.steps},
+            {"kinds", kinds},
+            {"silent_overlaps", r.silentOverlaps},
+            {"silent_inverted", r.silentInverted},
+            {"energy", {{"gained", r.gained}, {"most", r.mostGained}}},
+            {"not_finite", r.notFinite},
+            {"undone", r.undone},
+            {"deepest", r.deepest},
+            {"iterations", {{"median", r.median}, {"percentile_99", r.percentile99}, {"most", r.most}}},
+            {"examples", r.examples},
+            {"hashes_that_differ", r.hashesThatDiffer},
+            {"hash", hexadecimal(r.hash)}};
+}
+
+void print(const testing::ContactFuzzReport& r)
+{
+    std::printf("%.1f simulated seconds in %ld scenes, %ld steps\n", r.seconds, r.scenes, r.steps);
+    std::printf("\n%-10s %7s %9s %12s %10s %12s %9s %9s\n", "kind", "scenes", "steps", "overlapping", "at the end",
+                "inside out", "restless", "capped");
+    for (const testing::ContactFuzzKind& kind : r.kinds)
+        std::printf("%-10s %7ld %9ld %12ld %10ld %12ld %9ld %9ld\n", kind.name.c_str(), kind.scenes, kind.steps,
+                    kind.overlapping, kind.crowded, kind.inverted, kind.restless, kind.notConverged);
+    std::printf("\nscenes whose bodies overlapped, and did so at the end; with elements inside out; with something "
+                "faster than 1 mm/s at the end; steps at the iteration limit\n");
+    std::printf("without a flag: overlaps %ld, elements inside out %ld; not finite %ld, undone %ld\n", r.silentOverlaps,
+                r.silentInverted, r.notFinite, r.undone);
+    std::printf("energy gained in %ld scenes, by %.2g %% at most; deepest overlap %.2f mm\n", r.gained,
+                1e2 * r.mostGained, 1e3 * r.deepest);
+    std::printf("iterations of a step: median %d, 99th percentile %d, most %d\n", r.median, r.percentile99, r.most);
+    for (const std::string& example : r.examples) std::printf("  %s\n", example.c_str());
+    std::printf("hash %s; %ld scenes differed when they ran a second time\n", hexadecimal(r.hash).c_str(),
+                r.hashesThatDiffer);
+}
+
+int fuzzContacts(const FuzzCommandOptions& options)
+{
+    JsonFile file(options.file);
+    const testing::ContactFuzzReport report = testing::fuzzContacts({.seed = static_cast<std::uint64_t>(options.seed),
+                                                                     .scenes = options.scenes,
+                                                                     .first = options.first,
+                                                                     .twice = options.twice});
+    print(report);
+    file.write(toJson(options, report));
+    return report.sound() ? 0 : kFailed;
+}
+
 int fuzzKnots(const FuzzCommandOptions& options)
 {
     JsonFile file(options.file);
@@ -177,10 +242,11 @@ int fuzzCuts(const FuzzCommandOptions& options)
 int fuzz(const FuzzCommandOptions& options)
 {
     if (options.what == "knots") return fuzzKnots(options);
+    if (!std::isnan(options.seconds)) fail("fuzz: --seconds applies to knots only");
+    if (options.what == "contact") return fuzzContacts(options);
     if (options.what != "cut" && options.what != "shells")
-        fail("fuzz: unknown subject '", shortened(options.what), "'; known are cut, shells and knots");
-    if (!std::isnan(options.seconds) || options.twice)
-        fail("fuzz: --seconds and --twice apply to knots only; cut and shells make a number of cuts, each body twice");
+        fail("fuzz: unknown subject '", shortened(options.what), "'; known are contact, cut, shells and knots");
+    if (options.twice) fail("fuzz: --twice applies to contact and knots only; cut and shells cut each body twice");
     return fuzzCuts(options);
 }
 
@@ -193,40 +259,47 @@ Command fuzzCommand()
     return {
         .name = "fuzz",
         .meaning = "Make random changes and check all invariants after each",
-        .options = {{"WHAT",
-                     &options.what,
-                     "cut: cuts and tears of small bodies; shells: of shells; knots: threads that are tied and pulled",
-                     "",
-                     {},
-                     true},
-                    {.name = "--seed",
-                     .target = &options.seed,
-                     .meaning = "Seed of the random numbers",
-                     .type = "S",
-                     .bound = {closed(0, 1000000), "-"}},
-                    {.name = "--cuts",
-                     .target = &options.cuts,
-                     .meaning = "cut and shells only: number of cuts, including tears",
-                     .type = "N",
-                     .bound = {closed(1, 100000000), "-"}},
-                    {.name = "--per-body",
-                     .target = &options.perBody,
-                     .meaning = "cut and shells only: cuts made one after another in the same body",
-                     .type = "N",
-                     .bound = {closed(1, 1000), "-"}},
-                    {.name = "--seconds",
-                     .target = &options.seconds,
-                     .meaning = "knots only: simulated time",
-                     .type = "S",
-                     .bound = {openClosed(0, 1000000), "s"},
-                     .standard = text(kKnotSeconds)},
-                    {.name = "--first",
-                     .target = &options.first,
-                     .meaning = "knots only: number of the first scene, to see one again",
-                     .type = "N",
-                     .bound = {closed(0, 100000000), "-"}},
-                    {"--twice", &options.twice, "knots only: run every scene a second time and compare"},
-                    {"--json", &options.file, "Write every figure to this file", "FILE"}},
+        .options =
+            {{"WHAT",
+              &options.what,
+              "contact: bodies that fall, are pressed and squeezed; cut: cuts and tears of small bodies; shells: of "
+              "shells; knots: threads that are tied and pulled",
+              "",
+              {},
+              true},
+             {.name = "--seed",
+              .target = &options.seed,
+              .meaning = "Seed of the random numbers",
+              .type = "S",
+              .bound = {closed(0, 1000000), "-"}},
+             {.name = "--cuts",
+              .target = &options.cuts,
+              .meaning = "cut and shells only: number of cuts, including tears",
+              .type = "N",
+              .bound = {closed(1, 100000000), "-"}},
+             {.name = "--per-body",
+              .target = &options.perBody,
+              .meaning = "cut and shells only: cuts made one after another in the same body",
+              .type = "N",
+              .bound = {closed(1, 1000), "-"}},
+             {.name = "--scenes",
+              .target = &options.scenes,
+              .meaning = "contact only: number of scenes",
+              .type = "N",
+              .bound = {closed(1, 100000000), "-"}},
+             {.name = "--seconds",
+              .target = &options.seconds,
+              .meaning = "knots only: simulated time",
+              .type = "S",
+              .bound = {openClosed(0, 1000000), "s"},
+              .standard = text(kKnotSeconds)},
+             {.name = "--first",
+              .target = &options.first,
+              .meaning = "contact and knots only: number of the first scene, to see one again",
+              .type = "N",
+              .bound = {closed(0, 100000000), "-"}},
+             {"--twice", &options.twice, "contact and knots only: run every scene a second time and compare"},
+             {"--json", &options.file, "Write every figure to this file", "FILE"}},
         .run = [] { return fuzz(options); }};
 }
 

@@ -941,9 +941,19 @@ class Fuzz(Program):
         self.assertEqual((report["passes"], report["not_finite"], report["hashes_that_differ"]), (0, 0, 0))
         self.assertIn(report["hash"], said)
 
+    def test_bodies_touch_the_same_for_the_same_seed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "contact.json")
+            said = self.output("fuzz", "contact", "--seed", "3", "--scenes", "6", "--twice", "--json", str(path))
+            report = json.loads(path.read_text())
+        self.assertEqual([kind["scenes"] for kind in report["kinds"]], [1] * 6)
+        self.assertEqual((report["hashes_that_differ"], report["silent_overlaps"], report["not_finite"]), (0, 0, 0))
+        self.assertIn(report["hash"], said)
+
     def test_unknown_subjects_and_illegal_values_are_refused(self):
-        self.refused("fuzz", "cat", says=["'cat'", "known are cut, shells and knots"])
-        self.refused("fuzz", "cut", "--seconds", "1", says=["--seconds and --twice apply to knots only"])
+        self.refused("fuzz", "cat", says=["'cat'", "known are contact, cut, shells and knots"])
+        self.refused("fuzz", "cut", "--seconds", "1", says=["--seconds applies to knots only"])
+        self.refused("fuzz", "cut", "--twice", says=["--twice applies to contact and knots only"])
         self.refused("fuzz", "knots", "--seconds", "0", says=["--seconds must be in (0, 1000000] s"])
         self.refused("fuzz", "cut", "--cuts", "0", says=["--cuts must be a whole number in [1, 100000000]", "got 0"])
         self.refused("fuzz", "cut", "--seed", "-1", says=["--seed"])

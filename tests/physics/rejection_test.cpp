@@ -75,6 +75,8 @@ TEST_CASE_METHOD(Fixture, "a command for a body of the other kind is an error")
     checkError([&] { server.setMaterial(rigid, FemMaterial{}); }, {"rigid body 'forceps'", "material"});
     checkError([&] { server.setForces(rigid, {}); }, {"rigid body 'forceps'", "forces"});
     checkError([&] { server.setPressure(rigid, 1); }, {"rigid body 'forceps'", "pressure"});
+    checkError([&] { server.setCutting(soft, false); }, {"soft body 'liver'", "must be a rigid body"});
+    checkError([&] { server.setCutting(rigid, false); }, {"rigid body 'forceps'", "no blade to switch", "cutting"});
 }
 
 TEST_CASE_METHOD(Fixture, "an invalid pose is an error")

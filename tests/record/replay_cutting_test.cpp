@@ -1,3 +1,4 @@
+#include "effort.h"
 #include "engine/meshes.h"
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/geometry/shapes.h"
@@ -91,7 +92,7 @@ TEST_CASE("a session of cutting, tearing and a hand that presses is replayed wit
     CHECK(pushing > 100);
     const record::Recording recording = record::readRecording(file.path());
     REQUIRE(recording.steps.size() == 150);
-    for (int threads : {1, 2, 8}) {
+    for (int threads : {1, 2, kManyThreads}) {
         CAPTURE(threads);
         CHECK_FALSE(record::replay(recording.steps, *engine::makeNativeEngine({.threads = threads})));
     }

@@ -14,7 +14,8 @@ TEST_CASE("the step table has a line per step")
         record::StepTable table(file.path());
         physics::StepRecord step;
         step.report = {.step = 7, .time = 0.5, .dt = 1e-3, .flags = 4};
-        step.report.solves = {{.body = {}, .iterations = 12}, {.body = {}, .iterations = 30}};
+        const BodyId one{1}, two{2}, three{3}; // two and three were solved together
+        step.report.solves = {{one, 12, 0.0, one}, {two, 30, 0.0, two}, {three, 30, 0.0, two}};
         step.report.contacts = {.found = 3, .active = 2, .penetration = 1e-4};
         step.contacts = {{.normalForce = 0.5}, {.normalForce = 0.25}, {}};
         step.report.times = {.commands = 1e-6, .contacts = 3e-5, .assemble = 2e-4, .advance = 5e-4, .topology = 4e-5};

@@ -29,8 +29,8 @@ template <class Command> nb::object give(HeldSimulation& held, const Command& co
 }
 
 using Applied = std::variant<RemoveBody, SetPose, SetGravity, SetForces, SetPressure, SetWrench, Release, RemovePiece,
-                             Pause, SetJoint, SetHaptic, SetTissue, SetFibreStress, SetCurvature, SetMaterial, Attach,
-                             AttachRigid, Grasp, physics::Reset>;
+                             Pause, SetJoint, SetHaptic, SetTissue, SetFibreStress, SetCurvature, SetCutting,
+                             SetMaterial, Attach, AttachRigid, Grasp, physics::Reset>;
 
 /// Reads the alternative whose class the object is of: SetMaterial cannot be copied, so this is no Convert<variant>.
 template <class... T> nb::object applyAs(HeldSimulation& held, nb::handle command, const std::variant<T...>*)
@@ -100,6 +100,19 @@ void addHandsAndJoints(nb::class_<HeldSimulation>& sim)
         nb::sig(
             "def set_haptic(self, body: filasofia.BodyId, target: filasofia.HapticTarget, element: int = 0) -> None"),
         "Couples an element to a hand.");
+}
+
+void addBlades(nb::class_<HeldSimulation>& sim)
+{
+    sim.def(
+        "set_cutting",
+        [](HeldSimulation& self, nb::handle id, nb::handle cutting) {
+            server(self, "set_cutting")
+                .setCutting(body(id, "set_cutting"), readArgument<bool>(cutting, "set_cutting", "cutting"));
+        },
+        nb::arg("body").none(), nb::arg("cutting").none(),
+        nb::sig("def set_cutting(self, body: filasofia.BodyId, cutting: bool) -> None"),
+        "Whether the blades of a rigid body cut. Otherwise they touch what they would cut.");
 }
 
 void addSoft(nb::class_<HeldSimulation>& sim)
@@ -263,6 +276,7 @@ void addCommands(nb::class_<HeldSimulation>& sim)
         "Puts the bodies back to their start at the next step, and removes all paint.");
     addRigid(sim);
     addHandsAndJoints(sim);
+    addBlades(sim);
     addSoft(sim);
     addLoads(sim);
     addAttachments(sim);

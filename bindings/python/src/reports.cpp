@@ -52,6 +52,7 @@ void bindParts(nb::module_& module)
 {
     nb::class_<BodySolve> solve(module, "BodySolve", "How one body's step was solved.");
     addId(solve, "body", &BodySolve::body);
+    addId(solve, "together", &BodySolve::together);
     solve.def_ro("iterations", &BodySolve::iterations).def_ro("residual", &BodySolve::residual);
 
     nb::class_<ContactReport>(module, "ContactReport", "Statistics of the contacts of a step.")
@@ -122,6 +123,7 @@ void bindStep(nb::module_& module)
         .def_ro("dt", &StepReport::dt, "[s]; 0 while paused")
         .def_prop_ro("flags", [](const StepReport& self) { return static_cast<StepFlag>(self.flags); })
         .def_ro("solves", &StepReport::solves)
+        .def_prop_ro("iterations", &StepReport::iterations, "of all solves, each counted once")
         .def_ro("contacts", &StepReport::contacts)
         .def_ro("intersections", &StepReport::intersections)
         .def_ro("inverted", &StepReport::inverted)

@@ -87,6 +87,13 @@ struct SetFibreStress {
     int family = 0;      ///< [-], index in FemMaterial::fibres
     double stress = 0.0; ///< [Pa], in [0, 1e9]
 };
+/// Switches the blades of a rigid body, its collision models with `cutting`: a pedal of a hook, or a shaver that is
+/// started. Blades that do not cut touch what they would cut, as any surface does, and open no surface. Lasts until the
+/// next such command; a Reset keeps it.
+struct SetCutting {
+    BodyId id = {};
+    bool cutting = true;
+};
 inline constexpr double kMostTurnPerNode = 2.0; ///< [rad] by which a RodSection bends a rod at a node, at most
 /// A part of a rod that bends by itself, as the tip of a steerable catheter or of a flexible endoscope does.
 struct RodSection {
@@ -212,6 +219,11 @@ constexpr auto fields(const SetFibreStress*)
                     field("family", &T::family, "-", nonNegative(), "index of the family of fibres"),
                     field("stress", &T::stress, "Pa", closed(0, 1e9), "stress by which they contract"));
 }
+constexpr auto fields(const SetCutting*)
+{
+    return describe("SetCutting", field("id", &SetCutting::id, "the rigid body"),
+                    field("cutting", &SetCutting::cutting, "whether its blades cut"));
+}
 constexpr auto fields(const RodSection*)
 {
     using T = RodSection;
@@ -274,6 +286,6 @@ constexpr auto fields(const Tune*) { return describe("Tune"); } // a function ca
 
 using Command = std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, SetWrench,
                              Attach, AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, Tune, SetJoint, SetHaptic,
-                             SetTissue, SetFibreStress, SetCurvature>;
+                             SetTissue, SetFibreStress, SetCurvature, SetCutting>;
 
 } // namespace filasofia::physics

@@ -88,6 +88,7 @@ public:
     /// curvature goes there; infinite: at once.
     void setCurvature(BodyId rod, std::vector<RodSection> sections,
                       double rate = std::numeric_limits<double>::infinity());
+    void setCutting(BodyId rigid, bool cutting); ///< from the next step on: see SetCutting
     void setForces(BodyId soft, std::vector<NodalForce> forces);
     void setPressure(BodyId soft, double pressure); ///< [Pa]
     void pause(bool paused);

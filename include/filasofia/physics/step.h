@@ -41,6 +41,7 @@ struct BodySolve {
     BodyId body;           ///< for rigid bodies that were solved among themselves: the first of them
     int iterations = 0;    ///< [-], 0 for explicitly integrated bodies without contacts
     double residual = 0.0; ///< [-], the error that the solver's tolerance bounds
+    BodyId together = {};  ///< the first of the bodies that were solved together; this one if it was solved alone
 };
 
 /// The durations of a step's stages [s]. Zeros if the step had no clock.
@@ -52,7 +53,7 @@ struct StageTimes {
     double topology = 0.0; ///< cuts and tears, and the updates that follow
 };
 
-/// The elements that were inside out (det F <= 0) at the start of a step, in all FEM bodies.
+/// The tetrahedra that were inside out (det F <= 0) at the start of a step, in all bodies.
 struct InvertedElements {
     int count = 0;       ///< [-]
     BodyId body = {};    ///< the body of the worst of them
@@ -175,6 +176,13 @@ struct StepReport {
 
     void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }
     [[nodiscard]] bool has(StepFlag flag) const { return (flags & static_cast<std::uint32_t>(flag)) != 0; }
+    /// [-] of all solves, each counted once, however many bodies were solved together
+    [[nodiscard]] int iterations() const
+    {
+        int sum = 0;
+        for (const BodySolve& solve : solves) sum += solve.together == solve.body ? solve.iterations : 0;
+        return sum;
+    }
 };
 
 } // namespace filasofia::physics

@@ -384,6 +384,7 @@ void PhysicsServer::setCurvature(BodyId id, std::vector<RodSection> sections, do
 {
     impl_->post(SetCurvature{id, std::move(sections), rate});
 }
+void PhysicsServer::setCutting(BodyId id, bool cutting) { impl_->post(SetCutting{id, cutting}); }
 void PhysicsServer::setForces(BodyId id, std::vector<NodalForce> forces)
 {
     impl_->post(SetForces{id, std::move(forces)});

@@ -178,6 +178,14 @@ struct Registry::Check {
                      kMostTurnPerNode, " rad per node, got ", size);
         }
     }
+    void operator()(const SetCutting& set) const
+    {
+        const Body& body = find<RigidBodyDef>(set.id, "must be a rigid body to have its blades switched");
+        const auto& models = std::get<RigidBodyDef>(*body.def).collision;
+        if (std::ranges::none_of(models, &CollisionDef::cutting))
+            fail(describeBody(*body.def), ": has no blade to switch: none of its ", models.size(),
+                 " collision models has cutting set");
+    }
     void operator()(const SetForces& set) const
     {
         const Body& body =

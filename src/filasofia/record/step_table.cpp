@@ -22,8 +22,6 @@ StepTable::~StepTable() = default;
 void StepTable::write(const physics::StepRecord& step)
 {
     const physics::StepReport& report = step.report;
-    int iterations = 0;
-    for (const physics::BodySolve& solve : report.solves) iterations += solve.iterations;
     double force = 0.0; // sum over all contacts of the normal forces
     for (const frame::Contact& contact : step.contacts) force += contact.normalForce;
     double opened = 0.0; // by cuts and tears
@@ -32,8 +30,8 @@ void StepTable::write(const physics::StepRecord& step)
     const int length = std::snprintf(
         line.data(), line.size(),
         "%" PRIu64 ",%.17g,%.17g,%" PRIu32 ",%d,%016" PRIx64 ",%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
-        report.step, report.time, report.dt, report.flags, iterations, step.hash, report.contacts.active, force,
-        report.contacts.penetration, opened, report.times.commands, report.times.contacts, report.times.assemble,
+        report.step, report.time, report.dt, report.flags, report.iterations(), step.hash, report.contacts.active,
+        force, report.contacts.penetration, opened, report.times.commands, report.times.contacts, report.times.assemble,
         report.times.advance, report.times.topology);
     impl_->file.write({line.data(), static_cast<std::size_t>(length)});
 }

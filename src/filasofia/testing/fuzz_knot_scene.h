@@ -34,7 +34,7 @@ struct FuzzLine {
     std::vector<Vec3> axis = {}; ///< [m] in a rigid body's coordinates; empty: a rod
 };
 
-/// A scene: body i has the id i + 1, and no body has an attachment to a later one.
+/// A scene for a FuzzStage.
 struct KnotScene {
     std::vector<physics::BodyDef> bodies;
     std::vector<FuzzHand> hands;

@@ -2,10 +2,9 @@
 
 #include "filasofia/core/hash.h"
 #include "filasofia/core/text.h"
-#include "filasofia/engine/native_engine.h"
-#include "filasofia/frame/frame.h"
 #include "filasofia/geometry/distance.h"
 #include "filasofia/testing/fuzz_knot_scene.h"
+#include "filasofia/testing/fuzz_stage.h"
 #include "filasofia/testing/linking.h"
 
 #include <algorithm>
@@ -18,41 +17,27 @@ namespace {
 constexpr int kKnotKinds = static_cast<int>(KnotKind::count_);
 constexpr long kLook = 10;            ///< steps between two looks at what is computed less often
 constexpr std::size_t kExamples = 20; ///< that a report keeps
-constexpr std::size_t kIterations = 1000;
 
 /// A scene that runs, and what is counted of it.
 class KnotRun {
 public:
     KnotRun(const KnotFuzzDef& def, KnotKind kind, std::uint64_t seed, KnotFuzzReport& report)
-        : def_(def), report_(report), random_(seed), scene_(knotScene(kind, random_)),
-          engine_(engine::makeNativeEngine({.period = def.step, .threads = 1}))
+        : def_(def), report_(report), random_(seed), scene_(knotScene(kind, random_)), stage_(scene_.bodies, def.step)
     {
-        std::uint32_t attachment = 1;
-        for (std::size_t i = 0; i < scene_.bodies.size(); ++i) {
-            const auto body = std::make_shared<const physics::BodyDef>(scene_.bodies[i]);
-            commands_.emplace_back(physics::AddBody{idOf(i), body, engine_->build(*body), AttachmentId{attachment}});
-            attachment +=
-                std::visit([](const auto& d) { return static_cast<std::uint32_t>(d.attachments.size()); }, *body);
-        }
-        engine_->step({.dt = 0.0, .commands = commands_});
-        commands_.clear();
-        engine_->capture(frame_);
         readLines(after_);
         for (const auto& [i, k] : ringPairs()) linked_.push_back(linkingNumber(after_[i], after_[k]));
     }
     /// Runs it to its end; returns its hash.
-    std::uint64_t run(KnotFuzzKind& counts, std::vector<long>& iterations, const std::string& called)
+    std::uint64_t run(KnotFuzzKind& counts, IterationCount& iterations, const std::string& called)
     {
         const long steps = std::max(1L, std::lround(def_.perScene / def_.step));
         for (long i = 0; i < steps; ++i) {
             const double time = static_cast<double>(i) * def_.step;
             for (FuzzHand& hand : scene_.hands) {
                 hand.move(time, def_.step, random_);
-                commands_.emplace_back(physics::SetPose{idOf(hand.body), 0, hand.now});
+                stage_.give(physics::SetPose{FuzzStage::idOf(hand.body), 0, hand.now});
             }
-            const physics::StepReport step = engine_->step({.dt = def_.step, .commands = commands_});
-            commands_.clear();
-            engine_->capture(frame_);
+            const physics::StepReport step = stage_.step(def_.step);
             std::swap(before_, after_);
             readLines(after_);
             const auto say = [&](const auto& what) {
@@ -66,22 +51,20 @@ public:
         counts.steps += steps;
         report_.steps += steps;
         report_.seconds += static_cast<double>(steps) * def_.step;
-        return engine_->hash();
+        return stage_.hash();
     }
 
 private:
-    static BodyId idOf(std::size_t body) { return {static_cast<std::uint32_t>(body + 1)}; }
-
     void readLines(std::vector<std::vector<Vec3>>& out) const
     {
         out.resize(scene_.lines.size());
         for (std::size_t i = 0; i < out.size(); ++i) {
             const FuzzLine& line = scene_.lines[i];
             if (line.axis.empty()) {
-                out[i] = frame_.softBody(idOf(line.body))->positions;
+                out[i] = stage_.frame().softBody(FuzzStage::idOf(line.body))->positions;
                 continue;
             }
-            const Pose& pose = frame_.rigidBody(idOf(line.body))->poses.front();
+            const Pose& pose = stage_.frame().rigidBody(FuzzStage::idOf(line.body))->poses.front();
             out[i].clear();
             for (const Vec3 p : line.axis) out[i].push_back(pose.position + rotate(pose.orientation, p));
         }
@@ -94,11 +77,9 @@ private:
                 if (scene_.lines[i].closed && scene_.lines[k].closed) out.push_back({i, k});
         return out;
     }
-    void follow(const physics::StepReport& step, KnotFuzzKind& counts, std::vector<long>& iterations)
+    void follow(const physics::StepReport& step, KnotFuzzKind& counts, IterationCount& iterations)
     {
-        int most = 0;
-        for (const physics::BodySolve& solve : step.solves) most = std::max(most, solve.iterations);
-        ++iterations[std::min(static_cast<std::size_t>(most), kIterations - 1)];
+        iterations.add(step);
         counts.notConverged += step.has(physics::StepFlag::NotConverged) ? 1 : 0;
         report_.undone += step.has(physics::StepFlag::Undone) ? 1 : 0;
         report_.mostContacts = std::max(report_.mostContacts, static_cast<long>(step.contacts.active));
@@ -106,12 +87,10 @@ private:
     }
     template <class Say> void lookAtLines(KnotFuzzKind& counts, const Say& say)
     {
-        for (const frame::SoftBodyFrame& body : frame_.softBodies)
-            if (!std::ranges::all_of(body.positions, [](Vec3 x) { return isFinite(x); }) ||
-                !std::ranges::all_of(body.velocities, [](Vec3 v) { return isFinite(v); })) {
-                ++report_.notFinite;
-                return say("not finite");
-            }
+        if (!stage_.isFinite()) {
+            ++report_.notFinite;
+            return say("not finite");
+        }
         for (std::size_t i = 0; i < scene_.lines.size(); ++i)
             for (std::size_t k = i; k < scene_.lines.size(); ++k) {
                 if (!scene_.lines[i].axis.empty() && !scene_.lines[k].axis.empty()) continue; // bars meet as they like
@@ -146,7 +125,7 @@ private:
     {
         const auto& mesh = *std::get<std::shared_ptr<const geometry::TetMesh>>(
             std::get<physics::SoftBodyDef>(scene_.bodies[tissue]).mesh);
-        const std::vector<Vec3>& x = frame_.softBody(idOf(tissue))->positions;
+        const std::vector<Vec3>& x = stage_.frame().softBody(FuzzStage::idOf(tissue))->positions;
         Vec3 low = x.front(), high = x.front(), half = mesh.nodes.front();
         for (const Vec3 p : x) low = min(low, p), high = max(high, p);
         for (const Vec3 p : mesh.nodes) half = max(half, p);
@@ -170,23 +149,11 @@ private:
     KnotFuzzReport& report_;
     FuzzRandom random_;
     KnotScene scene_;
-    std::unique_ptr<physics::PhysicsEngine> engine_;
-    std::vector<physics::Command> commands_;
-    frame::Frame frame_;
+    FuzzStage stage_;
     std::vector<std::vector<Vec3>> before_, after_; ///< per line
     std::vector<double> linked_;                    ///< per pair of rings
     PassCounter passes_;
 };
-
-/// The smallest number of iterations that at least this share of the steps did not exceed.
-int quantile(const std::vector<long>& iterations, long steps, double share)
-{
-    long sum = 0;
-    for (std::size_t i = 0; i < iterations.size(); ++i)
-        if (sum += iterations[i]; static_cast<double>(sum) >= share * static_cast<double>(steps))
-            return static_cast<int>(i);
-    return 0;
-}
 
 } // namespace
 
@@ -194,7 +161,7 @@ KnotFuzzReport fuzzKnots(const KnotFuzzDef& def)
 {
     KnotFuzzReport report;
     for (int i = 0; i < kKnotKinds; ++i) report.kinds.push_back({name(static_cast<KnotKind>(i))});
-    std::vector<long> iterations(kIterations);
+    IterationCount iterations;
     Hasher all;
     for (auto index = static_cast<std::uint64_t>(def.first); report.seconds < def.seconds * (1.0 - 1e-9); ++index) {
         // Every scene has its own random numbers: if one fails, it can be replayed without the scenes before it.
@@ -204,7 +171,7 @@ KnotFuzzReport fuzzKnots(const KnotFuzzDef& def)
         const auto kind = static_cast<std::size_t>(index % kKnotKinds);
         KnotFuzzKind& counts = report.kinds[kind];
         const std::string called = text("scene ", index, " (", counts.name, ")");
-        const auto runOnce = [&](KnotFuzzReport& into, KnotFuzzKind& kindCounts, std::vector<long>& its) {
+        const auto runOnce = [&](KnotFuzzReport& into, KnotFuzzKind& kindCounts, IterationCount& its) {
             return KnotRun(def, static_cast<KnotKind>(kind), seed.value(), into).run(kindCounts, its, called);
         };
         const std::uint64_t hash = runOnce(report, counts, iterations);
@@ -214,7 +181,7 @@ KnotFuzzReport fuzzKnots(const KnotFuzzDef& def)
         if (def.twice) {
             KnotFuzzReport again;
             KnotFuzzKind other;
-            std::vector<long> its(kIterations);
+            IterationCount its;
             if (runOnce(again, other, its) != hash) ++report.hashesThatDiffer;
         }
         if (def.progress) def.progress(report.seconds);
@@ -223,9 +190,9 @@ KnotFuzzReport fuzzKnots(const KnotFuzzDef& def)
         report.passes += kind.passes;
         report.notConverged += kind.notConverged;
     }
-    report.median = quantile(iterations, report.steps, 0.5);
-    report.percentile99 = quantile(iterations, report.steps, 0.99);
-    report.most = quantile(iterations, report.steps, 1.0);
+    report.median = iterations.quantile(0.5);
+    report.percentile99 = iterations.quantile(0.99);
+    report.most = iterations.quantile(1.0);
     report.hash = all.value();
     return report;
 }

@@ -22,6 +22,7 @@ struct Key {
 struct Answer {
     double gap;
     Vec3 normal;
+    bool nearest = true; ///< false: an edge of tissue that is bent over another, and not the nearest one
 };
 using Answers = std::map<Key, Answer>;
 
@@ -189,6 +190,36 @@ inline std::optional<bool> looksAt(const CollisionSurface& s, std::array<int, 2>
     return clear;
 }
 
+/// How the triangles of an edge of tissue, or of one that tissue meets, lie against a direction towards the other edge.
+struct Slopes {
+    bool nearly = true, away = true, sharp = false; ///< as in EdgeSlopes
+    bool unsure = false;                            ///< one of the angles is at its bound
+};
+inline Slopes slopes(const CollisionSurface& s, std::array<int, 2> edge, Vec3 at, Vec3 off)
+{
+    const Corners line{edge[0], edge[1], -1};
+    const int triangles = trianglesAt(*s.shape, line);
+    if (!s.shape->triangleFaces || triangles == 0) return {};
+    Slopes out{.away = triangles == 1 && !s.shape->closed};
+    const auto over = [&](double sine, double bound) {
+        out.unsure = out.unsure || std::fabs(sine - bound) < 1e-9;
+        return sine > bound;
+    };
+    for (const auto& t : s.shape->triangles) {
+        if (!contains(t, line)) continue;
+        const Vec3 ends[] = {s.x[edge[0]], s.x[edge[1]]}, opposite = s.x[t[0] + t[1] + t[2] - edge[0] - edge[1]];
+        const double towards = dot(off, opposite - ends[0]) / length(opposite - ends[0]);
+        out.nearly = out.nearly && !over(towards, 0.1);
+        out.away = out.away || over(-towards, 1e-3);
+        // The angle of the triangle itself, by the angle of its normal.
+        const Vec3 normal = normalized(cross(ends[1] - ends[0], opposite - ends[0]));
+        const double sine = std::sqrt(std::max(0.0, 1.0 - dot(normal, off) * dot(normal, off)));
+        if (towards < 0.0) out.sharp = over(sine, 0.3) || out.sharp;
+    }
+    if (s.shape->closed) out.nearly = out.nearly && !isInside(s, at + 1e-5 * off);
+    return out;
+}
+
 /// True if the place is so near to the surface that inside and outside are ambiguous.
 inline bool grazes(const CollisionSurface& s, Vec3 place, double within)
 {
@@ -221,16 +252,23 @@ inline void collideEdges(const std::vector<CollisionSurface>& s, std::array<int,
                 const Vec3 n = sign * normalized(pa - pb);
                 const auto first = looksAt(one, a, pa, -n), second = looksAt(two, b, pb, n);
                 if (!first || !second) closeCalls.push_back(key);
-                if (!first || !second || !*first || !*second) continue;
+                if (!first || !second) continue;
+                const bool nearest = *first && *second, tissue = one.element < 0 || two.element < 0;
+                const Slopes ofOne = slopes(one, a, pa, -n), ofTwo = slopes(two, b, pb, n);
+                if (tissue && (ofOne.unsure || ofTwo.unsure)) closeCalls.push_back(key);
+                const bool bent = tissue && ofOne.nearly && ofTwo.nearly &&
+                                  ((ofOne.away && ofTwo.away) || ofOne.sharp || ofTwo.sharp);
+                if (!nearest && !bent) continue;
                 const double gap = dot(pa - pb, n);
                 const Vec3 w =
                     one.v[a[0]] + i * (one.v[a[1]] - one.v[a[0]]) - two.v[b[0]] - k * (two.v[b[1]] - two.v[b[0]]);
-                if (!(gap < near + reach * std::max(0.0, -dot(w, n))) || gap < -deep) continue;
+                const double range = (nearest ? 1.0 : 0.3) * near;
+                if (!(gap < range + reach * std::max(0.0, -dot(w, n))) || gap < -deep) continue;
                 if (gap < 0.0 && (grazes(two, pa, 3e-3 * gap) || grazes(one, pb, 3e-3 * gap)))
                     closeCalls.push_back(key);
                 if (gap < 0.0 && isSolid(two, b) && !isInside(two, pa)) continue;
                 if (gap < 0.0 && isSolid(one, a) && !isInside(one, pb)) continue;
-                out.try_emplace(key, Answer{gap, n});
+                out.try_emplace(key, Answer{gap, n, nearest});
             }
         }
 }

@@ -50,6 +50,7 @@ Scene randomScene(std::mt19937& random)
         const Pose pose{randomVector(random, 0.8), axisAngle(randomVector(random, 1.0), 3.0 * (coin(random) + 0.5))};
         const int at = scene.add(mesh, options, pose);
         for (Vec3& v : scene.surfaces[static_cast<std::size_t>(at)].v) v = randomVector(random, 2.0);
+        if (coin(random) == 0) scene.surfaces.back().element = -1; // tissue
         if (coin(random) == 0) scene.surfaces.back().name = {scene.surfaces.front().name.body, at};
     }
     return scene;
@@ -65,7 +66,7 @@ brute::Key keyOf(const Proximity& p)
 TEST_CASE("proximities match a brute-force search over all features, with the same gaps and normals")
 {
     std::mt19937 random(7);
-    int edges = 0, faces = 0, others = 0, negative = 0, negativeEdges = 0;
+    int edges = 0, faces = 0, others = 0, negative = 0, negativeEdges = 0, bentEdges = 0;
     for (int round = 0; round < 300; ++round) {
         Scene scene = randomScene(random);
         scene.find();
@@ -86,6 +87,7 @@ TEST_CASE("proximities match a brute-force search over all features, with the sa
             const bool isFace = key.corners[0][0] >= 0 || key.corners[1][0] >= 0;
             ++(isEdges ? edges : isFace ? faces : others);
             negative += p.gap < 0.0, negativeEdges += p.gap < 0.0 && isEdges;
+            bentEdges += isEdges && !it->second.nearest;
         }
         for (const auto& [key, answer] : expected) {
             CAPTURE(round, key.surfaces, key.corners[0], key.corners[1], answer.gap);
@@ -97,6 +99,7 @@ TEST_CASE("proximities match a brute-force search over all features, with the sa
     CHECK(others > 300);
     CHECK(negative > 100);
     CHECK(negativeEdges > 20);
+    CHECK(bentEdges > 20);
 }
 
 TEST_CASE("feature numbers are unique within a pair of surfaces, and the list is the same for 1, 2 and 8 threads")

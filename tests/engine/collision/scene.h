@@ -88,7 +88,7 @@ inline Vec3 randomVector(std::mt19937& random, double size)
     return {x, y, number(random)};
 }
 
-/// Surfaces with all state of their queries from step to step.
+/// Surfaces with all state of their queries from step to step: rigid ones, and tissue if they collide with themselves.
 struct Scene {
     std::vector<CollisionSurface> surfaces;
     std::vector<SheetSide> sides;
@@ -101,6 +101,7 @@ struct Scene {
     {
         CollisionSurface surface;
         surface.name.body = {static_cast<std::uint32_t>(surfaces.size() + 1)};
+        surface.element = options.self ? -1 : 0;
         surface.shape = std::make_shared<const CollisionShape>(makeCollisionShape(mesh, options));
         for (const Vec3 p : mesh.vertices) surface.x.push_back(transform(pose, p));
         surface.v.assign(surface.x.size(), velocity);

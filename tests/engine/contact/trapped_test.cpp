@@ -96,4 +96,39 @@ TEST_CASE("a bar that is jammed beside tissue is held by as much as without it, 
     CHECK(std::abs(held[1] - held[0]) < 0.05 * held[0]);
 }
 
+TEST_CASE("tissue that jaws with sharp edges squeeze comes to rest, whatever its stiffness and the rate")
+{
+    // It shook for ever when only the nearest of the edges that cross the jaws' edges were contacts, others in each
+    // step.
+    for (const double young : {2e3, 20e3, 200e3})
+        for (const double rate : {250.0, 1000.0}) {
+            Stage stage;
+            addFloor(stage);
+            stage.add(physics::SoftBodyDef{.mesh = geometry::shapes::block({0.016, 0.02, 0.023}, {3, 4, 4}),
+                                           .pose = {{0, 0.0131, 0}, {}},
+                                           .material = physics::FemMaterial{.youngModulus = young, .poissonRatio = 0.4},
+                                           .rayleigh = {.mass = 5.0},
+                                           .collision = {{}}});
+            std::array<BodyId, 2> jaws;
+            for (const std::size_t k : {0u, 1u})
+                jaws[k] = stage.add(block({0.0045, 0.009, 0.018}, {k == 0 ? -0.02 : 0.02, 0.0075, 0}, 0.0));
+            std::vector<physics::StepReport> last;
+            for (int i = 0; i < 3.0 * rate; ++i) {
+                const double closed = std::min(1.0, i / (0.2 * rate));
+                for (const std::size_t k : {0u, 1u}) {
+                    const double x = 0.02 + (0.0068 - 0.02) * closed;
+                    stage.post(physics::SetPose{jaws[k], 0, {{k == 0 ? -x : x, 0.0075, 0}, {}}});
+                }
+                const physics::StepReport report = stage.step(1.0 / rate);
+                if (i >= 2.9 * rate) last.push_back(report);
+            }
+            double fastest = 0.0;
+            for (const Vec3 v : stage.soft().v) fastest = std::max(fastest, length(v));
+            CAPTURE(young, rate);
+            CHECK(fastest < 1e-3); // 0.13 m/s at 2 kPa
+            for (const physics::StepReport& report : last) CHECK(report.flags == 0);
+            for (const physics::StepReport& report : last) CHECK(report.solves.front().iterations <= 10);
+        }
+}
+
 } // namespace trapped_test

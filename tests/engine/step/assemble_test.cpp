@@ -146,4 +146,30 @@ TEST_CASE("a spring pin on a node that is also hard-pinned changes nothing")
     CHECK(a.soft().x == b.soft().x);
 }
 
+TEST_CASE("elements that are inside out are counted, of tissue and of springs, and the worst is named")
+{
+    for (const SoftMaterial& material : {SoftMaterial{FemMaterial{}}, SoftMaterial{MassSpringMaterial{}}}) {
+        Stage stage;
+        const BodyId body = stage.add(
+            SoftBodyDef{.mesh = shared(boxMesh({3, 3, 3}, {0.3, 0.3, 0.3})), .material = material, .gravity = false});
+        CHECK(stage.step(1e-6).inverted.count == 0);
+        const auto& x = stage.soft().x;
+        const auto inner = static_cast<std::size_t>(std::ranges::find_if(x,
+                                                                         [](Vec3 p) {
+                                                                             return p.x > 0.05 && p.x < 0.15 &&
+                                                                                    p.y > 0.05 && p.y < 0.15 &&
+                                                                                    p.z > 0.05 && p.z < 0.15;
+                                                                         }) -
+                                                    x.begin());
+        REQUIRE(inner < x.size());
+        stage.soft().x[inner].x -= 0.15; // out of the body by half a cell
+        const StepReport report = stage.step(1e-6);
+        CHECK(report.has(StepFlag::Inverted));
+        CHECK(report.inverted.count > 0);
+        CHECK(report.inverted.body == body);
+        CHECK(report.inverted.volume == Approx(-0.5).epsilon(0.1)); // behind the face that it left
+        CHECK(report.inverted.element >= 0);
+    }
+}
+
 } // namespace assemble_test

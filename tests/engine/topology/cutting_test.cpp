@@ -1,6 +1,7 @@
 #include "filasofia/engine/rupture/check_topology.h"
 #include "filasofia/engine/scene/check_scene.h"
 
+#include "effort.h"
 #include "engine/elastic/laws.h"
 #include "engine/stage.h"
 
@@ -423,7 +424,7 @@ TEST_CASE(
         def.mesh = shared(mesh);
         def.material = material;
         std::set<std::uint64_t> hashes;
-        for (int threads : {1, 2, 8}) {
+        for (int threads : {1, 2, kManyThreads}) {
             INFO(name << ", " << threads << " threads");
             CutScene scene(def, 0.023, 0.1, {.threads = threads});
             const StepReport report = scene.move(0.035, 0.012, 0.2);

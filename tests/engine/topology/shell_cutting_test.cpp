@@ -1,6 +1,7 @@
 #include "filasofia/engine/rupture/check_topology.h"
 #include "filasofia/engine/scene/check_scene.h"
 
+#include "effort.h"
 #include "engine/sheets.h"
 #include "engine/stage.h"
 
@@ -209,7 +210,7 @@ TEST_CASE("the default solver follows a cut as a new one and as Cholesky would h
 TEST_CASE("a cut shell is the same for any number of threads, and after a saved state is restored")
 {
     std::vector<std::uint64_t> hashes;
-    for (int threads : {1, 2, 8}) {
+    for (int threads : {1, 2, kManyThreads}) {
         ShellScene scene(cuttable(40), {.threads = threads});
         scene.stage.post(SetGravity{{0, 0, -0.1}});
         scene.move({0.0237, -0.01, 0}, {0.0237, 0.03, 0});

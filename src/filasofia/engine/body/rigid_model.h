@@ -78,6 +78,7 @@ struct RigidState {
     std::vector<std::optional<Pose>> targets;
     std::vector<JointState> joints;
     std::vector<ElementCoupling> couplings = {}; ///< virtual couplings, ascending by element; empty unless dynamic
+    bool cutting = true;                         ///< its blades cut; otherwise they touch what they would cut
 };
 
 /// The state at the start, with the start's velocities and no wrenches.

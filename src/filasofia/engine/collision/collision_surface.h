@@ -18,6 +18,7 @@ struct CollisionSurface {
     /// soft body.
     int element = -1, parent = -1;
     std::shared_ptr<const CollisionShape> shape;
+    bool cuts = false;     ///< it passes through surfaces that are cuttable
     bool cuttable = false; ///< surfaces that cut pass through it
     /// [m] current vertices. Elements with a vertex that is not finite or beyond 1e9 m are not found.
     std::vector<Vec3> x;

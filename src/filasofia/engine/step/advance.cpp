@@ -144,10 +144,11 @@ void settleBody(const StepContext& context, Vec3 gravity, SoftBody& body, BodyOu
     }
 }
 
-BodyOutcome outcomeOf(BodyId id, const linalg::NodeSolveReport& solve)
+/// `together`: the first of the bodies that were solved together.
+BodyOutcome outcomeOf(BodyId id, BodyId together, const linalg::NodeSolveReport& solve)
 {
     BodyOutcome outcome;
-    outcome.solve = {id, solve.iterations, solve.residual};
+    outcome.solve = {id, solve.iterations, solve.residual, together};
     if (solve.outOfTime) outcome.set(StepFlag::OutOfTime);
     if (!solve.converged && !solve.outOfTime) outcome.set(StepFlag::NotConverged);
     return outcome;
@@ -217,7 +218,8 @@ private:
         forEachBody(scene_, context_.pool, [&](SoftBody& body, std::size_t b) {
             if (coupled_[b]) return;
             prepareBody(body);
-            outcomes_[b] = outcomeOf(body.model.id, solveBody(context_.dt, 1.0, limits.bodies[b], body, context_.pool));
+            const linalg::NodeSolveReport solve = solveBody(context_.dt, 1.0, limits.bodies[b], body, context_.pool);
+            outcomes_[b] = outcomeOf(body.model.id, body.model.id, solve);
         });
     }
 
@@ -231,11 +233,13 @@ private:
             engine::solveIsland(context_, island, coupledLimitsOf(context_, scene_, island, limits), scene_, coupling_);
         for (std::size_t b : island.soft) {
             const int before = repeats_ > 0 ? outcomes_[b].solve.iterations : 0;
-            outcomes_[b] = outcomeOf(scene_.soft[b].model.id, solve);
+            outcomes_[b] = outcomeOf(scene_.soft[b].model.id, scene_.soft[island.soft.front()].model.id, solve);
             outcomes_[b].solve.iterations += before;
         }
-        if (island.soft.empty() && repeats_ == 0)
-            rigidOutcomes_.push_back(outcomeOf(scene_.rigid[coupling_.rigid[island.rigid[0]].body].model.id, solve));
+        if (island.soft.empty() && repeats_ == 0) {
+            const BodyId first = scene_.rigid[coupling_.rigid[island.rigid[0]].body].model.id;
+            rigidOutcomes_.push_back(outcomeOf(first, first, solve));
+        }
         physics::ContactReport& contacts = context_.report.contacts;
         contacts.rounds = std::max(contacts.rounds, solve.rounds);
         contacts.mismatch = std::max(repeats_ > 0 ? 0.0 : contacts.mismatch, solve.mismatch);

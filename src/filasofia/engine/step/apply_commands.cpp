@@ -103,6 +103,7 @@ struct ApplyCommand {
         SoftBody& body = soft(set.id);
         setCurvature(set, body.model.rod, body.state.rod);
     }
+    void operator()(const physics::SetCutting& set) const { rigid(set.id).state.cutting = set.cutting; }
     void operator()(const physics::SetForces& set) const { setForces(set.forces, soft(set.id).state); }
     void operator()(const physics::SetPressure& set) const { soft(set.id).state.pressure = set.pressure; }
     void operator()(const physics::Attach& command) const

@@ -40,6 +40,12 @@ template <class Look> void forEachMarked(const SoftBody& body, const Look& look)
 
 Vec3 middle(const Corners& x) { return 0.25 * (x[0] + x[1] + x[2] + x[3]); }
 
+void addInverted(const SoftModel& model, int element, double volume, Vec3 place, physics::InvertedElements& report)
+{
+    ++report.count;
+    if (volume < report.volume) report = {report.count, model.id, element, volume, place};
+}
+
 /// Reports the inverted elements of a body. Those of which every node is fixed, for example in a removed piece, are
 /// left out: nothing will ever change them.
 void findInverted(const SoftBody& body, physics::InvertedElements& report)
@@ -49,13 +55,15 @@ void findInverted(const SoftBody& body, physics::InvertedElements& report)
         const Corners corners = cornersOf(model.elements[e].nodes, body.state.x);
         const double volume = determinant(gradient(model.elements[e], corners));
         if (volume > 0.0 || allHeld(model, e)) return;
-        ++report.count;
-        if (!(volume < report.volume)) return;
-        report.body = model.id;
-        report.element = model.elements[e].tetrahedron;
-        report.volume = volume;
-        report.place = middle(corners);
+        addInverted(model, model.elements[e].tetrahedron, volume, middle(corners), report);
     });
+    for (std::size_t e = 0; e < model.tetrahedra.size(); ++e) { // springs do not resist it
+        const Corners corners = cornersOf(model.tetrahedra[e], body.state.x);
+        const double volume = volumeOf(corners);
+        if (volume > 0.0 || allHeld(model, e)) continue;
+        const double atRest = volumeOf(cornersOf(model.tetrahedra[e], model.rest));
+        addInverted(model, static_cast<int>(e), volume / atRest, middle(corners), report);
+    }
 }
 
 /// [-] By how much a principal stretch of an element differs from 1 at most.

@@ -79,6 +79,7 @@ void resetScene(Scene& scene)
         RigidState fresh = stateAtStart(body.model);
         fresh.wrenches = std::move(body.state.wrenches);
         fresh.couplings = std::move(body.state.couplings);
+        fresh.cutting = body.state.cutting;
         body.state = std::move(fresh);
         placeLinks(b, scene); // a carrier comes before the bodies that it carries
     }

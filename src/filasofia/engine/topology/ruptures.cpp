@@ -47,7 +47,7 @@ void moveBlades(const RigidPlan& rigid, const Scene& scene, std::vector<Blade>& 
     for (std::size_t b = 0; b < scene.rigid.size(); ++b)
         for (int m = 0; const CollisionModel& each : scene.rigid[b].model.collision) {
             const SurfaceName name{scene.rigid[b].model.id, m++};
-            if (!each.shape->cutting) continue;
+            if (!each.shape->cutting || !scene.rigid[b].state.cutting) continue;
             const auto known = std::ranges::find(blades, name, &Blade::name);
             const bool same = known != blades.end() && known->shape == each.shape;
             Blade& blade = next.emplace_back(same ? std::move(*known) : Blade{name, each.shape, linesOf(*each.shape)});

@@ -1,0 +1,86 @@
+#pragma once
+
+#include "filasofia/engine/native_engine.h"
+#include "filasofia/frame/frame.h"
+#include "filasofia/physics/defs.h"
+#include "filasofia/physics/physics_engine.h"
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+namespace filasofia::testing {
+
+/// An engine with the bodies of a random scene: body i has the id i + 1, and no body has an attachment to a later one.
+class FuzzStage {
+public:
+    FuzzStage(const std::vector<physics::BodyDef>& bodies, double period)
+        : engine_(engine::makeNativeEngine({.period = period, .threads = 1}))
+    {
+        std::uint32_t attachment = 1;
+        for (std::size_t i = 0; i < bodies.size(); ++i) {
+            const auto body = std::make_shared<const physics::BodyDef>(bodies[i]);
+            give(physics::AddBody{idOf(i), body, engine_->build(*body), AttachmentId{attachment}});
+            attachment +=
+                std::visit([](const auto& d) { return static_cast<std::uint32_t>(d.attachments.size()); }, *body);
+        }
+        step(0.0);
+    }
+    static BodyId idOf(std::size_t body) { return {static_cast<std::uint32_t>(body + 1)}; }
+
+    template <class C> void give(C command) { commands_.emplace_back(std::in_place_type<C>, std::move(command)); }
+    physics::StepReport step(double dt)
+    {
+        physics::StepReport report = engine_->step({.dt = dt, .commands = commands_});
+        commands_.clear();
+        engine_->capture(frame_);
+        return report;
+    }
+    [[nodiscard]] const frame::Frame& frame() const { return frame_; }
+    [[nodiscard]] std::uint64_t hash() const { return engine_->hash(); }
+    /// Whether every place and every velocity of the frame is a number.
+    [[nodiscard]] bool isFinite() const
+    {
+        const auto numbers = [](const std::vector<Vec3>& list) {
+            return std::ranges::all_of(list, [](Vec3 v) { return filasofia::isFinite(v); });
+        };
+        const auto places = [](const Pose& pose) { return filasofia::isFinite(pose); };
+        return std::ranges::all_of(frame_.softBodies,
+                                   [&](const auto& b) { return numbers(b.positions) && numbers(b.velocities); }) &&
+               std::ranges::all_of(frame_.rigidBodies, [&](const auto& b) {
+                   return std::ranges::all_of(b.poses, places) && numbers(b.velocities) && numbers(b.angularVelocities);
+               });
+    }
+
+private:
+    std::unique_ptr<physics::PhysicsEngine> engine_;
+    std::vector<physics::Command> commands_;
+    frame::Frame frame_;
+};
+
+/// How many steps took how many iterations, of the solve with the most.
+class IterationCount {
+public:
+    void add(const physics::StepReport& step)
+    {
+        int most = 0;
+        for (const physics::BodySolve& solve : step.solves) most = std::max(most, solve.iterations);
+        ++steps_[std::min(static_cast<std::size_t>(most), steps_.size() - 1)];
+        ++all_;
+    }
+    /// The smallest number of iterations that at least this share of the steps did not exceed.
+    [[nodiscard]] int quantile(double share) const
+    {
+        long sum = 0;
+        for (std::size_t i = 0; i < steps_.size(); ++i)
+            if (sum += steps_[i]; static_cast<double>(sum) >= share * static_cast<double>(all_))
+                return static_cast<int>(i);
+        return 0;
+    }
+
+private:
+    std::vector<long> steps_ = std::vector<long>(1000);
+    long all_ = 0;
+};
+
+} // namespace filasofia::testing
