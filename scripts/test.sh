@@ -21,5 +21,9 @@ for preset in release asan; do
 done
 
 headline "result after $((SECONDS / 60)) min $((SECONDS % 60)) s"
-if ((${#failed[@]} > 0)); then die "tests failed: ${failed[*]}"; fi
+if ((${#failed[@]} > 0)); then
+  # Again, alone: the end of the output names them, and tells whether they fail only beside others.
+  for preset in "${failed[@]}"; do (cd "$root" && ctest --preset "$preset" --rerun-failed </dev/null) || true; done
+  die "tests failed: ${failed[*]}"
+fi
 echo "all tests passed: release, asan"
