@@ -152,7 +152,7 @@ std::optional<SurfaceOverlap> overlapOf(const PlacedSurface& a, const PlacedSurf
     if (!overlap.found()) { // no surface passes through the other: one may lie inside
         for (const auto& [inner, outer] : {std::pair(&a, &b), std::pair(&b, &a)})
             if (outer->closed && isInside(inner->vertices.front(), *outer))
-                overlap.add(inner->vertices.front(), distanceTo(inner->vertices.front(), *outer));
+                for (const Vec3 x : inner->vertices) overlap.add(x, distanceTo(x, *outer));
     }
     if (!overlap.found()) return std::nullopt;
     return overlap.deepest();

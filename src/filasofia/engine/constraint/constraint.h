@@ -75,6 +75,7 @@ struct Constraint {
     /// If only one side can move along the normal, as between a body and a kinematic one: another such factor, in
     /// (0, 1], and the fraction that the carried normal impulse loses; both for kRigidKappa.
     double trappedYielding = 1.0, trappedLoss = 0.0;
+    double lostLoss = 0.0; ///< [-] the same fraction if both can move: they are inside each other
     /// [N s] Bound on the impulse along the normal. The constraint yields beyond it.
     double maxImpulse = std::numeric_limits<double>::infinity();
     /// [N s] in the frame, on the first side. In: the last step's impulse; out: the impulse that acted in this step

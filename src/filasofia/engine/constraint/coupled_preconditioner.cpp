@@ -109,8 +109,9 @@ void CoupledSolve::chooseStiffness()
         const double tangential = spring && each.bilateral() ? each.softness : rigid;
         rows_[c].stiffness = {normal, tangential, tangential};
         rows_[c].u = inFrame(each.frame, each.sides[0].velocity - each.sides[1].velocity);
-        row.constraint->impulse.x *= 1.0 - trapped.loss;
-        rows_[c].trapped = trapped.loss > 0.0;
+        const double loss = bothMove ? each.lostLoss : trapped.loss;
+        row.constraint->impulse.x *= 1.0 - loss;
+        rows_[c].trapped = loss > 0.0;
         if (compliance == 0.0) row.constraint->impulse = {}; // no body can move along the normal
     }
 }

@@ -54,8 +54,8 @@ void dropTwins(const Rod& rod, std::vector<RodCut>& cuts)
 {
     constexpr double kAtNode = 1e-6;
     std::ranges::stable_sort(cuts, {}, &RodCut::edge);
-    const auto same = std::ranges::unique(cuts, {}, &RodCut::edge);
-    cuts.erase(same.begin(), same.end());
+    const auto sameEdge = [](const RodCut& a, const RodCut& b) { return a.edge == b.edge; };
+    cuts.erase(std::unique(cuts.begin(), cuts.end(), sameEdge), cuts.end());
     std::vector<RodCut> kept;
     const std::size_t edges = rod.edges.size();
     const auto isGone = [&](std::size_t edge) {
