@@ -276,15 +276,12 @@ ContactFuzzReport fuzzContacts(const ContactFuzzDef& def)
     IterationCount iterations;
     Hasher all;
     for (int index = def.first; index < def.first + def.scenes; ++index) {
-        // Every scene has its own random numbers: if one fails, it can be run without the scenes before it.
-        Hasher seed;
-        seed.add(def.seed);
-        seed.add(static_cast<std::uint64_t>(index));
+        const std::uint64_t seed = seedOfScene(def.seed, static_cast<std::uint64_t>(index));
         const auto kind = static_cast<std::size_t>(index % kContactKinds);
         ContactFuzzKind& counts = report.kinds[kind];
         const std::string called = text("scene ", index, " (", counts.name, ")");
         const auto runOnce = [&](ContactFuzzReport& into, ContactFuzzKind& kindCounts, IterationCount& its) {
-            return ContactRun(def, static_cast<ContactKind>(kind), seed.value(), into).run(kindCounts, its, called);
+            return ContactRun(def, static_cast<ContactKind>(kind), seed, into).run(kindCounts, its, called);
         };
         const std::uint64_t hash = runOnce(report, counts, iterations);
         all.add(hash);

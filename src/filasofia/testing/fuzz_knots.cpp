@@ -164,15 +164,12 @@ KnotFuzzReport fuzzKnots(const KnotFuzzDef& def)
     IterationCount iterations;
     Hasher all;
     for (auto index = static_cast<std::uint64_t>(def.first); report.seconds < def.seconds * (1.0 - 1e-9); ++index) {
-        // Every scene has its own random numbers: if one fails, it can be replayed without the scenes before it.
-        Hasher seed;
-        seed.add(def.seed);
-        seed.add(index);
+        const std::uint64_t seed = seedOfScene(def.seed, index);
         const auto kind = static_cast<std::size_t>(index % kKnotKinds);
         KnotFuzzKind& counts = report.kinds[kind];
         const std::string called = text("scene ", index, " (", counts.name, ")");
         const auto runOnce = [&](KnotFuzzReport& into, KnotFuzzKind& kindCounts, IterationCount& its) {
-            return KnotRun(def, static_cast<KnotKind>(kind), seed.value(), into).run(kindCounts, its, called);
+            return KnotRun(def, static_cast<KnotKind>(kind), seed, into).run(kindCounts, its, called);
         };
         const std::uint64_t hash = runOnce(report, counts, iterations);
         all.add(hash);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/core/hash.h"
 #include "filasofia/math/vec3.h"
 
 #include <cmath>
@@ -32,5 +33,14 @@ public:
 private:
     std::mt19937_64 bits_;
 };
+
+/// The seed of one scene: if it fails, it can be run again without the scenes before it.
+inline std::uint64_t seedOfScene(std::uint64_t seed, std::uint64_t index)
+{
+    Hasher both;
+    both.add(seed);
+    both.add(index);
+    return both.value();
+}
 
 } // namespace filasofia::testing
