@@ -11,6 +11,7 @@ namespace bleeding_test {
 using namespace filasofia;
 using namespace filasofia::surface;
 
+constexpr double kEven = std::numeric_limits<double>::infinity();
 constexpr Vec3 kDown{0, -9.81, 0};
 
 double error(const BloodBalance& b)
@@ -46,7 +47,7 @@ TEST_CASE("nothing bleeds before a cut, and a step then costs nothing")
 
 TEST_CASE("an opened surface bleeds by its area and flux, less as it clots")
 {
-    Ball ball({.flux = 1e-4, .clottingTime = 10.0});
+    Ball ball({.flux = 1e-4, .vesselDensity = kEven, .clottingTime = 10.0});
     ball.blood.follow(ball.opened(0.02, 1));
     double area = 0.0;
     const frame::Boundary boundary = ball.opened(0.02, 1);
@@ -61,6 +62,21 @@ TEST_CASE("an opened surface bleeds by its area and flux, less as it clots")
     ball.run(60.0);
     CHECK(ball.blood.balance().rate < 0.01e-4 * area);
     CHECK(error(ball.blood.balance()) < 1e-12 * ball.blood.balance().welled);
+}
+
+TEST_CASE("few vessels bleed unevenly, and on average as many")
+{
+    const auto welled = [](double density) {
+        Ball ball({.flux = 1e-4, .vesselDensity = density});
+        ball.blood.follow(ball.opened(-0.03, 1));
+        ball.run(0.1);
+        std::vector<float> thickness = ball.blood.thickness();
+        return std::pair(ball.blood.balance().welled, std::ranges::count(thickness, 0.0F));
+    };
+    const auto [even, dryEven] = welled(kEven);
+    const auto [few, dryFew] = welled(2e5);
+    CHECK(few == Approx(even).epsilon(0.15)); // about 2000 vessels
+    CHECK(dryFew > dryEven);
 }
 
 TEST_CASE("welled blood is on the tissue, sucked, rinsed, dripped or carried off, to the last millionth")

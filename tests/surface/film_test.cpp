@@ -160,6 +160,35 @@ TEST_CASE("a film below a ceiling drips as the Rayleigh-Taylor instability grows
     CHECK(film.content.volume[60] / film.geometry.area[60] == Approx(expected).epsilon(1e-9));
 }
 
+TEST_CASE("drops land on what is below them")
+{
+    // A small ceiling, which faces down, 1 cm above a floor; beside it, one above nothing.
+    geometry::TriangleMesh mesh = *geometry::shapes::sheet(0.04, 0.04, {8, 8});
+    const auto ceiling = [&mesh](Vec3 corner) {
+        const int first = static_cast<int>(mesh.vertices.size());
+        for (const Vec3 p : {Vec3{}, Vec3{0.004, 0, 0}, Vec3{0, 0, 0.004}}) mesh.vertices.push_back(corner + p);
+        mesh.triangles.push_back({first, first + 1, first + 2});
+        return first;
+    };
+    const int over = ceiling({0.0, 0.01, 0.0}), beside = ceiling({0.1, 0.01, 0.0});
+    const FilmTopology topology = filmTopology(static_cast<int>(mesh.vertices.size()), mesh.triangles);
+    FilmGeometry geometry;
+    measure(topology, mesh.vertices, {0, -kG, 0}, geometry);
+    REQUIRE(geometry.upward[over] == -1.0);
+    findLandings(topology, mesh.vertices, {0, -kG, 0}, geometry);
+    CHECK(distance(mesh.vertices[geometry.landing[over]], {0, 0, 0}) < 0.005);
+    CHECK(geometry.landing[beside] == -1);
+    FilmContent content;
+    content.volume.assign(mesh.vertices.size(), 0.0);
+    content.volume[over] = content.volume[beside] = 1e-8;
+    content.aged = content.volume;
+    std::vector<int> order;
+    const double gone = flow(topology, geometry, kOil, 0.1, content, order);
+    CHECK(gone == Approx(1e-8 - content.volume[beside]));
+    CHECK(content.volume[beside] < 0.5e-8);
+    CHECK(std::accumulate(content.volume.begin(), content.volume.end(), 0.0) + gone == Approx(2e-8));
+}
+
 TEST_CASE("the implicit thickness solves its equation")
 {
     for (const double b : {1e-9, 1e-4, 1e-2, 1.0})

@@ -38,6 +38,7 @@ public:
 private:
     void set(std::vector<geometry::Triangle> triangles, std::vector<std::uint8_t> opened);
     void spread(const std::vector<int>& fresh);
+    void measureWounds();
     void well(double dt);
     void suck(double dt);
     [[nodiscard]] bool idle() const;
@@ -49,10 +50,11 @@ private:
     FilmTopology topology_;
     std::vector<std::uint8_t> opened_; ///< per triangle
     std::vector<std::uint8_t> wound_;  ///< per vertex: bleeds where it is opened; kInjured: on all its triangles
-    std::vector<double> vessels_;      ///< [-], in [0, 1] per vertex: how far the vessels of its wound are open
+    std::vector<double> vessels_;      ///< [-] per vertex: flux of its wound over the Def's; < 0: not known yet
     FilmContent content_;
     BloodBalance balance_;
     double perfusion_ = 1.0;
+    double untilLandings_ = 0.0; ///< [s], until it looks again where drops land
     std::optional<Suck> suction_;
     FilmGeometry geometry_; ///< working memory, like those below
     std::vector<double> woundArea_;

@@ -11,7 +11,9 @@ namespace filasofia::surface {
 /// How a soft body bleeds where cuts and tears open it, and how its blood flows. The blood is a film that is seen and
 /// counted; it does not act back on the tissue.
 struct BleedingDef {
-    double flux = 5e-5;            ///< [m/s], >= 0, m^3 per second and m^2 of opened surface when it opens
+    double flux = 5e-5; ///< [m/s], >= 0, m^3 per second and m^2 of opened surface when it opens
+    /// [1/m^2], > 0, open vessels per opened area; few of them make the flux uneven. Infinite: the same everywhere
+    double vesselDensity = 2e5;
     double clottingTime = 180.0;   ///< [s], > 0, in which the flux falls to 1/e and the blood's viscosity rises by e
     double viscosity = 4e-3;       ///< [Pa s], in [1e-4, 1e3], of fresh blood
     double density = 1060.0;       ///< [kg/m^3], > 0
@@ -22,14 +24,15 @@ struct BleedingDef {
 constexpr auto fields(const BleedingDef*)
 {
     using T = BleedingDef;
-    return describe("BleedingDef",
-                    field("flux", &T::flux, "m/s", nonNegative(), "m^3 per second and m^2 of opened surface"),
-                    field("clottingTime", &T::clottingTime, "s", positive(), "flux falls to 1/e, viscosity rises by e"),
-                    field("viscosity", &T::viscosity, "Pa s", closed(1e-4, 1e3), "of fresh blood"),
-                    field("density", &T::density, "kg/m^3", positive(), "of blood"),
-                    field("surfaceTension", &T::surfaceTension, "N/m", positive(), "holds blood on overhangs"),
-                    field("clinging", &T::clinging, "m", nonNegative(), "thickness of the film that does not flow"),
-                    field("rate", &T::rate, "1/s", closed(1, 1000), "steps of the film per simulated second"));
+    return describe(
+        "BleedingDef", field("flux", &T::flux, "m/s", nonNegative(), "m^3 per second and m^2 of opened surface"),
+        field("vesselDensity", &T::vesselDensity, "1/m^2", positiveOrInfinite(), "few vessels make the flux uneven"),
+        field("clottingTime", &T::clottingTime, "s", positive(), "flux falls to 1/e, viscosity rises by e"),
+        field("viscosity", &T::viscosity, "Pa s", closed(1e-4, 1e3), "of fresh blood"),
+        field("density", &T::density, "kg/m^3", positive(), "of blood"),
+        field("surfaceTension", &T::surfaceTension, "N/m", positive(), "holds blood on overhangs"),
+        field("clinging", &T::clinging, "m", nonNegative(), "thickness of the film that does not flow"),
+        field("rate", &T::rate, "1/s", closed(1, 1000), "steps of the film per simulated second"));
 }
 
 /// From now on wounds bleed with this fraction of their flux: 0 pauses them, as pressing on the artery does.

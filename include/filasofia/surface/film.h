@@ -31,10 +31,14 @@ struct FilmGeometry {
     std::vector<double> upward = {};      ///< [-] per vertex, cosine between its normal and up
     std::vector<double> conductance = {}; ///< [-] per neighbour, width of the passage over its length
     std::vector<double> rim = {};         ///< [m] per vertex, width of the rim times its slope, 0 inside
+    std::vector<int> landing = {};        ///< per vertex, on which its drops land; -1: on none. Empty: all fall past
     double gravity = 0.0;                 ///< [m/s^2], >= 0
 };
 /// `positions` [m], one per vertex.
 void measure(const FilmTopology& topology, std::span<const Vec3> positions, Vec3 gravity, FilmGeometry& out);
+
+/// Where drops land that fall from overhangs and rims, after measure(): on the part of the surface below them.
+void findLandings(const FilmTopology& topology, std::span<const Vec3> positions, Vec3 gravity, FilmGeometry& out);
 
 struct FilmLiquid {
     double viscosity = 4e-3;       ///< [Pa s], of fresh liquid
@@ -53,7 +57,8 @@ struct FilmContent {
 /// x >= 0 with x + c x^3 = b, for b, c >= 0.
 double implicitThickness(double b, double c);
 
-/// Lets the film flow for `dt` [s]; its time grows with it. Returns what dripped off, [m^3]. `order` is working memory.
+/// Lets the film flow for `dt` [s]; its time grows with it. Returns what dripped off and landed on none of it, [m^3].
+/// `order` is working memory.
 double flow(const FilmTopology& topology, const FilmGeometry& geometry, const FilmLiquid& liquid, double dt,
             FilmContent& content, std::vector<int>& order);
 

@@ -1,5 +1,6 @@
 #include "filasofia/surface/bleeding.h"
 
+#include "filasofia/core/hash.h"
 #include "filasofia/core/validate.h"
 
 #include <algorithm>
@@ -12,6 +13,31 @@ namespace {
 constexpr std::uint8_t kWhole = 0;   ///< no vessel is open
 constexpr std::uint8_t kOpened = 1;  ///< bleeds on its opened triangles
 constexpr std::uint8_t kInjured = 2; ///< bleeds on all of its triangles
+constexpr double kLandings = 0.1;    ///< [s] between two looks where drops land
+constexpr double kNew = -1.0;        ///< of vessels that have just been opened
+
+/// In [0, 1), the same for the same node.
+double drawn(int node)
+{
+    Hasher hasher;
+    hasher.add(static_cast<std::uint64_t>(node) + 1);
+    return static_cast<double>(hasher.value() >> 11) * 0x1p-53;
+}
+
+/// A Poisson-distributed number over its mean, by inversion; near 1 if many are expected.
+double unevenness(double mean, double drawn)
+{
+    constexpr double kMany = 50.0;
+    if (!(mean < kMany)) return 1.0;
+    if (mean <= 0.0) return 0.0;
+    double chance = std::exp(-mean), sum = chance;
+    int count = 0;
+    while (drawn > sum && count < 4 * static_cast<int>(kMany)) {
+        chance *= mean / ++count;
+        sum += chance;
+    }
+    return count / mean;
+}
 
 /// Calls visit(vertex) for each within `radius` of `place`.
 template <class Visit> void forEachNear(std::span<const Vec3> places, Vec3 place, double radius, const Visit& visit)
@@ -85,9 +111,10 @@ void Bleeding::set(std::vector<geometry::Triangle> triangles, std::vector<std::u
         for (const int v : triangles[t])
             if (opened[t] != 0 && wound_[v] == kWhole) {
                 wound_[v] = kOpened;
-                vessels_[v] = 1.0;
+                vessels_[v] = kNew;
             }
     opened_ = std::move(opened);
+    untilLandings_ = 0.0;
     topology_ = filmTopology(static_cast<int>(nodes_.size()), std::move(triangles));
     std::vector<int> fresh;
     for (std::size_t v = 0; v < known.size(); ++v)
@@ -128,7 +155,7 @@ void Bleeding::apply(const BloodCommand& command, std::span<const Vec3> position
     if (const auto* injure = std::get_if<Injure>(&command))
         forEachNear(places_, injure->place, injure->radius, [&](std::size_t v) {
             wound_[v] = kInjured;
-            vessels_[v] = 1.0;
+            vessels_[v] = kNew;
         });
     if (const auto* seal = std::get_if<Seal>(&command))
         forEachNear(places_, seal->place, seal->radius, [&](std::size_t v) { vessels_[v] = 0.0; });
@@ -145,6 +172,11 @@ void Bleeding::step(std::span<const Vec3> positions, Vec3 gravity, double dt)
     if (dt <= 0.0 || idle()) return;
     gather(nodes_, positions, places_);
     measure(topology_, places_, gravity, geometry_);
+    if (untilLandings_ <= 0.0) {
+        findLandings(topology_, places_, gravity, geometry_);
+        untilLandings_ = kLandings;
+    }
+    untilLandings_ -= dt;
     well(dt);
     if (suction_) suck(dt);
     const FilmLiquid liquid{.viscosity = def_.viscosity,
@@ -155,7 +187,7 @@ void Bleeding::step(std::span<const Vec3> positions, Vec3 gravity, double dt)
     balance_.dripped += flow(topology_, geometry_, liquid, dt, content_, order_);
 }
 
-void Bleeding::well(double dt)
+void Bleeding::measureWounds()
 {
     woundArea_.assign(nodes_.size(), 0.0);
     for (std::size_t t = 0; t < topology_.triangles.size(); ++t) {
@@ -164,6 +196,13 @@ void Bleeding::well(double dt)
         for (const int v : {a, b, c})
             if (wound_[v] == kInjured || (wound_[v] == kOpened && opened_[t] != 0)) woundArea_[v] += third;
     }
+    for (std::size_t v = 0; v < nodes_.size(); ++v)
+        if (vessels_[v] < 0.0) vessels_[v] = unevenness(def_.vesselDensity * woundArea_[v], drawn(nodes_[v]));
+}
+
+void Bleeding::well(double dt)
+{
+    measureWounds();
     // The integral of the flux over the step, while it falls exponentially.
     const double lasting = -def_.clottingTime * std::expm1(-dt / def_.clottingTime);
     const double left = std::exp(-dt / def_.clottingTime);

@@ -52,6 +52,15 @@ double take(FilmContent& content, int from, double volume)
     return volume;
 }
 
+/// Drops fall from a vertex. Returns what lands nowhere.
+double fall(const FilmGeometry& geometry, int from, double volume, FilmContent& content)
+{
+    const int to = geometry.landing.empty() ? -1 : geometry.landing[from];
+    if (to < 0 || !(geometry.area[to] > 0.0)) return take(content, from, volume);
+    move(content, from, to, std::min(volume, content.volume[from]));
+    return 0.0;
+}
+
 /// How much one vertex may give another until both are level.
 double untilLevel(const FilmGeometry& geometry, int from, int to, double drop)
 {
@@ -76,7 +85,7 @@ double giveDown(const Pass& pass, int v, FilmContent& content)
     if (all <= 0.0) return 0.0;
     const double speed = dt * liquid.density * geometry.gravity / (3.0 * viscosityOf(liquid, content, v)) / area;
     const double gone = std::clamp(mobile - area * implicitThickness(mobile / area, speed * all), 0.0, mobile);
-    const double dripped = take(content, v, gone * geometry.rim[v] / all);
+    const double dripped = fall(geometry, v, gone * geometry.rim[v] / all, content);
     for (int e = topology.first[v]; e < topology.first[v + 1]; ++e) {
         const int to = topology.next[e];
         const double wanted = gone * push(e) / all;
@@ -100,7 +109,7 @@ double drip(const Pass& pass, int v, FilmContent& content)
     const double weight = liquid.density * geometry.gravity * -geometry.upward[v];
     const double growth = weight * weight / (12.0 * viscosityOf(liquid, content, v) * liquid.surfaceTension);
     const double left = mobile / std::cbrt(1.0 + 3.0 * growth * dt * mobile * mobile * mobile);
-    return take(content, v, (mobile - left) * geometry.area[v]);
+    return fall(geometry, v, (mobile - left) * geometry.area[v], content);
 }
 
 } // namespace
