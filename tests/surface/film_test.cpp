@@ -175,13 +175,14 @@ TEST_CASE("drops land on what is below them")
     FilmGeometry geometry;
     measure(topology, mesh.vertices, {0, -kG, 0}, geometry);
     REQUIRE(geometry.upward[over] == -1.0);
-    findLandings(topology, mesh.vertices, {0, -kG, 0}, geometry);
-    CHECK(distance(mesh.vertices[geometry.landing[over]], {0, 0, 0}) < 0.005);
-    CHECK(geometry.landing[beside] == -1);
     FilmContent content;
     content.volume.assign(mesh.vertices.size(), 0.0);
     content.volume[over] = content.volume[beside] = 1e-8;
     content.aged = content.volume;
+    findLandings(topology, mesh.vertices, {0, -kG, 0}, content, geometry);
+    CHECK(distance(mesh.vertices[geometry.landing[over]], {0, 0, 0}) < 0.005);
+    CHECK(geometry.landing[beside] == -1);
+    CHECK(geometry.landing[over + 1] == FilmGeometry::kUnknown); // it is dry
     std::vector<int> order;
     const double gone = flow(topology, geometry, kOil, 0.1, content, order);
     CHECK(gone == Approx(1e-8 - content.volume[beside]));

@@ -24,21 +24,31 @@ struct FilmTopology {
 };
 FilmTopology filmTopology(int vertices, std::vector<geometry::Triangle> triangles);
 
+/// What lies on each vertex.
+struct FilmContent {
+    std::vector<double> volume = {}; ///< [m^3], >= 0
+    std::vector<double> aged = {};   ///< [m^3 s], volume times its mean age
+};
+
 /// The surface as it is now, under gravity.
 struct FilmGeometry {
+    static constexpr int kPast = -1;      ///< drops fall past everything, as all do while `landing` is empty
+    static constexpr int kUnknown = -2;   ///< nothing falls yet
     std::vector<double> area = {};        ///< [m^2] per vertex, a third of its triangles
     std::vector<double> elevation = {};   ///< [m] per vertex, against gravity
     std::vector<double> upward = {};      ///< [-] per vertex, cosine between its normal and up
     std::vector<double> conductance = {}; ///< [-] per neighbour, width of the passage over its length
     std::vector<double> rim = {};         ///< [m] per vertex, width of the rim times its slope, 0 inside
-    std::vector<int> landing = {};        ///< per vertex, on which its drops land; -1: on none. Empty: all fall past
+    std::vector<int> landing = {};        ///< per vertex, on which its drops land, or one of these:
     double gravity = 0.0;                 ///< [m/s^2], >= 0
 };
 /// `positions` [m], one per vertex.
 void measure(const FilmTopology& topology, std::span<const Vec3> positions, Vec3 gravity, FilmGeometry& out);
 
-/// Where drops land that fall from overhangs and rims, after measure(): on the part of the surface below them.
-void findLandings(const FilmTopology& topology, std::span<const Vec3> positions, Vec3 gravity, FilmGeometry& out);
+/// Where drops land that fall from overhangs and rims, after measure(): on the part of the surface below them. It looks
+/// only where there is liquid; from elsewhere nothing falls until it has looked again.
+void findLandings(const FilmTopology& topology, std::span<const Vec3> positions, Vec3 gravity,
+                  const FilmContent& content, FilmGeometry& out);
 
 struct FilmLiquid {
     double viscosity = 4e-3;       ///< [Pa s], of fresh liquid
@@ -46,12 +56,6 @@ struct FilmLiquid {
     double density = 1060.0;       ///< [kg/m^3]
     double surfaceTension = 0.056; ///< [N/m]
     double clinging = 3e-5;        ///< [m], thickness that does not flow
-};
-
-/// What lies on each vertex.
-struct FilmContent {
-    std::vector<double> volume = {}; ///< [m^3], >= 0
-    std::vector<double> aged = {};   ///< [m^3 s], volume times its mean age
 };
 
 /// x >= 0 with x + c x^3 = b, for b, c >= 0.

@@ -173,7 +173,7 @@ void Bleeding::step(std::span<const Vec3> positions, Vec3 gravity, double dt)
     gather(nodes_, positions, places_);
     measure(topology_, places_, gravity, geometry_);
     if (untilLandings_ <= 0.0) {
-        findLandings(topology_, places_, gravity, geometry_);
+        findLandings(topology_, places_, gravity, content_, geometry_);
         untilLandings_ = kLandings;
     }
     untilLandings_ -= dt;

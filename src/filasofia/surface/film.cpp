@@ -55,7 +55,8 @@ double take(FilmContent& content, int from, double volume)
 /// Drops fall from a vertex. Returns what lands nowhere.
 double fall(const FilmGeometry& geometry, int from, double volume, FilmContent& content)
 {
-    const int to = geometry.landing.empty() ? -1 : geometry.landing[from];
+    const int to = geometry.landing.empty() ? FilmGeometry::kPast : geometry.landing[from];
+    if (to == FilmGeometry::kUnknown) return 0.0;
     if (to < 0 || !(geometry.area[to] > 0.0)) return take(content, from, volume);
     move(content, from, to, std::min(volume, content.volume[from]));
     return 0.0;

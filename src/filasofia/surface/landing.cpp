@@ -22,13 +22,13 @@ public:
         fill();
     }
 
-    /// The vertex nearest to where a drop from vertex v lands; -1 if it falls past everything.
+    /// The vertex nearest to where a drop from vertex v lands, or kPast.
     [[nodiscard]] int below(int v) const
     {
         const Vec3 from = at_[v];
         const int square = squareOf(from.y, low_.y, high_.y) * side_ + squareOf(from.x, low_.x, high_.x);
         double highest = -std::numeric_limits<double>::infinity();
-        int landing = -1;
+        int landing = FilmGeometry::kPast;
         for (int i = first_[square]; i < first_[square + 1]; ++i) {
             const geometry::Triangle& t = topology_.triangles[held_[i]];
             if (t[0] == v || t[1] == v || t[2] == v) continue;
@@ -86,13 +86,17 @@ private:
 
 } // namespace
 
-void findLandings(const FilmTopology& topology, std::span<const Vec3> positions, Vec3 gravity, FilmGeometry& out)
+void findLandings(const FilmTopology& topology, std::span<const Vec3> positions, Vec3 gravity,
+                  const FilmContent& content, FilmGeometry& out)
 {
-    out.landing.assign(positions.size(), -1);
-    if (length(gravity) == 0.0 || positions.empty()) return;
-    const Plan plan(topology, positions, normalized(-gravity));
-    for (int v = 0; v < topology.vertices(); ++v)
-        if (out.upward[v] < 0.0 || out.rim[v] > 0.0) out.landing[v] = plan.below(v);
+    out.landing.assign(positions.size(), FilmGeometry::kUnknown);
+    if (length(gravity) == 0.0) return;
+    std::optional<Plan> plan;
+    for (int v = 0; v < topology.vertices(); ++v) {
+        if (content.volume[v] <= 0.0 || !(out.upward[v] < 0.0 || out.rim[v] > 0.0)) continue;
+        if (!plan) plan.emplace(topology, positions, normalized(-gravity));
+        out.landing[v] = plan->below(v);
+    }
 }
 
 } // namespace filasofia::surface

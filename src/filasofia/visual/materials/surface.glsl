@@ -150,6 +150,6 @@ vec3 markedColor(vec3 color, Marks marks, float grain) {
     vec3 dark = mix(vec3(0.10, 0.042, 0.018), vec3(0.011, 0.009, 0.008) * (1.0 + 0.8 * grain), marks.black);
     vec3 scalded = vec3(0.56, 0.42, 0.32) * (0.9 + 0.25 * grain);
     color = mix(mix(color, scalded, 0.85 * marks.pale), dark, marks.brown);
-    vec3 film = mix(vec3(0.085, 0.0018, 0.0014), color, pow(vec3(marks.bloodClear), vec3(1.2, 8.0, 9.0)));
+    vec3 film = mix(vec3(0.145, 0.0026, 0.0020), color, pow(vec3(marks.bloodClear), vec3(1.2, 8.0, 9.0)));
     return mix(color, film, marks.blood);
 }
