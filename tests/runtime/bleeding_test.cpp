@@ -28,7 +28,7 @@ struct Wound {
         def.elements = {{{0, 40_mm, 0}, upright()}};
         knife = sim.add(def);
         sim.everyStep([this](double time) {
-            sim.physics().setPose(knife, {{0, 40_mm - std::min(0.2, time) * 130_mm, 0}, upright()});
+            sim.physics().setPose(knife, {{0, 40_mm - std::min(0.2, time) * 165_mm, 0}, upright()});
         });
         if (bleeds) sim.bleed(tissue, {.flux = 1e-3, .clottingTime = 20.0});
     }
@@ -96,7 +96,7 @@ TEST_CASE("wrong use of blood is one clear error")
     CHECK_THROWS_WITH(wound.sim.bleed(wound.knife), "bleeding of rigid body 'knife': needs a soft body with a surface");
     CHECK_THROWS_WITH(
         wound.sim.bleed(wound.tissue, {.viscosity = 0.0}),
-        Catch::Contains("bleeding of soft body 'tissue': viscosity must be in [0.0001, 1000] Pa s, got 0"));
+        Catch::Contains("bleeding of soft body 'tissue': viscosity must be in [1e-04, 1000] Pa s, got 0"));
     CHECK_THROWS_WITH(wound.sim.treat(wound.tissue, Perfuse{0.0}), Catch::Contains("does not bleed"));
     wound.sim.bleed(wound.tissue);
     CHECK_THROWS_WITH(wound.sim.bleed(wound.tissue), Catch::Contains("it bleeds already"));
