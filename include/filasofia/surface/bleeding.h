@@ -15,7 +15,7 @@ namespace filasofia::surface {
 /// saves; the same calls give the same bits. It knows no clock and no thread.
 class Bleeding {
 public:
-    /// `skin` are the triangles the body before it is cut, by its nodes. Throws an Error that names `object` if the
+    /// `skin` are the triangles of the body before it is cut, by its nodes. Throws an Error that names `object` if the
     /// Def is wrong or there is no triangle.
     Bleeding(const BleedingDef& def, std::vector<geometry::Triangle> skin, const std::string& object);
 
