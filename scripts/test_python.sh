@@ -8,7 +8,7 @@ place=$root/build/python
 python=$place/venv/bin/python
 stamp=$place/installed
 
-python_environment "$place" 'scikit-build-core>=0.10' 'nanobind>=2.5' 'numpy>=1.22' pytest gymnasium pyarrow scipy mypy
+python_environment "$place" 'scikit-build-core>=0.10' 'nanobind>=2.5' 'numpy>=1.22' pytest gymnasium pyarrow scipy highdicom mypy
 
 headline "python: libraries"
 configure release

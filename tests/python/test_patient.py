@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+import warnings
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ from filasofia import anatomy
 from filasofia.anatomy import _read, _shapes, phantoms
 from filasofia.anatomy.__main__ import main
 
+import dicom_seg
 import fuzz_labels
 
 ROOT = os.environ["FILASOFIA_ROOT"]
@@ -239,6 +241,41 @@ def test_readers_agree_on_one_patient(tmp_path):
     anatomy.write_labels(map_, str(tmp_path / "b.nrrd"))
     read = anatomy.read_labels(str(tmp_path / "b.nrrd"))
     assert np.array_equal(read.array, map_.array) and np.allclose(read.affine, map_.affine, atol=1e-9) and read.names == map_.names
+
+
+@pytest.mark.parametrize("kind", ["BINARY", "FRACTIONAL", "LABELMAP"])
+def test_a_dicom_segmentation_is_the_map_it_was_written_from(kind, tmp_path):
+    map_ = phantoms.liver_and_gallbladder(8e-3)
+    dicom_seg.write(map_, tmp_path / "a.dcm", kind)
+    read = anatomy.read_labels(tmp_path / "a.dcm")
+    assert list(read.names.values()) == list(map_.names.values())
+    for label, name in map_.names.items():
+        written = map_.world(np.argwhere(map_.array == label))
+        mine = read.world(np.argwhere(read.array == next(n for n, own in read.names.items() if own == name)))
+        assert np.allclose(np.array(sorted(mine.round(6).tolist())), np.array(sorted(written.round(6).tolist())), atol=2e-6)
+
+
+def test_dicom_segmentations_that_cannot_be_read_are_refused(tmp_path):
+    map_ = phantoms.liver_and_gallbladder(12e-3)
+    file = tmp_path / "a.dcm"
+    dicom_seg.write(map_, file, "BINARY", overlap=True)
+    with pytest.raises(fs.Error, match="a.dcm: its segments overlap; export them as a label map"):
+        anatomy.read_labels(file)
+    dicom_seg.write(map_, file, "BINARY", names=dict.fromkeys(map_.names, "kidney"))
+    assert list(anatomy.read_labels(file).names.values()) == ["kidney_1", "kidney_2", "kidney_3", "kidney_4"]
+    whole, chance, refused = file.read_bytes(), np.random.default_rng(0), 0
+    for turn in range(40):
+        data = bytearray(whole[: chance.integers(140, len(whole))] if turn % 2 else whole)
+        data[chance.integers(132, min(6000, len(data)))] = 255
+        file.write_bytes(data)
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")
+                anatomy.read_labels(file)
+        except fs.Error as problem:
+            assert "a.dcm" in str(problem)
+            refused += 1
+    assert refused >= 10
 
 
 def test_names_come_from_itk_snap_and_json(tmp_path):

@@ -1,5 +1,5 @@
 """Readers of label maps: NIfTI (.nii, .nii.gz, .hdr/.img), NRRD (.nrrd, .nhdr) and MetaImage (.mha, .mhd) are read here, within bounds: what a
-header announces is compared with what the file can hold before memory is asked for. Other images go to SimpleITK."""
+header announces is compared with what the file can hold before memory is asked for. DICOM-SEG goes to highdicom, other images to SimpleITK."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from filasofia import Error
 
+from ._dicom import is_segmentation, read_segmentation
 from ._labels import LabelMap
 from ._types import Array
 
@@ -32,7 +33,7 @@ _META_TYPES = {
     "MET_CHAR": "i1", "MET_UCHAR": "u1", "MET_SHORT": "i2", "MET_USHORT": "u2", "MET_INT": "i4", "MET_UINT": "u4",
     "MET_LONG": "i4", "MET_ULONG": "u4", "MET_LONG_LONG": "i8", "MET_ULONG_LONG": "u8", "MET_FLOAT": "f4", "MET_DOUBLE": "f8",
 }  # fmt: skip
-_TO_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])  # ITK's axes point to the left and to the back
+_TO_RAS = np.diag([-1.0, -1.0, 1.0, 1.0])  # axes of ITK and DICOM point to the left and to the back
 
 
 def read_bytes(file: str) -> bytes:
@@ -322,7 +323,9 @@ def read_labels(file: str, names: _typing.Optional[_typing.Mapping[int, str]] = 
         array, affine, known = parse_nrrd(read_bytes(file), file)
     elif lower.endswith((".mha", ".mhd")):
         array, affine = parse_meta(read_bytes(file), file)
+    elif is_segmentation(read_bytes(file)):
+        array, affine, known = read_segmentation(file, MOST_BYTES)
+        affine = _TO_RAS @ affine
     else:
-        read_bytes(file)
         array, affine = _with_simpleitk(file)
     return LabelMap(array, affine, names={**known, **dict(names or {})}, source=file)
