@@ -33,10 +33,11 @@ def seeds(folder):
         "NRRD0004\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: " + sizes + "\nspace directions: (1,0,0) (0,1,0) (0,0,2)\n"
         "encoding: {}\nspace origin: (0,0,0)\nSegment0_Name:=liver\nSegment0_LabelValue:=3\n\n"
     )
+    layered = nrrd.replace("dimension: 3", "dimension: 4\nkinds: list domain domain domain").replace("sizes: ", "sizes: 1 ").replace("(1,0,0)", "none (1,0,0)")
     meta = "ObjectType = Image\nNDims = 3\nDimSize = " + sizes + "\nElementSpacing = 1 1 2\nElementType = MET_UCHAR\nCompressedData = {}\nElementDataFile = LOCAL\n"
     return {
         "nifti": [nifti, gzip.compress(nifti, mtime=0)],
-        "nrrd": [nrrd.format("raw").encode() + raw, nrrd.format("gzip").encode() + gzip.compress(raw, mtime=0)],
+        "nrrd": [nrrd.format("raw").encode() + raw, nrrd.format("gzip").encode() + gzip.compress(raw, mtime=0), layered.format("raw").encode() + raw],
         "meta": [meta.format("False").encode() + raw, meta.format("True").encode() + __import__("zlib").compress(raw)],
     }
 

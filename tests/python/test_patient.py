@@ -2,6 +2,7 @@
 import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 import warnings
@@ -278,6 +279,26 @@ def test_dicom_segmentations_that_cannot_be_read_are_refused(tmp_path):
     assert refused >= 10
 
 
+def test_segments_of_3d_slicer_that_overlap_lie_in_layers(tmp_path):
+    layers = np.zeros((2, 4, 3, 2), np.uint8)
+    layers[0, :3], layers[1, 2:] = 1, 1
+    layers[0, 3] = 2
+    head = (
+        "NRRD0004\ntype: unsigned char\ndimension: 4\nspace: left-posterior-superior\nsizes: 2 4 3 2\nkinds: list domain domain domain\n"
+        "space directions: none (4,0,0) (0,4,0) (0,0,4)\nencoding: raw\nspace origin: (0,0,0)\n"
+        + "".join(f"Segment{n}_Name:={name}\nSegment{n}_LabelValue:={label}\nSegment{n}_Layer:={layer}\n"
+                  for n, (name, label, layer) in enumerate([("liver", 1, 0), ("bone", 2, 0), ("tumour", 1, {})]))
+    )  # fmt: skip
+    (tmp_path / "a.seg.nrrd").write_bytes((head.format(1) + "\n").encode() + layers.tobytes(order="F"))
+    read = anatomy.read_labels(tmp_path / "a.seg.nrrd")
+    assert read.names == {1: "liver", 3: "tumour"}  # all of the bone is under the tumour
+    assert [np.unique(read.array[i]).tolist() for i in range(4)] == [[1], [1], [3], [3]]
+    assert read.spacing.tolist() == pytest.approx([4e-3] * 3)
+    (tmp_path / "a.seg.nrrd").write_bytes((head.format(2) + "\n").encode() + layers.tobytes(order="F"))
+    with pytest.raises(fs.Error, match="Segment2_Layer must be below 2, got 2"):
+        anatomy.read_labels(tmp_path / "a.seg.nrrd")
+
+
 def test_names_come_from_itk_snap_and_json(tmp_path):
     (tmp_path / "a.txt").write_text('# ITK-SnAP\n    0     0    0    0        0  0  0    "Clear Label"\n    1   255    0    0        1  1  1    "Liver"\n')
     (tmp_path / "a.json").write_text('{"1": "Liver", "2": {"name": "Tumour", "tissue": "fibroid"}}')
@@ -297,13 +318,17 @@ def test_names_come_from_itk_snap_and_json(tmp_path):
 
 def test_the_commands_of_the_guide_run(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
-    with open(os.path.join(ROOT, "docs/guide/patient.md")) as page:
-        text = page.read()
-    blocks = re.findall(r"```python\n(.*?)```", text, flags=re.S)
-    assert len(blocks) >= 2
-    names: dict = {}
-    for block in blocks:  # the first one writes patient.nii.gz
-        exec(compile(block, "docs/guide/patient.md", "exec"), names)
+    for page, least in (("slicer", 1), ("patient", 2)):
+        with open(os.path.join(ROOT, f"docs/guide/{page}.md")) as file:
+            text = file.read()
+        blocks = re.findall(r"```python\n(.*?)```", text, flags=re.S)
+        assert len(blocks) >= least
+        names: dict = {}
+        for block in blocks:  # the first one of patient.md writes patient.nii.gz
+            exec(compile(block, f"docs/guide/{page}.md", "exec"), names)
+        if page == "slicer":
+            shutil.rmtree(tmp_path / "patient_files")
+            (tmp_path / "patient.json").unlink()
     commands = re.findall(r"^    filasofia ((?:mesh|scene) .*)$", text, flags=re.M)
     assert len(commands) >= 3
     for command in commands:
@@ -330,6 +355,8 @@ def test_wrong_words_are_refused_in_one_line(tmp_path, monkeypatch, capsys):
         "mesh a.nii -o a.msh --size 4parsec": "must be a length such as 4mm",
         "mesh a.nii -o none/a.msh": "the folder of 'none/a.msh' must exist",
         "mesh a.nii -o a.msh --tetrahedra 10000000": "tetrahedra must be in [20, 5e+06], got 1e+07",
+        "mesh a.nii -o a.msh --bogus": "filasofia: unrecognized arguments: --bogus",
+        "scene new a.nii --picture none/a.png": "scene: the folder of 'none/a.png' must exist",
         "scene new a.nii -o a.txt": "a.txt: a scene file must end with .json",
     }.items():  # fmt: skip
         assert main([*words.split(), "--quiet"] if words != "mesh" else ["mesh"]) == 2, words

@@ -15,7 +15,7 @@ from filasofia import anatomy as _anatomy
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> typing.NoReturn:
-        raise fs.Error(f"{self.prog.removeprefix('filasofia ')}: {message}")
+        raise fs.Error(": ".join(filter(None, (self.prog.removeprefix("filasofia").strip(), message))))
 
 
 def _length(word: str) -> float:
@@ -31,7 +31,6 @@ def _parser() -> _Parser:
     mesh = commands.add_parser("mesh", help="tetrahedra of a label map, of surfaces or of another mesh")
     mesh.add_argument("-o", "--output", required=True, metavar="FILE.msh", help="the mesh, with organs as physical groups (Gmsh)")
     mesh.add_argument("--parts", metavar="FOLDER", help="also each organ's mesh, picture and collision surface, and report.json")
-    mesh.add_argument("--picture", metavar="FILE.png", help="what went in beside what came out (needs OpenGL)")
     scene = commands.add_parser("scene", help="scene files").add_subparsers(dest="action", required=True, parser_class=_Parser)
     new = scene.add_parser("new", help="a scene that runs, from a label map, surfaces or a mesh")
     new.add_argument("-o", "--output", metavar="FILE.json", help="the scene (default: INPUT.json in this folder)")
@@ -46,12 +45,16 @@ def _parser() -> _Parser:
         each.add_argument("--labels", metavar="LIST", help="only these, by number or name: 1,2,spleen")
         each.add_argument("--scale", type=float, metavar="UNIT", help="unit of a surface or mesh [m], 0.001 for millimetres")
         each.add_argument("--smoothing", type=float, default=0.8, metavar="VOXELS", help="smooths the voxels' stairs (default: 0.8)")
+        each.add_argument("--picture", metavar="FILE.png", help="what went in beside what came out (needs OpenGL)")
         each.add_argument("--detail", type=int, default=2, choices=(0, 1, 2, 3), help="of what is drawn (default: 2)")
         each.add_argument("--quiet", action="store_true", help="no progress, no notes")
     return parser
 
 
 def _made(words: argparse.Namespace, tell: typing.Callable[[str], None]) -> tuple[typing.Any, typing.Any, dict[str, str]]:
+    for file in (words.output, words.picture):
+        if file and not os.path.isdir(os.path.dirname(file) or "."):  # before the work, not after it
+            raise fs.Error(f"{words.command}: the folder of '{file}' must exist")
     names, tissues = _anatomy.read_names(words.names) if words.names else ({}, {})
     made, map_ = _anatomy.anatomy_of(
         words.input, words.tetrahedra, size=words.size, scale=words.scale, names=names, smoothing=words.smoothing, tell=tell,
@@ -73,9 +76,6 @@ def _table(report: dict[str, typing.Any]) -> None:
 def _mesh(words: argparse.Namespace, tell: typing.Callable[[str], None]) -> None:
     if not words.output.lower().endswith(".msh"):
         raise fs.Error(f"mesh: --output must end with .msh, got '{words.output}'")
-    for file in (words.output, words.picture):
-        if file and not os.path.isdir(os.path.dirname(file) or "."):  # before the work, not after it
-            raise fs.Error(f"mesh: the folder of '{file}' must exist")
     made, map_, _ = _made(words, tell)
     report = _anatomy.write_anatomy(made, words.output, words.parts, words.detail)
     if words.picture:
@@ -86,14 +86,16 @@ def _mesh(words: argparse.Namespace, tell: typing.Callable[[str], None]) -> None
 
 
 def _scene(words: argparse.Namespace, tell: typing.Callable[[str], None]) -> None:
-    file = words.output or re.sub(r"(\.nii)?\.[A-Za-z0-9]+$", "", os.path.basename(words.input[0])) + ".json"
+    file = words.output or re.sub(r"(\.nii|\.seg)?\.[A-Za-z0-9]+$", "", os.path.basename(words.input[0])) + ".json"
     if not words.force and os.path.exists(file):
         raise fs.Error(f"{file}: is already there; --force replaces it")
-    made, _, tissues = _made(words, tell)
+    made, map_, tissues = _made(words, tell)
     from ._write import report_of
 
     report = report_of(made)
     notes = _anatomy.write_scene(made, file, tissues, separate=words.separate, gravity=words.gravity, detail=words.detail, overwrite=words.force)
+    if words.picture:
+        _anatomy.draw(made, map_, words.picture)
     _table(report)
     _notes(report["notes"] + notes, words.quiet)
     print(f"wrote {file} and {file[:-5]}_files; it runs with: filasofia run {file}")

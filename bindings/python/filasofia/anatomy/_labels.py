@@ -10,7 +10,7 @@ from filasofia import Error
 
 from ._types import Array
 
-_MOST_LABELS = 256
+MOST_LABELS = 256
 
 
 class LabelMap:
@@ -57,8 +57,8 @@ class LabelMap:
         if np.abs(unit.T @ unit - np.eye(3)).max() > 1e-3:
             raise Error(f"{source}: the axes of the voxels must be at right angles; resample the image first")
         present = np.unique(array)
-        if len(present) > _MOST_LABELS + 1:
-            raise Error(f"{source}: a map may have {_MOST_LABELS} labels, got {len(present)}; this looks like an image, not a segmentation")
+        if len(present) > MOST_LABELS + 1:
+            raise Error(f"{source}: a map may have {MOST_LABELS} labels, got {len(present)}; this looks like an image, not a segmentation")
         if present.size and present[0] < 0:
             raise Error(f"{source}: labels must be >= 0, got {present[0]}")
         self.labels = [int(label) for label in present if label != 0]

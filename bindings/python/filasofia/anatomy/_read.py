@@ -13,7 +13,7 @@ import numpy as np
 from filasofia import Error
 
 from ._dicom import is_segmentation, read_segmentation
-from ._labels import LabelMap
+from ._labels import MOST_LABELS, LabelMap
 from ._types import Array
 
 MOST_BYTES = 4 << 30  # of an image in memory
@@ -203,10 +203,10 @@ def _numbers(fields: dict[str, str], key: str, count: int, file: str, standard: 
     return out
 
 
-def _sizes(fields: dict[str, str], key: str, file: str) -> list[int]:
+def _sizes(fields: dict[str, str], key: str, file: str, axes: int = 3) -> list[int]:
     words = fields.get(key, "").split()
-    if len(words) != 3 or not all(word.isascii() and word.isdigit() and len(word) < 12 for word in words):
-        raise Error(f"{file}: {key} must be 3 whole numbers > 0 (one label per voxel, one segmentation), got '{fields.get(key, '')[:60]}'")
+    if len(words) != axes or not all(word.isascii() and word.isdigit() and len(word) < 12 for word in words):
+        raise Error(f"{file}: {key} must be {axes} whole numbers > 0 (one label per voxel), got '{fields.get(key, '')[:60]}'")
     return [int(word) for word in words]
 
 
@@ -223,7 +223,8 @@ def parse_nrrd(data: bytes, file: str) -> tuple[Array, Array, dict[int, str]]:
     if not data.startswith(b"NRRD"):
         raise Error(f"{file}: is not NRRD: it must begin with NRRD")
     fields, at = _lines(data, ":", lambda line: line == "", file)
-    shape = _sizes(fields, "sizes", file)
+    layers = fields.get("kinds", "").split()[:1] == ["list"]  # 3D Slicer's way to save segments that overlap
+    shape = _sizes(fields, "sizes", file, 3 + layers)
     kind = _NRRD_TYPES.get(fields.get("type", "").lower())
     if kind is None:
         raise Error(f"{file}: type '{fields.get('type', '')[:40]}' is not one of labels")
@@ -246,17 +247,28 @@ def parse_nrrd(data: bytes, file: str) -> tuple[Array, Array, dict[int, str]]:
         affine = _TO_RAS @ affine
     elif space not in ("right-anterior-superior", "ras"):
         raise Error(f"{file}: space must be left-posterior-superior or right-anterior-superior, got '{space[:40]}'")
-    return array, affine, _segment_names(fields)
+    segments = _segments(fields)
+    if not layers:
+        return array, affine, {label: name for name, label, _ in segments}
+    if len(segments) > MOST_LABELS:
+        raise Error(f"{file}: a map may have {MOST_LABELS} segments, got {len(segments)}")
+    flat = np.zeros(shape[1:], np.int32)
+    for number, (_, label, layer) in enumerate(segments, 1):
+        if layer >= shape[0]:
+            raise Error(f"{file}: Segment{number - 1}_Layer must be below {shape[0]}, got {layer}")
+        flat[array[layer] == label] = number
+    return flat, affine, {number: name for number, (name, _, _) in enumerate(segments, 1)}
 
 
-def _segment_names(fields: dict[str, str]) -> dict[int, str]:
-    names = {}
-    for key, value in fields.items():
+def _segments(fields: dict[str, str]) -> list[tuple[str, int, int]]:
+    """Name, label and layer of each, in the order of the file: where segments overlap the last one counts, as in 3D Slicer's export."""
+    out = []
+    for key, name in fields.items():
         if key.startswith("segment") and key.endswith("_name"):
-            label = fields.get(key[:-5] + "_labelvalue", "")
-            if label.isascii() and label.isdigit() and len(label) < 10:
-                names[int(label)] = value
-    return names
+            label, layer = (fields.get(f"{key[:-5]}_{word}", standard) for word, standard in (("labelvalue", ""), ("layer", "0")))
+            if all(word.isascii() and word.isdigit() and len(word) < 10 for word in (label, layer)):
+                out.append((name, int(label), int(layer)))
+    return out
 
 
 @np.errstate(all="ignore")  # what is not finite is refused
