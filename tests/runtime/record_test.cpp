@@ -243,6 +243,11 @@ TEST_CASE("the summary counts what did not go as asked")
     report.opened = {.steps = 3, .cut = 12.34e-6, .torn = 0.5e-6, .pieces = 2};
     CHECK_THAT(runtime::summary(report),
                Catch::Contains("\ncut 12.3 mm^2, torn 0.5 mm^2, in 3 steps; pieces that came off: 2\n"));
+    report.refused = {.steps = 5, .jumped = 2, .off = 3};
+    CHECK_THAT(
+        runtime::summary(report),
+        Catch::Contains("\nblades that cut nothing in 5 steps, jumped in 2, switched off and pushed on into tissue "
+                        "in 3\n"));
     report.energyGained = 2;
     CHECK_THAT(runtime::summary(report), Catch::Contains(unrest + "; energy from nowhere in 2 of them\n"));
     CHECK_THAT(

@@ -112,7 +112,17 @@ void bindRuptures(nb::module_& module)
         .def_ro("ruptures", &TopologyReport::ruptures)
         .def_ro("lost", &TopologyReport::lost)
         .def_ro("pending", &TopologyReport::pending)
-        .def_prop_ro("refused", &TopologyReport::refused);
+        .def_ro("blade_not_finite", &TopologyReport::bladeNotFinite, "blades whose position is not finite")
+        .def_ro("blade_no_length", &TopologyReport::bladeNoLength, "blades without length")
+        .def_ro("blade_jump", &TopologyReport::bladeJump, "blades that moved further in the step than a body is long")
+        .def_ro("blade_too_fast", &TopologyReport::bladeTooFast, "blades that jumped across a body")
+        .def_ro("blade_off", &TopologyReport::bladeOff,
+                "blades that were switched off in tissue and pushed further into it")
+        .def_prop_ro("refused", &TopologyReport::refused, "these, and edits that were refused")
+        .def("__repr__", [](const TopologyReport& self) {
+            return text("TopologyReport(ruptures=", self.ruptures.size(), ", lost=", self.lost,
+                        ", pending=", self.pending, ", refused=", self.refused(), ")");
+        });
 }
 
 void bindStep(nb::module_& module)

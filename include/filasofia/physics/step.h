@@ -133,15 +133,17 @@ struct TopologyReport {
     int bladeNoLength = 0;              ///< refused: a blade has no length
     int bladeJump = 0;                  ///< refused: a blade moved further in one step than the body is long
     int bladeTooFast = 0; ///< refused: a blade jumped across a body, faster than 20 m/s or by more than 1 rad
+    int bladeOff = 0;     ///< refused: a blade that was switched off in tissue was pushed further into it
     int edgeGone = 0;     ///< refused: an edge to be cut had been cut meanwhile
     int tearClosed = 0;   ///< refused: a tear would have opened nothing, or left an invalid surface
     int noPiece = 0;      ///< refused: a piece to be removed does not exist, or is all that is left of the body
     int lost = 0;         ///< pieces that went farther than 10 m and were removed
     int putOff = 0;       ///< faces that could not be opened yet and are tried again
     int pending = 0;      ///< crossings and tears that wait for the next step
-    [[nodiscard]] int refused() const
+    [[nodiscard]] int refused() const { return bladesRefused() + edgeGone + tearClosed + noPiece; }
+    [[nodiscard]] int bladesRefused() const
     {
-        return bladeNotFinite + bladeNoLength + bladeJump + bladeTooFast + edgeGone + tearClosed + noPiece;
+        return bladeNotFinite + bladeNoLength + bladeJump + bladeTooFast + bladeOff;
     }
 };
 

@@ -76,6 +76,14 @@ struct OpenedSurfaces {
     std::uint64_t pieces = 0; ///< [-], pieces that came off
 };
 
+/// Blades that were not used in a run (physics::TopologyReport).
+struct RefusedBlades {
+    std::uint64_t steps = 0;  ///< [-], steps with such a blade
+    std::uint64_t jumped = 0; ///< [-], steps among these in which one jumped, and cut nothing on its way
+    /// [-], steps among these in which one that is off was pushed on into the tissue that it is in
+    std::uint64_t off = 0;
+};
+
 /// What became of the blood of a body that bleeds.
 struct BloodReport {
     std::string body = {}; ///< its name
@@ -109,6 +117,7 @@ struct RunReport {
     physics::Unrest worstUnrest = {}; ///< in the step with the fastest such body
     std::string worstUnrestBody = {}; ///< the name of that body
     OpenedSurfaces opened = {};       ///< by cuts and tears
+    RefusedBlades refused = {};       ///< blades that were not used
     bool realTime = false;            ///< physics was scheduled before ordinary threads
     std::string finished;             ///< why it ended
     std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids

@@ -5,6 +5,7 @@
 #include "filasofia/engine/contact/attachments.h"
 #include "filasofia/engine/contact/find_contacts.h"
 #include "filasofia/engine/contact/joint_constraints.h"
+#include "filasofia/engine/contact/sheathed_blades.h"
 #include "filasofia/engine/contact/tie_bodies.h"
 #include "filasofia/engine/piercing/channels.h"
 #include "filasofia/engine/scene/state_hash.h"
@@ -74,6 +75,7 @@ physics::StepReport World::step(const physics::StepInput& in)
 
     planRigid(scene_, in.dt, coupling_.rigid); // 2 how rigid bodies would move without constraints
     planArticulations(scene_, in.dt, coupling_.rigid, coupling_.articulations);
+    followSheaths(scene_, report.topology);        //   blades that are switched off and still in tissue
     findContacts(context, scene_, coupling_);      //   constraints: contacts
     partLines(scene_);                             //   threads that were released follow no needle
     leaveToChannels(scene_, coupling_);            //   contacts, but not of needles with the tissue that they are in

@@ -20,6 +20,7 @@ public:
         worst_ = {};
         mostStrained_ = {};
         opened_ = {};
+        refused_ = {};
     }
     void count(const physics::StepReport& report)
     {
@@ -46,6 +47,10 @@ public:
             (each.kind == physics::Rupture::Kind::Cut ? opened_.cut : opened_.torn) += each.area;
             opened_.pieces += each.detached.size();
         }
+        const physics::TopologyReport& blades = report.topology;
+        refused_.steps += blades.bladesRefused() > 0;
+        refused_.jumped += blades.bladeJump + blades.bladeTooFast > 0;
+        refused_.off += blades.bladeOff > 0;
     }
     /// The steps of all runs, paused ones included.
     [[nodiscard]] std::uint64_t stepsEver() const { return stepsEver_; }
@@ -65,6 +70,7 @@ public:
         report.energyGained = energyGained_;
         report.worstUnrest = unrest_;
         report.opened = opened_;
+        report.refused = refused_;
     }
 
 private:
@@ -76,6 +82,7 @@ private:
     physics::InvertedElements worst_;                                  ///< of the step with the most of them
     physics::StrainedElements mostStrained_; ///< in the step with the largest strain in relation to its range
     OpenedSurfaces opened_;
+    RefusedBlades refused_;
     physics::Unrest unrest_; ///< in the step with the fastest body
 };
 

@@ -46,6 +46,9 @@ void warn(const RunReport& report)
         logWarning(steps(report.intersecting), " surfaces passed through each other, by up to ",
                    std::round(1e5 * report.deepestIntersection.depth) / 100.0, " mm, of '", report.deepestBodies[0],
                    "' and '", report.deepestBodies[1], "' (Intersecting)");
+    if (report.refused.steps > 0)
+        logWarning(steps(report.refused.steps),
+                   " a blade jumped, or was off and pushed on into tissue: it cut nothing");
     if (report.beyondStrain > 0)
         logWarning(steps(report.beyondStrain), " tissue was strained beyond the range of its material, at most by ",
                    report.worstStrained.strain, " in '", report.worstStrainedBody, "', whose range is ",

@@ -104,6 +104,15 @@ std::string openedLine(const OpenedSurfaces& opened)
                 static_cast<unsigned long long>(opened.pieces));
 }
 
+/// A blade that has no path through the tissue, or is off, has cut nothing where it went.
+std::string refusedLine(const RefusedBlades& refused)
+{
+    std::string out = text("blades that cut nothing in ", refused.steps, refused.steps == 1 ? " step" : " steps");
+    if (refused.jumped > 0) out += text(", jumped in ", refused.jumped);
+    if (refused.off > 0) out += text(", switched off and pushed on into tissue in ", refused.off);
+    return out + "\n";
+}
+
 std::string bloodLine(const BloodReport& report)
 {
     const surface::BloodBalance& b = report.balance;
@@ -136,6 +145,7 @@ std::string summary(const RunReport& report)
     if (report.beyondStrain > 0) out += strainedLine(report);
     if (report.restless > 0) out += unrestLine(report);
     if (report.opened.steps > 0) out += openedLine(report.opened);
+    if (report.refused.steps > 0) out += refusedLine(report.refused);
     out += contactTable(report.contacts);
     for (const BloodReport& blood : report.blood) out += bloodLine(blood);
     for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";

@@ -79,6 +79,8 @@ struct RigidState {
     std::vector<JointState> joints;
     std::vector<ElementCoupling> couplings = {}; ///< virtual couplings, ascending by element; empty unless dynamic
     bool cutting = true;                         ///< its blades cut; otherwise they touch what they would cut
+    /// [-] Elements at its blades when they were switched off inside tissue; 0 once they are out (sheathed_blades.h).
+    int sheath = 0;
 };
 
 /// The state at the start, with the start's velocities and no wrenches.

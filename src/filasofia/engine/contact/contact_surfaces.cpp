@@ -140,7 +140,8 @@ std::vector<bool> placeSurfaces(double dt, const Scene& scene, const std::vector
         CollisionSurface& surface = detection.surfaces[s];
         surface.name = owner.name;
         std::tie(surface.element, surface.parent) = linkOf(owner, scene);
-        surface.cuts = !owner.soft && owner.collision->shape->cutting && scene.rigid[owner.body].state.cutting;
+        surface.cuts = !owner.soft && owner.collision->shape->cutting &&
+                       (scene.rigid[owner.body].state.cutting || scene.rigid[owner.body].state.sheath > 0);
         surface.cuttable = owner.soft && mayBeCut(scene.soft[owner.body].model, owner.collision->shape->group);
         placeSurface(dt, owner, scene, coupling.rigid, detection.normals, surface);
     }

@@ -5,6 +5,7 @@
 #include "filasofia/engine/body/tissue.h"
 #include "filasofia/engine/build/build_body.h"
 #include "filasofia/engine/contact/attachments.h"
+#include "filasofia/engine/contact/sheathed_blades.h"
 #include "filasofia/engine/rigid/articulation_step.h"
 #include "filasofia/engine/rigid/virtual_coupling.h"
 #include "filasofia/engine/scene/find_body.h"
@@ -103,7 +104,12 @@ struct ApplyCommand {
         SoftBody& body = soft(set.id);
         setCurvature(set, body.model.rod, body.state.rod);
     }
-    void operator()(const physics::SetCutting& set) const { rigid(set.id).state.cutting = set.cutting; }
+    void operator()(const physics::SetCutting& set) const
+    {
+        RigidBody& body = rigid(set.id);
+        if (set.cutting != body.state.cutting) body.state.sheath = set.cutting ? 0 : elementsAtBlades(scene, body);
+        body.state.cutting = set.cutting;
+    }
     void operator()(const physics::SetForces& set) const { setForces(set.forces, soft(set.id).state); }
     void operator()(const physics::SetPressure& set) const { soft(set.id).state.pressure = set.pressure; }
     void operator()(const physics::Attach& command) const
