@@ -44,4 +44,4 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/FilasofiaConfig.cmake.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/FilasofiaConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/FilasofiaConfig.cmake ${PROJECT_BINARY_DIR}/FilasofiaConfigVersion.cmake
   ${PROJECT_SOURCE_DIR}/cmake/FilasofiaDependencies.cmake
-  ${PROJECT_SOURCE_DIR}/cmake/FilasofiaImgui.cmake DESTINATION ${FILASOFIA_PACKAGE_DIR})
+  ${PROJECT_SOURCE_DIR}/cmake/FilasofiaImgui.cmake ${PROJECT_SOURCE_DIR}/cmake/FilasofiaSofa.cmake DESTINATION ${FILASOFIA_PACKAGE_DIR})
