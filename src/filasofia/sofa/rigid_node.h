@@ -24,7 +24,7 @@ public:
         Vec3 torque = {}; ///< [N m]
     };
     std::vector<Wrench> wrenches = {}; ///< one per element
-    double weightless = 0.0;           ///< [kg] of each element of a body without gravity; 0 if it has it
+    double weightless = 0.0;           ///< [kg] per element, if gravity does not act on the body; else 0
 
     void addForce(const ::sofa::core::MechanicalParams* params, DataVecDeriv& f, const DataVecCoord& x,
                   const DataVecDeriv& v) override;
@@ -45,8 +45,8 @@ public:
 
 /// Where a rigid body is, per element.
 struct RigidState {
-    std::vector<Pose> poses = {};             ///< of the elements' origins
-    std::vector<Vec3> velocities = {};        ///< [m/s] of the centres of mass
+    std::vector<Pose> poses = {};             ///< where the elements have their origins
+    std::vector<Vec3> velocities = {};        ///< [m/s] at the centres of mass
     std::vector<Vec3> angularVelocities = {}; ///< [rad/s] in world axes
 };
 
@@ -83,7 +83,7 @@ private:
     ::sofa::simulation::Node::SPtr node_;
     State::SPtr state_;
     RigidLoads::SPtr loads_;                   ///< null for a kinematic body
-    std::vector<std::optional<Pose>> targets_; ///< of a kinematic body, until the end of the step
+    std::vector<std::optional<Pose>> targets_; ///< where a kinematic body will be at the end of the step
 };
 
 } // namespace filasofia::sofaengine

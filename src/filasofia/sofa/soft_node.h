@@ -13,7 +13,7 @@ namespace filasofia::sofaengine {
 /// What the solver of a body did in a step.
 struct SolveOutcome {
     int iterations = 0;
-    double residual = 0.0; ///< [-], of the right side
+    double residual = 0.0; ///< [-], relative to the right side
     bool atLimit = false;  ///< it ended at its largest number of iterations
 };
 

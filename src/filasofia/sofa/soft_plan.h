@@ -14,7 +14,7 @@ struct PinGroup {
     AttachmentId id = {};
     std::vector<int> nodes = {};
     std::vector<Vec3> places = {};     ///< [m] where they are held, one per node
-    double stiffness = physics::kHard; ///< [N/m] of each node's spring
+    double stiffness = physics::kHard; ///< [N/m] a spring per node
 };
 
 /// A soft body as its node in SOFA is made: checked, plain data of ours, made on any thread.
