@@ -2,9 +2,10 @@
 # FILASOFIA_SOFA as it was found: a static library of ours leaves linking SOFA to the program.
 set(FILASOFIA_SOFA_LIBRARIES)
 if(NOT FILASOFIA_SOFA STREQUAL OFF)
-  set(parts Sofa.Simulation.Graph Sofa.Component.AnimationLoop Sofa.Component.Collision Sofa.Component.Constraint.Lagrangian
-    Sofa.Component.Constraint.Projective Sofa.Component.LinearSolver Sofa.Component.Mass Sofa.Component.ODESolver
-    Sofa.Component.SolidMechanics Sofa.Component.StateContainer Sofa.Component.Topology Sofa.Component.Mapping)
+  set(parts Sofa.Simulation.Graph Sofa.Component.StateContainer Sofa.Component.Mass Sofa.Component.ODESolver.Backward
+    Sofa.Component.ODESolver.Forward Sofa.Component.LinearSolver.Iterative Sofa.Component.LinearSolver.Direct
+    Sofa.Component.Constraint.Projective Sofa.Component.SolidMechanics.FEM.Elastic
+    Sofa.Component.SolidMechanics.FEM.HyperElastic Sofa.Component.Topology.Container.Dynamic)
   set(missing)
   foreach(part IN LISTS parts)
     find_package(${part} QUIET)

@@ -107,6 +107,7 @@ public:
     [[nodiscard]] const PhysicsEngine& engine() const;
     /// Replaces the engine before the first step, for a program whose user chooses it: bodies that were added are built
     /// again. Throws an Error after a step, or if the new engine refuses a body or a command; nothing has changed then.
+    /// No other thread may use the server meanwhile.
     void useEngine(std::unique_ptr<PhysicsEngine> engine);
 
     /// While it exists, its thread is the stepping thread: there, every function of this class except add() returns

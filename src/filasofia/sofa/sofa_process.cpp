@@ -39,9 +39,9 @@ void startSofa()
     static const bool once = [] {
         ::sofa::simulation::graph::init();
         std::atexit([] { ::sofa::simulation::graph::cleanup(); }); // it warns at the end of a process otherwise
-        static LogHandler handler;
+        static auto* const handler = new LogHandler; // never freed: SOFA's own statics may still write at the end
         ::sofa::helper::logging::MessageDispatcher::clearHandlers();
-        ::sofa::helper::logging::MessageDispatcher::addHandler(&handler);
+        ::sofa::helper::logging::MessageDispatcher::addHandler(handler);
         return true;
     }();
     static_cast<void>(once);

@@ -14,7 +14,4 @@ std::recursive_mutex& sofaMutex();
 /// nothing else. Call it under the lock.
 void startSofa();
 
-/// Makes every component known by its name, for scene files. Call it under the lock.
-void registerComponents();
-
 } // namespace filasofia::sofaengine

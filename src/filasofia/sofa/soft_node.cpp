@@ -66,7 +66,7 @@ template <class Gradients> typename Gradients::SPtr gradients(const physics::Con
     solver->d_maxIter.setValue(static_cast<unsigned>(def.maxIterations));
     solver->d_tolerance.setValue(def.tolerance);
     solver->d_smallDenominatorThreshold.setValue(std::numeric_limits<SReal>::min());
-    solver->d_warmStart.setValue(true);
+    solver->d_warmStart.setValue(false); // with it, a right side of zeros leaves the last step's solution
     return solver;
 }
 
