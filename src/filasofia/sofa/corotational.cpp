@@ -7,8 +7,7 @@ namespace filasofia::sofaengine {
 void CorotationalForces::buildStiffnessMatrix(::sofa::core::behavior::StiffnessMatrix* matrix)
 {
     Parent::buildStiffnessMatrix(matrix);
-    auto dfdx = this->mstate ? matrix->getForceDerivativeIn(this->mstate).withRespectToPositionsIn(this->mstate)
-                             : throw std::logic_error("no state");
+    auto dfdx = matrix->getForceDerivativeIn(this->mstate).withRespectToPositionsIn(this->mstate);
     const auto& blocks = this->d_edgeInfo.getValue();
     const auto& edges = this->l_topology->getEdges();
     for (std::size_t i = 0; i < edges.size(); ++i) {
