@@ -53,6 +53,21 @@ def test_a_cut_goes_on_with_the_same_bits_after_it_was_undone():
     assert sim.steps == 21
 
 
+def test_a_blade_that_is_switched_off_cuts_nothing_until_it_is_switched_on():
+    sim, tissue, knife = cutting()
+    sim.set_cutting(knife, False)
+    press(sim, knife, 25)
+    assert sim.report().cut_area == 0
+    report = sim.step()
+    assert report.iterations == report.solves[0].iterations > 0
+    assert report.solves[0].together == tissue
+    sim.apply(fs.SetCutting(id=knife))
+    press(sim, knife, 25)
+    assert sim.report().cut_area > 1e-4
+    with pytest.raises(fs.Error, match="must be a rigid body to have its blades switched"):
+        sim.set_cutting(tissue, False)
+
+
 def test_a_state_continues_in_many_simulations_at_once():
     sim, _, knife = cutting()
     press(sim, knife, 25)

@@ -67,6 +67,10 @@ TEST_CASE("every event of a scene comes back from its recording")
                                             .height = 480,
                                             .dressed = true});
     CHECK((began.width == 640 && began.dressed && began.look.quality == Quality::Medium && began.look.around));
+    const auto bled = roundTrip(SceneBled{BodyId{4}, {.flux = 3e-4, .vesselDensity = 7e5}, {0, 0, -9.81}});
+    CHECK((bled.body == BodyId{4} && bled.def.flux == 3e-4 && bled.gravity.z == -9.81));
+    CHECK(std::isinf(std::get<Rinse>(roundTrip(SceneTreated{BodyId{4}, Rinse{}}).command).radius));
+    CHECK(std::get<Suck>(roundTrip(SceneTreated{BodyId{4}, Suck{.rate = 2e-7}}).command).rate == 2e-7);
     CHECK(roundTrip(SceneFile{"a \"b\".png", 7, 0xffffffffffffffffu}).digest == 0xffffffffffffffffu);
     const auto shown = roundTrip(SceneShown{
         3,
@@ -104,7 +108,7 @@ TEST_CASE("every event of a scene comes back from its recording")
     CHECK((stage.cameras.size() == 1 && stage.lights.size() == 2 && stage.views.size() == 1));
     CHECK(stage.views[0].def.effects == view.effects);
     CHECK(roundTrip(ScenePlaces{{{}, {Pose{{1, 2, 3}, {}}, false}}, {}}).cameras[1].pose.position == Vec3{1, 2, 3});
-    STATIC_REQUIRE(std::variant_size_v<SceneEvent> == 10);
+    STATIC_REQUIRE(std::variant_size_v<SceneEvent> == 12);
 }
 
 TEST_CASE("fields that materials got later are in a recording if they are set, and may be missing")

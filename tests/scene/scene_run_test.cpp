@@ -33,6 +33,19 @@ TEST_CASE("scenes: the bunny's file has the hash of its program")
     CHECK(runScene(loadScene(example("bunny")), 60).hash == sim.run({.headless = true, .steps = 60}).hash);
 }
 
+TEST_CASE("scenes: a body bleeds where it is cut, and its blood is sucked, sealed and rinsed")
+{
+    const RunReport report = runScene(loadScene(example("bleeding")), 2000);
+    REQUIRE(report.blood.size() == 1);
+    const BloodBalance& blood = report.blood[0].balance;
+    CHECK(blood.welled > 0.3e-6);
+    CHECK(blood.sucked > 0.05e-6);
+    CHECK(blood.rinsed > 0.03e-6);
+    CHECK(blood.rate == 0.0); // sealed
+    CHECK(blood.onTissue < 1e-9);
+    CHECK(blood.welled == Approx(blood.onTissue + blood.sucked + blood.rinsed + blood.dripped).epsilon(1e-9));
+}
+
 TEST_CASE("scenes: friction, a grasp and a poke come out as they do in C++")
 {
     const SceneDef friction = loadScene(example("friction"));

@@ -24,6 +24,8 @@ const DefTable& table()
         out.add<runtime::LookDef>();
         out.add<runtime::ShowDef>();
         out.add<runtime::PaintDef>();
+        out.add<surface::BleedingDef>();
+        out.add<surface::BloodCommand>();
         out.add<runtime::PictureDef>();
         out.add<runtime::ViewerDef>();
         out.add<runtime::ReplayDef>();

@@ -127,6 +127,32 @@ void addPictures(nb::class_<HeldSimulation>& sim)
         nb::arg("body").none(), nb::arg("mark").none(),
         nb::sig("def paint(self, body: filasofia.BodyId, mark: filasofia.PaintDef) -> int"),
         "Paints blood, a burn or wetness on a body; returns how many vertices it reached.");
+    sim.def(
+        "bleed",
+        [](HeldSimulation& self, nb::handle body, nb::handle def) {
+            const auto read = def.is_none() ? surface::BleedingDef{} : readDef<surface::BleedingDef>(def, "bleed");
+            usable(self, "bleed").simulation().bleed(readArgument<BodyId>(body, "bleed", "body"), read);
+        },
+        nb::arg("body").none(), nb::arg("bleeding").none() = nb::none(),
+        nb::sig("def bleed(self, body: filasofia.BodyId, bleeding: filasofia.BleedingDef | None = None) -> None"),
+        "Makes a soft body bleed where cuts and tears open it.");
+    sim.def(
+        "treat",
+        [](HeldSimulation& self, nb::handle body, nb::handle command) {
+            const auto read = readArgument<surface::BloodCommand>(command, "treat", "command");
+            usable(self, "treat").simulation().treat(readArgument<BodyId>(body, "treat", "body"), read);
+        },
+        nb::arg("body").none(), nb::arg("command").none(),
+        nb::sig("def treat(self, body: filasofia.BodyId, command: filasofia.Perfuse | filasofia.Injure | "
+                "filasofia.Seal | filasofia.Suck | filasofia.Rinse) -> None"),
+        "Presses, injures, seals, sucks or rinses a body that bleeds.");
+    sim.def(
+        "blood",
+        [](HeldSimulation& self, nb::handle body) {
+            return usable(self, "blood").simulation().blood(readArgument<BodyId>(body, "blood", "body"));
+        },
+        nb::arg("body").none(), nb::sig("def blood(self, body: filasofia.BodyId) -> filasofia.BloodBalance"),
+        "What has become of its blood.");
     sim.def("_render", &render);
     sim.def("_render_depth", &renderDepth);
     sim.def("_open_viewer", &openViewer);

@@ -150,6 +150,15 @@ void bindRun(nb::module_& module)
         .def_ro("mean_friction_force", &ContactPairReport::meanFrictionForce, "[N]")
         .def_ro("max_friction_force", &ContactPairReport::maxFrictionForce, "[N]")
         .def_ro("deepest", &ContactPairReport::deepest, "[m]");
+    using surface::BloodBalance;
+    nb::class_<BloodBalance>(module, "BloodBalance", "What became of the blood of a body.")
+        .def_ro("welled", &BloodBalance::welled, "[m^3], lost by the vessels")
+        .def_ro("on_tissue", &BloodBalance::onTissue, "[m^3], lies on the body now")
+        .def_ro("sucked", &BloodBalance::sucked, "[m^3]")
+        .def_ro("rinsed", &BloodBalance::rinsed, "[m^3]")
+        .def_ro("dripped", &BloodBalance::dripped, "[m^3], fell from it")
+        .def_ro("carried_off", &BloodBalance::carriedOff, "[m^3], left with pieces that were removed")
+        .def_ro("rate", &BloodBalance::rate, "[m^3/s], wells now");
     nb::class_<RunReport>(module, "RunReport",
                           "How a run went. str() of it is the summary that the command line prints.")
         .def_ro("steps", &RunReport::steps)

@@ -3,6 +3,7 @@
 #include "filasofia/core/fields.h"
 #include "filasofia/physics/step.h"
 #include "filasofia/runtime/timing.h"
+#include "filasofia/surface/bleeding_def.h"
 #include "filasofia/visual/visual_server.h"
 
 #include <array>
@@ -75,6 +76,12 @@ struct OpenedSurfaces {
     std::uint64_t pieces = 0; ///< [-], pieces that came off
 };
 
+/// What became of the blood of a body that bleeds.
+struct BloodReport {
+    std::string body = {}; ///< its name
+    surface::BloodBalance balance = {};
+};
+
 /// How a run went.
 struct RunReport {
     RunTiming timing;
@@ -105,6 +112,7 @@ struct RunReport {
     bool realTime = false;            ///< physics was scheduled before ordinary threads
     std::string finished;             ///< why it ended
     std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
+    std::vector<BloodReport> blood;          ///< one per body that bleeds, ascending by their ids
     std::vector<std::string> bluntBlades;    ///< one line per blade that touched a soft body without dynamicTopology
     /// why functions of everyStep() are no longer called, in this run or an earlier one: scripts that ended early
     std::vector<std::string> callbackProblems;

@@ -124,6 +124,13 @@ public:
     /// Paints a mark (blood, burn, wetness) on everything that is drawn of a body. Returns how many vertices it
     /// reached. Costs the caller's thread about 0.1 ms for 10,000 vertices.
     int paint(BodyId id, const PaintDef& def);
+    /// Makes a soft body bleed where cuts and tears open it, under the gravity of the simulation's Def. What is drawn
+    /// of it shows the blood. Error if it is no soft body, or bleeds already.
+    void bleed(BodyId id, const surface::BleedingDef& def = {});
+    /// Presses, injures, seals, sucks or rinses a body that bleeds, from the film's next step on.
+    void treat(BodyId id, const surface::BloodCommand& command);
+    /// What has become of its blood, up to the last step of the film that has ended.
+    [[nodiscard]] surface::BloodBalance blood(BodyId id) const;
 
     /// Makes a light, camera or other Transform of the visual server follow a body until unfollow(), its end, the
     /// body's end, or until it gets a parent; then it stays where it is. Main thread only, while there is a visual
@@ -143,7 +150,7 @@ public:
     [[nodiscard]] bool paused() const; ///< in the last step
     /// Makes one step if the simulation is paused.
     void singleStep();
-    /// Puts the bodies back to their start at the next step, and removes all paint.
+    /// Puts the bodies back to their start at the next step, and removes all paint and blood.
     void reset();
 
     /// The function is called on the main thread as soon as there is a visual server, in place of the look of the Def;

@@ -57,18 +57,20 @@ using Places = std::map<std::string, std::string>;
 /// A body, how it is drawn, and how it moves. In Defs of a scene, BodyId{n} means the n-th body of the scene, from 1;
 /// it must come before the body that names it. In a file, the fields of the body's Def stand beside the others.
 struct SceneBody {
-    physics::BodyDef def = physics::SoftBodyDef{}; ///< its name must be the only one in the scene
-    std::vector<runtime::ShowDef> show = {};       ///< none: it is not drawn
-    std::vector<runtime::PaintDef> paint = {};     ///< marks on what is drawn of it
-    std::vector<ElementMotion> motions = {};       ///< a kinematic rigid body's elements
-    std::vector<JointMotion> jointMotions = {};    ///< an articulated body's joints
-    Places places = {};                            ///< where it stands, by the empty path, and its members by theirs
+    physics::BodyDef def = physics::SoftBodyDef{};     ///< its name must be the only one in the scene
+    std::vector<runtime::ShowDef> show = {};           ///< none: it is not drawn
+    std::vector<runtime::PaintDef> paint = {};         ///< marks on what is drawn of it
+    std::optional<surface::BleedingDef> bleeding = {}; ///< how a soft body bleeds where it is opened; none: it does not
+    std::vector<ElementMotion> motions = {};           ///< a kinematic rigid body's elements
+    std::vector<JointMotion> jointMotions = {};        ///< an articulated body's joints
+    Places places = {}; ///< where it stands, by the empty path, and its members by theirs
 };
 constexpr auto fields(const SceneBody*)
 {
     using T = SceneBody;
     return describe("SceneBody", field("", &T::def, "the body's Def, whose fields stand beside the others"),
                     field("show", &T::show, "how it is drawn"), field("paint", &T::paint, "marks on it"),
+                    field("bleeding", &T::bleeding, "how it bleeds where it is opened"),
                     field("motions", &T::motions, "motions of a kinematic body's elements"),
                     field("jointMotions", &T::jointMotions, "commands of its joints"));
 }
@@ -128,11 +130,22 @@ constexpr auto fields(const SetMaterial*)
                     field("material", &SetMaterial::material, "new material, of the kind it was made with"));
 }
 
+/// Does something to the blood of a soft body that bleeds, as Simulation::treat().
+struct TreatBlood {
+    BodyId id = {};
+    surface::BloodCommand treatment = {};
+};
+constexpr auto fields(const TreatBlood*)
+{
+    return describe("TreatBlood", field("id", &TreatBlood::id, "the soft body"),
+                    field("treatment", &TreatBlood::treatment, "what is done"));
+}
+
 /// What a scene may command.
 using SceneCommand = std::variant<physics::Attach, physics::AttachRigid, physics::Grasp, physics::Release,
                                   physics::RemovePiece, physics::RemoveBody, physics::SetForces, physics::SetWrench,
                                   physics::SetPressure, physics::SetFibreStress, physics::SetCurvature,
-                                  physics::SetCutting, physics::SetTissue, physics::SetGravity, SetMaterial,
+                                  physics::SetCutting, physics::SetTissue, physics::SetGravity, SetMaterial, TreatBlood,
                                   physics::SetPose, physics::SetJoint, physics::SetHaptic, physics::Reset>;
 
 /// A command that physics gets once, in the step that ends at its time. An AttachmentId{n} in it means an attachment of

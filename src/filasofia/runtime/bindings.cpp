@@ -262,6 +262,7 @@ void Bindings::openInteriors()
             inside.interior = true;
             inside.opening = nullptr;
             inside.drawn = nullptr;
+            inside.film = nullptr;
             inside.mapped = newest->second.interior;
             inside.nodes = mapping::nodesNeeded(inside.mapped->map);
             inside.def.material = skin.def.interior.value_or(interiorOf(skin.def.material, *visual_));
@@ -347,10 +348,28 @@ void Bindings::update(const frame::Frame& frame, const physics::PhysicsServer& p
             boundaries_.erase(binding.id);
         }
         if (gone) return true;
-        if (const auto states = painted_.takeNew(binding.key)) binding.drawn->setSurfaceState(*states);
+        drawMarks(binding);
         return false;
     });
     followers_.update(frame, physics);
+}
+
+void Bindings::setFilms(const std::map<BodyId, NodeFilm>& films)
+{
+    for (const auto& [id, film] : films) films_[id] = film;
+}
+
+void Bindings::drawMarks(Binding& binding)
+{
+    const auto newest = films_.find(binding.id);
+    const NodeFilm film = binding.soft && newest != films_.end() ? newest->second : nullptr;
+    const bool painted = painted_.takeNew(binding.key).has_value();
+    if (!painted && film == binding.film) return;
+    binding.film = film;
+    std::vector<visual::SurfaceState> states = painted_.states(binding.key);
+    states.resize(binding.mapped->surface.vertices.size());
+    if (film) addFilm(binding.mapped->map, *film, states);
+    binding.drawn->setSurfaceState(states);
 }
 
 bool Bindings::place(Binding& binding, const frame::Frame& frame)
@@ -374,9 +393,10 @@ bool Bindings::place(Binding& binding, const frame::Frame& frame)
     if (binding.nodes > static_cast<int>(body->positions.size())) return true;
     vertices_.resize(binding.mapped->surface.vertices.size());
     mapping::apply(binding.mapped->map, *body, vertices_);
-    if (ready)
+    if (ready) {
         binding.drawn->adopt(std::move(ready->mesh), vertices_);
-    else
+        binding.film = nullptr; // the new triangles do not have it yet
+    } else
         binding.drawn->setVertices(vertices_);
     return true;
 }
@@ -414,6 +434,7 @@ void Bindings::release()
     std::erase_if(shown_, [](const Binding& binding) { return binding.interior; }); // openInteriors() makes them again
     for (Binding& binding : shown_) {
         binding.drawn = nullptr;
+        binding.film = nullptr;
         binding.seen = false;
         pending_.push_back(std::move(binding));
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/runtime/film_marks.h"
 #include "filasofia/runtime/followers.h"
 #include "filasofia/runtime/mesh_worker.h"
 #include "filasofia/runtime/painted_surfaces.h"
@@ -35,6 +36,8 @@ public:
     int paint(BodyId id, const PaintDef& def, physics::PhysicsServer& physics);
     /// Removes all paint. Any thread.
     void clearPaint() { painted_.clear(); }
+    /// What lies on these bodies from now on, in addition to paint; drawn at the next update(). Main thread.
+    void setFilms(const std::map<BodyId, NodeFilm>& films);
     /// Gives the body's boundary new triangles: `surface` at rest in the world, on the body's nodes, whose number only
     /// grows. The drawn boundary follows with its old triangles until the new ones are ready. `interior` is what cuts
     /// have opened, drawn in a material of its own; null if nothing is open. Other surfaces of the skin open as
@@ -83,6 +86,7 @@ private:
         bool boundary = false; ///< a soft body's own boundary is drawn
         bool interior = false; ///< the opened inside of that boundary is drawn
         std::shared_ptr<const mapping::OpeningSurface> opening = {}; ///< another surface of the body's skin is drawn
+        NodeFilm film = {};                                          ///< the one that is drawn
         bool seen = false;                                           ///< the body has been in a frame
         visual::VisualBody* drawn = nullptr;                         ///< nullptr while pending
     };
@@ -102,6 +106,7 @@ private:
     void askMesh(const Binding& binding);     ///< asks for the newest triangles of its body, if it has new ones
     bool closedAgain(const Binding& binding); ///< the opened inside is closed again
     bool place(Binding& binding, const frame::Frame& frame);
+    void drawMarks(Binding& binding); ///< paint and film, if one of them has changed
     void forget(const Binding& binding);
     static void apply(const PendingChange& change, Binding& binding, const visual::VisualServer& visual);
 
@@ -121,6 +126,7 @@ private:
 
     std::vector<Binding> shown_; // main thread only, like the members below
     std::vector<Vec3> vertices_;
+    std::map<BodyId, NodeFilm> films_; ///< the newest
     Followers followers_;
     visual::VisualServer* visual_ = nullptr;
 

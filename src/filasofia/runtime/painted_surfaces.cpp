@@ -134,6 +134,13 @@ std::optional<std::vector<SurfaceState>> PaintedSurfaces::takeNew(SurfaceKey key
     return found->second.states;
 }
 
+std::vector<SurfaceState> PaintedSurfaces::states(SurfaceKey key)
+{
+    const std::lock_guard lock(mutex_);
+    const auto found = painted_.find(key);
+    return found == painted_.end() ? std::vector<SurfaceState>{} : found->second.states;
+}
+
 void PaintedSurfaces::resend(SurfaceKey key)
 {
     const std::lock_guard lock(mutex_);

@@ -48,6 +48,8 @@ public:
 
     /// The vertices' states, if somebody painted since the last call.
     std::optional<std::vector<visual::SurfaceState>> takeNew(SurfaceKey key);
+    /// The vertices' states; empty if nobody has painted them.
+    std::vector<visual::SurfaceState> states(SurfaceKey key);
     /// Makes the next takeNew() return the states once more, unless there is no paint at all.
     void resend(SurfaceKey key);
     /// The surface has new triangles: carries the paint over to them, through one transfer after another.

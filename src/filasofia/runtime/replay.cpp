@@ -43,6 +43,7 @@ ReplayReport replay(const ReplayDef& def)
         if (!recorded) break;
         const physics::StepReport made = replayer.step(*recorded, [&] { scene.beforeStep(); });
         impl.now.set(made.time, made.step);
+        scene.afterStep();
         ++report.made;
         if (!def.check || report.unhashed > 0) continue;
         if (recorded->hash == 0)

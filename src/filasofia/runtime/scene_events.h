@@ -42,7 +42,16 @@ struct ScenePainted {
     BodyId body = {};
     PaintDef def = {};
 };
-/// All paint is removed.
+struct SceneBled {
+    BodyId body = {};
+    surface::BleedingDef def = {};
+    Vec3 gravity = {}; ///< [m/s^2], under which its blood flows
+};
+struct SceneTreated {
+    BodyId body = {};
+    surface::BloodCommand command = {};
+};
+/// All paint and blood is removed.
 struct SceneCleaned {};
 
 struct StageMaterial {
@@ -73,7 +82,7 @@ struct ScenePlaces {
 };
 
 using SceneEvent = std::variant<SceneBegan, SceneFile, SceneShown, SceneVisible, SceneMaterial, SceneUnshown,
-                                ScenePainted, SceneCleaned, SceneStage, ScenePlaces>;
+                                ScenePainted, SceneCleaned, SceneStage, ScenePlaces, SceneBled, SceneTreated>;
 
 constexpr auto fields(const SceneBegan*)
 {
@@ -115,6 +124,18 @@ constexpr auto fields(const ScenePainted*)
 {
     using T = ScenePainted;
     return describe("ScenePainted", field("body", &T::body, "the body"), field("def", &T::def, "the mark"));
+}
+constexpr auto fields(const SceneBled*)
+{
+    using T = SceneBled;
+    return describe("SceneBled", field("body", &T::body, "the body"), field("def", &T::def, "how it bleeds"),
+                    field("gravity", &T::gravity, "m/s^2", finite(), "under which its blood flows"));
+}
+constexpr auto fields(const SceneTreated*)
+{
+    using T = SceneTreated;
+    return describe("SceneTreated", field("body", &T::body, "the body"),
+                    field("command", &T::command, "what was done to its blood"));
 }
 constexpr auto fields(const SceneCleaned*) { return describe("SceneCleaned"); }
 constexpr auto fields(const StageMaterial*)

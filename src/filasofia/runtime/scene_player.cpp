@@ -33,6 +33,7 @@ void ScenePlayer::beforeStep()
 bool ScenePlayer::knows(const SceneEvent& event) const
 {
     if (const auto* shown = std::get_if<SceneShown>(&event)) return impl_.physics.has(shown->body);
+    if (const auto* bled = std::get_if<SceneBled>(&event)) return impl_.physics.has(bled->body);
     if (const auto* painted = std::get_if<ScenePainted>(&event)) return impl_.physics.has(painted->body);
     return true;
 }
@@ -87,7 +88,21 @@ void ScenePlayer::apply(const SceneUnshown& unshown)
 }
 
 void ScenePlayer::apply(const ScenePainted& painted) { impl_.bindings.paint(painted.body, painted.def, impl_.physics); }
-void ScenePlayer::apply(const SceneCleaned&) { impl_.bindings.clearPaint(); }
+void ScenePlayer::apply(const SceneCleaned&)
+{
+    impl_.bindings.clearPaint();
+    impl_.bleedings.restart();
+}
+void ScenePlayer::apply(const SceneBled& bled)
+{
+    impl_.bleedings.add(bled.body, bled.def, bled.gravity, impl_.physics);
+}
+void ScenePlayer::apply(const SceneTreated& treated) { impl_.bleedings.treat(treated.body, treated.command); }
+
+void ScenePlayer::afterStep()
+{
+    if (drawing_) impl_.bleedings.afterStep(impl_.now.step(), impl_.now.seconds(), impl_.physics);
+}
 
 void ScenePlayer::apply(const SceneStage& stage)
 {

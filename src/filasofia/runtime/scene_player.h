@@ -16,6 +16,8 @@ public:
     void take(const std::vector<record::SceneRecord>& scene);
     /// Call it when the bodies of the step are known.
     void beforeStep();
+    /// After a step: lets the blood flow.
+    void afterStep();
     /// Draws the last step, once everything that happened after it is known.
     void draw();
     void last(ReplayReport& report);
@@ -30,6 +32,8 @@ private:
     void apply(const SceneUnshown& unshown);
     void apply(const ScenePainted& painted);
     void apply(const SceneCleaned&);
+    void apply(const SceneBled& bled);
+    void apply(const SceneTreated& treated);
     void apply(const SceneStage& stage);
     void apply(const ScenePlaces& places);
     [[nodiscard]] bool knows(const SceneEvent& event) const;

@@ -105,6 +105,18 @@ int Simulation::paint(BodyId id, const PaintDef& def)
     impl_->recordScene(ScenePainted{id, def});
     return reached;
 }
+void Simulation::bleed(BodyId id, const surface::BleedingDef& def)
+{
+    const Vec3 gravity = impl_->def.physics.gravity;
+    impl_->bleedings.add(id, def, gravity, impl_->physics);
+    impl_->recordScene(SceneBled{id, def, gravity});
+}
+void Simulation::treat(BodyId id, const surface::BloodCommand& command)
+{
+    impl_->bleedings.treat(id, command);
+    impl_->recordScene(SceneTreated{id, command});
+}
+surface::BloodBalance Simulation::blood(BodyId id) const { return impl_->bleedings.balance(id); }
 void Simulation::follow(visual::Transform& transform, BodyId id, const FollowDef& def)
 {
     impl_->bindings.follow(transform, id, def, impl_->physics);

@@ -28,6 +28,7 @@ Simulation::Impl::Impl(const SimulationDef& asked) : Impl(asked, engineFor(check
 Simulation::Impl::Impl(const SimulationDef& asked, std::unique_ptr<physics::PhysicsEngine> engine)
     : def(checked(asked)), physics(std::move(engine), {.gravity = asked.physics.gravity})
 {
+    memories.add(bleedings.memory());
 }
 
 std::unique_ptr<physics::PhysicsEngine> Simulation::Impl::engineFor(const SimulationDef& def)
@@ -77,6 +78,7 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     counters.count(report);
     feed.write(report);
     haptics.afterStep(report, physics);
+    bleedings.afterStep(report.step, report.time, physics);
     // Before the update event, so that its observers already know what happened in the step.
     const std::uint32_t flags = postContactEvents(report) | postIntersectionEvents(report) | postRuptureEvents(report);
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
@@ -154,6 +156,7 @@ void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
 {
     bindings.forgetRemoved(physics);
     bindings.addPending(visual);
+    bindings.setFilms(bleedings.takeFilms());
     if (const frame::FrameRef frame = physics.latest()) bindings.update(*frame, physics, visual);
     journal.observe(visual, now.step());
 }
@@ -176,6 +179,7 @@ void Simulation::Impl::reset()
 {
     physics.reset();
     bindings.clearPaint();
+    bleedings.restart();
     static const SceneEvent cleaned = SceneCleaned{}; // GCC 12 warns about a temporary as uninitialized
     recordScene(cleaned);
 }
@@ -194,6 +198,7 @@ void Simulation::Impl::fill(RunReport& report) const
     if (report.beyondStrain > 0) report.worstStrainedBody = nameOf(report.worstStrained.body, physics);
     if (report.restless > 0) report.worstUnrestBody = nameOf(report.worstUnrest.body, physics);
     report.contacts = contacts.report(physics);
+    bleedings.fill(report);
     report.bluntBlades = blades.lines();
     report.callbackProblems = everyStep.problems();
     files.fill(report);

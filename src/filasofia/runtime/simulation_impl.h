@@ -2,6 +2,7 @@
 
 #include "filasofia/runtime/bindings.h"
 #include "filasofia/runtime/blade_watch.h"
+#include "filasofia/runtime/bleedings.h"
 #include "filasofia/runtime/camera_steering.h"
 #include "filasofia/runtime/clock.h"
 #include "filasofia/runtime/contact_watch.h"
@@ -35,6 +36,7 @@ struct Simulation::Impl {
     physics::PhysicsServer physics;
     event::EventDispatcher events;
     Bindings bindings;
+    Bleedings bleedings;
     PictureSetup picture;
     CameraSteering steering;
     StepCallbacks everyStep;

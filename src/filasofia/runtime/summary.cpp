@@ -104,6 +104,15 @@ std::string openedLine(const OpenedSurfaces& opened)
                 static_cast<unsigned long long>(opened.pieces));
 }
 
+std::string bloodLine(const BloodReport& report)
+{
+    const surface::BloodBalance& b = report.balance;
+    return line("blood of '%s': %.2f ml lost, %.2f ml on it, %.2f ml sucked, %.2f ml rinsed, %.2f ml dripped%s",
+                oneLine(shortened(report.body)).c_str(), b.welled * 1e6, b.onTissue * 1e6, b.sucked * 1e6,
+                b.rinsed * 1e6, b.dripped * 1e6,
+                b.carriedOff > 0.0 ? text(", ", b.carriedOff * 1e6, " ml left with pieces").c_str() : "");
+}
+
 } // namespace
 
 std::string summary(const RunReport& report)
@@ -128,6 +137,7 @@ std::string summary(const RunReport& report)
     if (report.restless > 0) out += unrestLine(report);
     if (report.opened.steps > 0) out += openedLine(report.opened);
     out += contactTable(report.contacts);
+    for (const BloodReport& blood : report.blood) out += bloodLine(blood);
     for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
         out += line("pictures drawn %ld", report.visual.framesDrawn);

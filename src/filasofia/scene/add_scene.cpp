@@ -24,6 +24,7 @@ BodyId addBody(runtime::Simulation& simulation, const SceneBody& body, const std
     const BodyId id = std::visit([&](auto& each) { return simulation.add(std::move(each)); }, def);
     for (const runtime::ShowDef& each : body.show) simulation.show(id, each);
     for (const runtime::PaintDef& each : body.paint) simulation.paint(id, each);
+    if (body.bleeding) simulation.bleed(id, *body.bleeding);
     followMotions(simulation, id, body);
     return id;
 }

@@ -93,6 +93,10 @@ template <class T> std::vector<std::string_view> required()
         return {"id", "target"};
     else if constexpr (std::is_same_v<T, SetMaterial>)
         return {"id", "material"};
+    else if constexpr (std::is_same_v<T, TreatBlood>)
+        return {"id", "treatment"};
+    else if constexpr (IsAnyOf<T, surface::Injure, surface::Seal, surface::Suck>)
+        return {"place"};
     else if constexpr (IsAnyOf<T, BoxShape, BlockShape>)
         return {"size"};
     else if constexpr (std::is_same_v<T, SphereShape>)

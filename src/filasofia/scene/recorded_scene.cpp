@@ -212,6 +212,8 @@ private:
     void noteLater(const runtime::SceneUnshown&) { note("what was no longer shown stays"); }
     void noteLater(const runtime::ScenePainted&) { note("paint of the run is left out"); }
     void noteLater(const runtime::SceneCleaned&) {}
+    void noteLater(const runtime::SceneBled&) { note("bodies that began to bleed during the run do not"); }
+    void noteLater(const runtime::SceneTreated&) { note("what was done to blood is left out"); }
     void noteLater(const runtime::SceneFile&) {}
     void noteLater(const runtime::SceneBegan& event) { show(event); }
     void noteLater(const runtime::SceneStage& stage)
@@ -256,6 +258,11 @@ private:
     {
         if (const BodyId number = numberOf(painted.body)) scene_.bodies[number.value - 1].paint.push_back(painted.def);
     }
+    void show(const runtime::SceneBled& bled)
+    {
+        if (const BodyId number = numberOf(bled.body)) scene_.bodies[number.value - 1].bleeding = bled.def;
+    }
+    void show(const runtime::SceneTreated&) { note("what was done to blood is left out"); }
     void show(const runtime::SceneCleaned&)
     {
         for (SceneBody& each : scene_.bodies) each.paint.clear();

@@ -109,6 +109,7 @@ vec3 reliefNormal(vec3 slope, highp vec3 px, highp vec3 py, float noiseScale) {
 struct Marks {
     float blood; // coverage by blood, in [0, 1]
     float bloodDepth; // its depth, in [0, 1]
+    float bloodClear; // exp(-depth / 0.25 mm)
     vec3 bloodSlope; // slope of its surface, with respect to p
     float pale;       // coagulated by heat
     float brown;      // scorched
@@ -119,7 +120,7 @@ struct Marks {
 float broken(float amount, float value, float by) { return amount * (1.0 + by) - by * (0.5 + 0.5 * clamp(value, -1.0, 1.0)); }
 
 Marks marksOf(vec3 state, highp vec3 p, float footprint) {
-    Marks marks = Marks(0.0, 0.0, vec3(0.0), 0.0, 0.0, 0.0);
+    Marks marks = Marks(0.0, 0.0, 1.0, vec3(0.0), 0.0, 0.0, 0.0);
     if (state.x + state.y <= 0.0) return marks;
     float w = resolved(footprint, 3.7);
     vec4 coarse = noise(p * 0.85 + 71.3), fine = w * noise(turn * p * 2.4 + 17.9);
@@ -130,6 +131,7 @@ Marks marksOf(vec3 state, highp vec3 p, float footprint) {
     float level = broken(state.x, value, kByBlood);
     float edge = 0.07 + 0.25 * footprint;
     marks.blood = smoothstep(0.0, edge, level);
+    marks.bloodClear = 1.0 - clamp(level, 0.0, 1.0);
     marks.bloodDepth = smoothstep(0.0, 0.75, level);
     // A drop rises at its edge and is level inside: steep only where it is shallow.
     float rise = level > 0.0 ? exp(-9.0 * level) * min(level / edge, 1.0) : 0.0;
@@ -142,11 +144,12 @@ Marks marksOf(vec3 state, highp vec3 p, float footprint) {
     return marks;
 }
 
-// The colour under blood and burns. A thin film lets the ground show through in bright red; a deep one is nearly black.
+// The colour under blood and burns. Blood is lit by what comes back through it, by the law of Beer and Lambert: red light
+// passes a film of a quarter of a millimetre, green and blue light a tenth of it. A deep film is nearly black.
 vec3 markedColor(vec3 color, Marks marks, float grain) {
     vec3 dark = mix(vec3(0.10, 0.042, 0.018), vec3(0.011, 0.009, 0.008) * (1.0 + 0.8 * grain), marks.black);
     vec3 scalded = vec3(0.56, 0.42, 0.32) * (0.9 + 0.25 * grain);
     color = mix(mix(color, scalded, 0.85 * marks.pale), dark, marks.brown);
-    vec3 film = mix(color * vec3(0.80, 0.10, 0.08), vec3(0.125, 0.0020, 0.0016), marks.bloodDepth);
+    vec3 film = mix(vec3(0.145, 0.0026, 0.0020), color, pow(vec3(marks.bloodClear), vec3(1.2, 8.0, 9.0)));
     return mix(color, film, marks.blood);
 }

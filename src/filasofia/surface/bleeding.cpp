@@ -1,0 +1,267 @@
+#include "filasofia/surface/bleeding.h"
+
+#include "filasofia/core/hash.h"
+#include "filasofia/core/validate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace filasofia::surface {
+namespace {
+
+constexpr std::uint8_t kWhole = 0;   ///< no vessel is open
+constexpr std::uint8_t kOpened = 1;  ///< bleeds on its opened triangles
+constexpr std::uint8_t kInjured = 2; ///< bleeds on all of its triangles
+constexpr double kLandings = 0.1;    ///< [s] between two looks where drops land
+constexpr double kNew = -1.0;        ///< vessels have just been opened
+
+/// In [0, 1), the same for the same node.
+double drawn(int node)
+{
+    Hasher hasher;
+    hasher.add(static_cast<std::uint64_t>(node) + 1);
+    return static_cast<double>(hasher.value() >> 11) * 0x1p-53;
+}
+
+/// A Poisson-distributed number over its mean, by inversion; near 1 if many are expected.
+double unevenness(double mean, double drawn)
+{
+    constexpr double kMany = 50.0;
+    if (!(mean < kMany)) return 1.0;
+    if (mean <= 0.0) return 0.0;
+    double chance = std::exp(-mean), sum = chance;
+    int count = 0;
+    while (drawn > sum && count < 4 * static_cast<int>(kMany)) {
+        chance *= mean / ++count;
+        sum += chance;
+    }
+    return count / mean;
+}
+
+/// Calls visit(vertex) for each within `radius` of `place`.
+template <class Visit> void forEachNear(std::span<const Vec3> places, Vec3 place, double radius, const Visit& visit)
+{
+    for (std::size_t v = 0; v < places.size(); ++v)
+        if (distance(places[v], place) <= radius) visit(v);
+}
+
+void gather(const std::vector<int>& nodes, std::span<const Vec3> positions, std::vector<Vec3>& places)
+{
+    places.resize(nodes.size());
+    for (std::size_t v = 0; v < nodes.size(); ++v) places[v] = positions[static_cast<std::size_t>(nodes[v])];
+}
+
+} // namespace
+
+Bleeding::Bleeding(const BleedingDef& def, std::vector<geometry::Triangle> skin, const std::string& object)
+    : def_(def), skin_(std::move(skin))
+{
+    validate(def_, object);
+    if (skin_.empty()) fail(object, ": needs a surface of triangles, got none");
+    set(skin_, std::vector<std::uint8_t>(skin_.size(), 0));
+}
+
+void Bleeding::follow(const frame::Boundary& boundary)
+{
+    if (boundary.revision == revision_) return;
+    if (boundary.revision < revision_) { // the body was put back to its start
+        Bleeding start(def_, skin_, "bleeding");
+        start.perfusion_ = perfusion_;
+        *this = std::move(start);
+    }
+    revision_ = boundary.revision;
+    if (boundary.revision > 0) set(boundary.triangles, boundary.opened);
+}
+
+void Bleeding::set(std::vector<geometry::Triangle> triangles, std::vector<std::uint8_t> opened)
+{
+    const std::vector<int> before = std::move(nodes_);
+    nodes_.clear();
+    for (const geometry::Triangle& each : triangles) nodes_.insert(nodes_.end(), each.begin(), each.end());
+    std::ranges::sort(nodes_);
+    nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
+    std::vector<int> local(nodesNeeded(), -1);
+    for (std::size_t v = 0; v < nodes_.size(); ++v) local[nodes_[v]] = static_cast<int>(v);
+    for (geometry::Triangle& each : triangles)
+        for (int& node : each) node = local[node];
+
+    const std::vector<int> fresh = carry(before, local);
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        for (const int v : triangles[t])
+            if (opened[t] != 0 && wound_[v] == kWhole) {
+                wound_[v] = kOpened;
+                vessels_[v] = kNew;
+            }
+    opened_ = std::move(opened);
+    untilLandings_ = 0.0;
+    topology_ = filmTopology(static_cast<int>(nodes_.size()), std::move(triangles));
+    if (!before.empty()) spread(fresh);
+}
+
+/// What lies and bleeds on nodes stays with them. Returns the vertices whose nodes were not there before.
+std::vector<int> Bleeding::carry(const std::vector<int>& before, const std::vector<int>& local)
+{
+    const FilmContent content = std::move(content_);
+    const std::vector<std::uint8_t> wound = std::move(wound_);
+    const std::vector<double> vessels = std::move(vessels_);
+    content_.volume.assign(nodes_.size(), 0.0);
+    content_.aged.assign(nodes_.size(), 0.0);
+    wound_.assign(nodes_.size(), kWhole);
+    vessels_.assign(nodes_.size(), 0.0);
+    std::vector<std::uint8_t> known(nodes_.size(), 0);
+    for (std::size_t v = 0; v < before.size(); ++v) {
+        const int now = before[v] < std::ssize(local) ? local[before[v]] : -1;
+        if (now < 0) { // its piece has gone, or it is inside the tissue
+            balance_.carriedOff += content.volume[v];
+            continue;
+        }
+        content_.volume[now] = content.volume[v];
+        content_.aged[now] = content.aged[v];
+        wound_[now] = wound[v];
+        vessels_[now] = vessels[v];
+        known[now] = 1;
+    }
+    std::vector<int> fresh;
+    for (std::size_t v = 0; v < known.size(); ++v)
+        if (known[v] == 0) fresh.push_back(static_cast<int>(v));
+    return fresh;
+}
+
+/// A new vertex took its area from those around it, and takes a part of their blood: as much as makes its volume the
+/// mean of theirs, but from each at most a half.
+void Bleeding::spread(const std::vector<int>& fresh)
+{
+    for (const int v : fresh) {
+        double sum = 0.0;
+        int count = 0;
+        for (int e = topology_.first[v]; e < topology_.first[v + 1]; ++e) {
+            sum += content_.volume[topology_.next[e]];
+            ++count;
+        }
+        if (sum <= 0.0) continue;
+        const double share = std::min(0.5, 1.0 / (count + 1));
+        for (int e = topology_.first[v]; e < topology_.first[v + 1]; ++e) {
+            const int from = topology_.next[e];
+            const double volume = share * content_.volume[from], aged = share * content_.aged[from];
+            content_.volume[from] -= volume;
+            content_.aged[from] -= aged;
+            content_.volume[v] += volume;
+            content_.aged[v] += aged;
+        }
+    }
+}
+
+void Bleeding::apply(const BloodCommand& command, std::span<const Vec3> positions)
+{
+    gather(nodes_, positions, places_);
+    if (const auto* perfuse = std::get_if<Perfuse>(&command)) perfusion_ = perfuse->share;
+    if (const auto* suck = std::get_if<Suck>(&command))
+        suction_ = suck->rate > 0.0 ? std::optional(*suck) : std::nullopt;
+    if (const auto* injure = std::get_if<Injure>(&command))
+        forEachNear(places_, injure->place, injure->radius, [&](std::size_t v) {
+            wound_[v] = kInjured;
+            vessels_[v] = kNew;
+        });
+    if (const auto* seal = std::get_if<Seal>(&command))
+        forEachNear(places_, seal->place, seal->radius, [&](std::size_t v) { vessels_[v] = 0.0; });
+    if (const auto* rinse = std::get_if<Rinse>(&command))
+        forEachNear(places_, rinse->place, rinse->radius, [&](std::size_t v) {
+            balance_.rinsed += content_.volume[v];
+            content_.volume[v] = content_.aged[v] = 0.0;
+        });
+}
+
+void Bleeding::step(std::span<const Vec3> positions, Vec3 gravity, double dt)
+{
+    balance_.rate = 0.0;
+    if (dt <= 0.0 || idle()) return;
+    gather(nodes_, positions, places_);
+    measure(topology_, places_, gravity, geometry_);
+    if (untilLandings_ <= 0.0) {
+        findLandings(topology_, places_, gravity, content_, geometry_);
+        untilLandings_ = kLandings;
+    }
+    untilLandings_ -= dt;
+    well(dt);
+    if (suction_) suck(dt);
+    const FilmLiquid liquid{.viscosity = def_.viscosity,
+                            .hardening = def_.clottingTime,
+                            .density = def_.density,
+                            .surfaceTension = def_.surfaceTension,
+                            .clinging = def_.clinging};
+    balance_.dripped += flow(topology_, geometry_, liquid, dt, content_, order_);
+}
+
+void Bleeding::measureWounds()
+{
+    woundArea_.assign(nodes_.size(), 0.0);
+    for (std::size_t t = 0; t < topology_.triangles.size(); ++t) {
+        const auto& [a, b, c] = topology_.triangles[t];
+        const double third = length(cross(places_[b] - places_[a], places_[c] - places_[a])) / 6.0;
+        for (const int v : {a, b, c})
+            if (wound_[v] == kInjured || (wound_[v] == kOpened && opened_[t] != 0)) woundArea_[v] += third;
+    }
+    for (std::size_t v = 0; v < nodes_.size(); ++v)
+        if (vessels_[v] < 0.0) vessels_[v] = unevenness(def_.vesselDensity * woundArea_[v], drawn(nodes_[v]));
+}
+
+void Bleeding::well(double dt)
+{
+    measureWounds();
+    // The integral of the flux over the step, while it falls exponentially.
+    const double lasting = -def_.clottingTime * std::expm1(-dt / def_.clottingTime);
+    const double left = std::exp(-dt / def_.clottingTime);
+    for (std::size_t v = 0; v < nodes_.size(); ++v) {
+        if (vessels_[v] == 0.0) continue;
+        const double flux = def_.flux * perfusion_ * vessels_[v] * woundArea_[v];
+        if (std::isfinite(flux)) {
+            content_.volume[v] += flux * lasting;
+            balance_.welled += flux * lasting;
+            balance_.rate += flux * left;
+        }
+        vessels_[v] *= left;
+        if (vessels_[v] < 1e-6) vessels_[v] = 0.0;
+    }
+}
+
+void Bleeding::suck(double dt)
+{
+    double there = 0.0;
+    const auto forEach = [&](const auto& visit) { forEachNear(places_, suction_->place, suction_->radius, visit); };
+    forEach([&](std::size_t v) { there += content_.volume[v]; });
+    if (there <= 0.0) return;
+    const double share = std::min(suction_->rate * dt / there, 1.0);
+    forEach([&](std::size_t v) {
+        const double left = share < 1.0 ? content_.volume[v] * (1.0 - share) : 0.0;
+        balance_.sucked += content_.volume[v] - left;
+        content_.volume[v] = left;
+        content_.aged[v] *= 1.0 - share;
+    });
+}
+
+bool Bleeding::idle() const
+{
+    return std::ranges::all_of(vessels_, [](double each) { return each == 0.0; }) &&
+           std::ranges::all_of(content_.volume, [](double each) { return each == 0.0; });
+}
+
+BloodBalance Bleeding::balance() const
+{
+    BloodBalance now = balance_;
+    now.onTissue = std::accumulate(content_.volume.begin(), content_.volume.end(), 0.0);
+    return now;
+}
+
+std::vector<float> Bleeding::thickness() const
+{
+    std::vector<float> out(static_cast<std::size_t>(nodesNeeded()), -1.0F);
+    for (std::size_t v = 0; v < nodes_.size(); ++v) {
+        const bool covered = v < geometry_.area.size() && geometry_.area[v] > 0.0;
+        out[static_cast<std::size_t>(nodes_[v])] =
+            covered ? static_cast<float>(content_.volume[v] / geometry_.area[v]) : 0.0F;
+    }
+    return out;
+}
+
+} // namespace filasofia::surface

@@ -1,0 +1,41 @@
+"""Blood on tissue."""
+
+import pytest
+
+import filasofia as fs
+from scenes import block
+
+
+def pinned():
+    """Its lower side."""
+    return fs.AttachmentDef(box=fs.Box((-1, -1, -1), (1, -0.0059, 1)))
+
+
+def bleeding():
+    sim = fs.Simulation(rate=500)
+    tissue = sim.add(block(mesh=fs.shapes.block((0.04, 0.012, 0.03), (8, 3, 6)), attachments=[pinned()]))
+    sim.bleed(tissue, fs.BleedingDef(flux=1e-3))
+    return sim, tissue
+
+
+def test_an_injury_bleeds_until_it_is_sealed():
+    sim, tissue = bleeding()
+    sim.treat(tissue, fs.Injure(place=(0, 0.006, 0), radius=0.01))
+    sim.step(100)
+    blood = sim.blood(tissue)
+    assert blood.welled > 0 and blood.rate > 0
+    assert blood.welled == pytest.approx(blood.on_tissue + blood.dripped)
+    sim.treat(tissue, fs.Seal(place=(0, 0.006, 0), radius=0.02))
+    sim.step(40)
+    assert sim.blood(tissue).rate == 0
+    sim.treat(tissue, fs.Rinse(place=(0, 0, 0)))
+    sim.step(40)
+    assert sim.blood(tissue).rinsed > 0
+
+
+def test_wrong_blood_is_an_error():
+    sim, tissue = bleeding()
+    with pytest.raises(fs.Error, match="bleeds already"):
+        sim.bleed(tissue)
+    with pytest.raises(fs.Error, match="radius"):
+        sim.treat(tissue, fs.Seal(place=(0, 0, 0), radius=-1))
