@@ -1,7 +1,5 @@
 #include "filasofia/testing/fuzz_contacts.h"
 
-#include "filasofia/core/hash.h"
-#include "filasofia/core/log.h"
 #include "filasofia/core/text.h"
 #include "filasofia/geometry/mass_properties.h"
 #include "filasofia/geometry/surface.h"
@@ -276,29 +274,10 @@ ContactFuzzReport fuzzContacts(const ContactFuzzDef& def)
     IterationCount iterations;
     Hasher all;
     for (int index = def.first; index < def.first + def.scenes; ++index) {
-        const std::uint64_t seed = seedOfScene(def.seed, static_cast<std::uint64_t>(index));
-        const auto kind = static_cast<std::size_t>(index % kContactKinds);
-        ContactFuzzKind& counts = report.kinds[kind];
-        const std::string called = text("scene ", index, " (", counts.name, ")");
-        const auto runOnce = [&](ContactFuzzReport& into, ContactFuzzKind& kindCounts, IterationCount& its) {
-            return ContactRun(def, static_cast<ContactKind>(kind), seed, into).run(kindCounts, its, called);
-        };
-        const std::uint64_t hash = runOnce(report, counts, iterations);
-        all.add(hash);
-        ++counts.scenes;
-        ++report.scenes;
-        if (def.twice) {
-            ContactFuzzReport again;
-            ContactFuzzKind other;
-            IterationCount its;
-            if (runOnce(again, other, its) != hash) ++report.hashesThatDiffer;
-        }
+        runScene<ContactRun, ContactKind>(def, static_cast<std::uint64_t>(index), report, iterations, all);
         if (def.progress) def.progress(static_cast<int>(report.scenes));
     }
-    report.median = iterations.quantile(0.5);
-    report.percentile99 = iterations.quantile(0.99);
-    report.most = iterations.quantile(1.0);
-    report.hash = all.value();
+    summarise(iterations, all, report);
     return report;
 }
 

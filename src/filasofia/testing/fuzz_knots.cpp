@@ -1,6 +1,5 @@
 #include "filasofia/testing/fuzz_knots.h"
 
-#include "filasofia/core/hash.h"
 #include "filasofia/core/text.h"
 #include "filasofia/geometry/distance.h"
 #include "filasofia/testing/fuzz_knot_scene.h"
@@ -164,33 +163,14 @@ KnotFuzzReport fuzzKnots(const KnotFuzzDef& def)
     IterationCount iterations;
     Hasher all;
     for (auto index = static_cast<std::uint64_t>(def.first); report.seconds < def.seconds * (1.0 - 1e-9); ++index) {
-        const std::uint64_t seed = seedOfScene(def.seed, index);
-        const auto kind = static_cast<std::size_t>(index % kKnotKinds);
-        KnotFuzzKind& counts = report.kinds[kind];
-        const std::string called = text("scene ", index, " (", counts.name, ")");
-        const auto runOnce = [&](KnotFuzzReport& into, KnotFuzzKind& kindCounts, IterationCount& its) {
-            return KnotRun(def, static_cast<KnotKind>(kind), seed, into).run(kindCounts, its, called);
-        };
-        const std::uint64_t hash = runOnce(report, counts, iterations);
-        all.add(hash);
-        ++counts.scenes;
-        ++report.scenes;
-        if (def.twice) {
-            KnotFuzzReport again;
-            KnotFuzzKind other;
-            IterationCount its;
-            if (runOnce(again, other, its) != hash) ++report.hashesThatDiffer;
-        }
+        runScene<KnotRun, KnotKind>(def, index, report, iterations, all);
         if (def.progress) def.progress(report.seconds);
     }
     for (const KnotFuzzKind& kind : report.kinds) {
         report.passes += kind.passes;
         report.notConverged += kind.notConverged;
     }
-    report.median = iterations.quantile(0.5);
-    report.percentile99 = iterations.quantile(0.99);
-    report.most = iterations.quantile(1.0);
-    report.hash = all.value();
+    summarise(iterations, all, report);
     return report;
 }
 

@@ -1,9 +1,12 @@
 #pragma once
 
+#include "filasofia/core/hash.h"
+#include "filasofia/core/text.h"
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/frame/frame.h"
 #include "filasofia/physics/defs.h"
 #include "filasofia/physics/physics_engine.h"
+#include "filasofia/testing/fuzz_random.h"
 
 #include <algorithm>
 #include <memory>
@@ -82,5 +85,36 @@ private:
     std::vector<long> steps_ = std::vector<long>(1000);
     long all_ = 0;
 };
+
+/// Runs a scene, of the kind that its number gives; a second time, if the Def says so. A Run is made for a Def, a kind,
+/// a seed and a report, and its run() returns a hash.
+template <class Run, class Kind, class Def, class Report>
+void runScene(const Def& def, std::uint64_t index, Report& report, IterationCount& iterations, Hasher& all)
+{
+    const auto kind = static_cast<std::size_t>(index % report.kinds.size());
+    auto& counts = report.kinds[kind];
+    const std::string called = text("scene ", index, " (", counts.name, ")");
+    const auto runOnce = [&](Report& into, auto& kindCounts, IterationCount& its) {
+        return Run(def, static_cast<Kind>(kind), seedOfScene(def.seed, index), into).run(kindCounts, its, called);
+    };
+    const std::uint64_t hash = runOnce(report, counts, iterations);
+    all.add(hash);
+    ++counts.scenes;
+    ++report.scenes;
+    if (!def.twice) return;
+    Report again;
+    auto other = counts;
+    IterationCount its;
+    if (runOnce(again, other, its) != hash) ++report.hashesThatDiffer;
+}
+
+/// What all scenes have in common.
+template <class Report> void summarise(const IterationCount& iterations, const Hasher& all, Report& report)
+{
+    report.median = iterations.quantile(0.5);
+    report.percentile99 = iterations.quantile(0.99);
+    report.most = iterations.quantile(1.0);
+    report.hash = all.value();
+}
 
 } // namespace filasofia::testing

@@ -48,7 +48,6 @@ struct EdgeSlopes {
     bool faces = true;    // no triangle leads towards the other edge by more than kNearly, and the surface faces it
     double lowest = 1.0;  // [-] sine of the angle of the triangle that leads towards the other edge most, or away least
     double highest = 0.0; // [-] for the triangle that leads away most
-    double steepest = 0.0; // [-] the same for the heights of the triangles instead of their opposite vertices
     bool rim = true;
 
     // At least one triangle leads away from the other edge (the other one may lie across: a board that lies on another
@@ -56,7 +55,6 @@ struct EdgeSlopes {
     [[nodiscard]] bool away() const { return rim || highest > kFlat; }
     // No triangle leads towards the other edge.
     [[nodiscard]] bool clear() const { return lowest >= -kFlat && away(); }
-    [[nodiscard]] bool sharp() const { return steepest > kSharp; }
 };
 
 EdgeSlopes slopesOf(const CollisionSurface& surface, int edge, Vec3 n)
@@ -65,20 +63,31 @@ EdgeSlopes slopesOf(const CollisionSurface& surface, int edge, Vec3 n)
     EdgeSlopes slopes;
     if (!shape.triangleFaces || shape.edgeTriangles[edge].empty()) return slopes;
     slopes.rim = rimEdge(shape, edge);
-    const Vec3 a = surface.x[shape.edges[edge][0]], along = surface.x[shape.edges[edge][1]] - a;
-    const double whole = length(along);
+    const Vec3 a = surface.x[shape.edges[edge][0]];
     for (int i = shape.edgeTriangles.start[edge]; i < shape.edgeTriangles.start[edge + 1]; ++i) {
         const Vec3 ao = surface.x[shape.edgeOpposites[i]] - a;
-        const double rise = dot(n, ao), slope = rise / length(ao);
+        const double slope = dot(n, ao) / length(ao);
         if (!(slope >= -kNearly)) return {.faces = false};
         slopes.lowest = std::min(slopes.lowest, slope);
         slopes.highest = std::max(slopes.highest, slope);
-        const double across = length(cross(along, ao)); // the triangle's height, times the edge's length
-        slopes.steepest = std::max(slopes.steepest, rise * whole / across);
     }
     // Inside a closed surface all this also holds at concave edges; the normal excludes them.
     slopes.faces = !shape.closed || dot(n, edgeNormal(surface, edge)) < 0.0;
     return slopes;
+}
+
+// Whether one of the edge's triangles leads away from the other edge by more than kSharp: the sine of the angle of the
+// triangle itself, as the opposite vertex of a long edge may lie far along it.
+bool sharp(const CollisionSurface& surface, int edge, Vec3 n)
+{
+    const CollisionShape& shape = *surface.shape;
+    if (!shape.triangleFaces) return false;
+    const Vec3 a = surface.x[shape.edges[edge][0]], along = surface.x[shape.edges[edge][1]] - a;
+    for (int i = shape.edgeTriangles.start[edge]; i < shape.edgeTriangles.start[edge + 1]; ++i) {
+        const Vec3 ao = surface.x[shape.edgeOpposites[i]] - a;
+        if (dot(n, ao) * length(along) / length(cross(along, ao)) > kSharp) return true;
+    }
+    return false;
 }
 
 bool solid(const CollisionSurface& surface, int edge)
@@ -98,11 +107,13 @@ Facing facingOf(const SurfacePair& meeting, int first, int second, const EdgeCro
     const double apart = dot(at.between, at.across) >= 0.0 ? 1.0 : -1.0;
     const bool bends = one.element < 0 || two.element < 0; // one of them is tissue
     for (const double side : {apart, -apart}) {
-        const EdgeSlopes a = slopesOf(one, first, side * at.across);
+        const Vec3 toOne = side * at.across, toTwo = -toOne;
+        const EdgeSlopes a = slopesOf(one, first, toOne);
         if (a.faces) {
-            const EdgeSlopes b = slopesOf(two, second, -side * at.across);
+            const EdgeSlopes b = slopesOf(two, second, toTwo);
             if (b.faces && a.clear() && b.clear()) return {side, true};
-            if (b.faces && bends && ((a.away() && b.away()) || a.sharp() || b.sharp())) return {side, false};
+            if (b.faces && bends && ((a.away() && b.away()) || sharp(one, first, toOne) || sharp(two, second, toTwo)))
+                return {side, false};
         }
         if (!solid(one, first) && !solid(two, second)) return {}; // nothing indicates that they have passed each other
     }
