@@ -192,10 +192,11 @@ int runScene(RunCommandOptions& options)
     if (fileOnly) fail("run: ", fileOnly, " applies to scene files, not to '", scene.name, "'");
     if (options.scene != "bunny" && options.bunny.tets != BunnyDef{}.tets)
         fail("run: --tets applies to the bunny, not to '", scene.name, "'");
-    Simulation sim({.physics = {.rate = options.rate, .threads = givenThreads(options.threads)},
-                    .window = {.title = text("Filasofia: ", scene.name)},
-                    .look = {.around = scene.around},
-                    .engine = options.engine});
+    SimulationDef def{.physics = {.rate = options.rate, .threads = givenThreads(options.threads)}};
+    def.window.title = text("Filasofia: ", scene.name);
+    def.look.around = scene.around;
+    def.engine = options.engine;
+    Simulation sim(def);
     scene.make(sim, options.bunny);
     return print(sim.run(options.run));
 }

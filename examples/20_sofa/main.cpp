@@ -11,7 +11,8 @@ using Law = sofa::component::solidmechanics::fem::hyperelastic::TetrahedronHyper
 
 int main(int argc, char** argv)
 try {
-    Simulation sim({.window = {.title = "SOFA"}, .engine = "sofa"});
+    Simulation sim({.window = {.title = "SOFA"}});
+    sim.useEngine("sofa");
     const BodyId bunny = sim.add(SoftBodyDef{
         .name = "bunny",
         .mesh = asset("meshes/bunny_756.msh"),

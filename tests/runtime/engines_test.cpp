@@ -56,7 +56,7 @@ TEST_CASE("an engine that is not built in says how to get it")
                                                           Catch::Contains("FILASOFIA_SOFA=ON"));
 }
 
-TEST_CASE("--engine chooses the engine of any simulator")
+TEST_CASE("the option --engine chooses the engine of any simulator")
 {
     const auto run = [](std::vector<const char*> words) {
         Simulation sim;

@@ -130,7 +130,7 @@ TEST_CASE("a rigid body or a rod that asks for what SOFA lacks is refused")
     SECTION("rod")
     {
         const auto server = serverWith("sofa");
-        CHECK_THROWS_WITH(server->add(RodBodyDef{.name = "thread", .nodes = {{0, 0, 0}, {0.01, 0, 0}}}),
+        CHECK_THROWS_WITH(server->add(RodBodyDef{.name = "thread", .points = {{0, 0, 0}, {0.01, 0, 0}}}),
                           Catch::Contains("a rod is not available with the engine 'sofa'"));
     }
 }

@@ -35,7 +35,8 @@ inline std::shared_ptr<const geometry::TetMesh> bar(int nx, int ny, int nz, Vec3
                     geometry::Tetrahedron t{};
                     for (int c = 0; c < 4; ++c)
                         t[c] = node(i + (each[c] & 1), j + (each[c] >> 1 & 1), k + (each[c] >> 2 & 1));
-                    if (signedVolume(mesh.nodes[t[0]], mesh.nodes[t[1]], mesh.nodes[t[2]], mesh.nodes[t[3]]) < 0)
+                    if (geometry::signedVolume(mesh.nodes[t[0]], mesh.nodes[t[1]], mesh.nodes[t[2]], mesh.nodes[t[3]]) <
+                        0)
                         std::swap(t[2], t[3]);
                     mesh.tetrahedra.push_back(t);
                 }

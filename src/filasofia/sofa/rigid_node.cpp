@@ -24,7 +24,7 @@ constexpr double kJump = 20.0; ///< [m/s] a kinematic body that would have to mo
 {
     ::sofa::defaulttype::Rigid3dMass mass(inertia.mass);
     for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) mass.inertiaMatrix(i, j) = inertia.inertia(i, j) / inertia.mass;
+        for (int j = 0; j < 3; ++j) mass.inertiaMatrix(i, j) = inertia.inertia[i][j] / inertia.mass;
     mass.recalc();
     return mass;
 }
