@@ -91,11 +91,6 @@ TEST_CASE("a soft body that asks for what SOFA lacks is refused when it is added
         def.dynamicTopology = true;
         refuses(def, "dynamicTopology");
     }
-    SECTION("puncture")
-    {
-        def.puncture = PunctureDef{};
-        refuses(def, "puncture");
-    }
     SECTION("break")
     {
         def.attachments = {{.nodes = {0}, .breakForce = 1.0}};
@@ -130,7 +125,7 @@ TEST_CASE("a rigid body or a rod that asks for what SOFA lacks is refused")
     SECTION("rod")
     {
         const auto server = serverWith("sofa");
-        CHECK_THROWS_WITH(server->add(RodBodyDef{.name = "thread", .points = {{0, 0, 0}, {0.01, 0, 0}}}),
+        CHECK_THROWS_WITH(server->add(RodBodyDef{.name = "thread", .points = {{0, 0, 0}, {0.01, 0, 0}, {0.02, 0, 0}}}),
                           Catch::Contains("a rod is not available with the engine 'sofa'"));
     }
 }
@@ -145,7 +140,8 @@ TEST_CASE("a command that SOFA cannot carry out is refused at its caller")
     };
     refused([&] { server->setHaptic(tool, {}); }, "rigid body 'tool': SetHaptic");
     refused([&] { server->grasp(tool, body); }, "rigid body 'tool': Grasp");
-    refused([&] { server->attach(tool, RigidAttachmentDef{}); }, "rigid body 'tool': AttachRigid");
+    const BodyId stone = server->add(RigidBodyDef{.name = "stone", .dynamic = true, .mass = GivenInertia{}});
+    refused([&] { server->attach(stone, RigidAttachmentDef{}); }, "rigid body 'stone': AttachRigid");
     refused([&] { server->setTissue(body, {.where = Listed{{0}}, .youngModulus = 1e3}); },
             "soft body 'tissue': SetTissue");
     refused([&] { server->attach(body, AttachmentDef{.nodes = {0}, .to = tool}); }, "soft body 'tissue': attach.to");

@@ -72,12 +72,21 @@ TEST_CASE("both engines move alike, step by step, with every law that SOFA has")
     const auto law = GENERATE(ElasticLaw{Corotational{}}, ElasticLaw{NeoHookean{}}, ElasticLaw{StVenantKirchhoff{}});
     CAPTURE(nameOf(law));
     SoftBodyDef def = cantilever(Cholesky{}, law);
-    const double bound = std::holds_alternative<Corotational>(law) ? 1e-3 : 2e-2; // tangents differ, and so the steps
-    const std::vector<Vec3> sofa = positionsAfter("sofa", def, 100), native = positionsAfter("native", def, 100);
-    CHECK(relativeDistance(sofa, native, kBar->nodes) < bound);
-    const std::vector<Vec3> sofaRest = positionsAfter("sofa", def, 1500, 5e-3);
-    const std::vector<Vec3> nativeRest = positionsAfter("native", def, 1500, 5e-3);
-    CHECK(relativeDistance(sofaRest, nativeRest, kBar->nodes) < 1e-3); // the energy is the same
+    const auto apart = [&](int count, double dt) {
+        return relativeDistance(positionsAfter("sofa", def, count, dt), positionsAfter("native", def, count, dt),
+                                kBar->nodes);
+    };
+    CHECK(apart(1500, 5e-3) < 1e-3); // at rest: the energy is the same
+    if (std::holds_alternative<Corotational>(law)) {
+        CHECK(apart(100, 1e-3) < 1e-3);
+        return;
+    }
+    // The tangents differ, and with them the damping of stiffness; without it the difference goes with the step.
+    CHECK(apart(100, 1e-3) < 0.05);
+    def.rayleigh.stiffness = 0.0;
+    const double coarse = apart(100, 1e-3), fine = apart(400, 0.25e-3);
+    CAPTURE(coarse, fine);
+    CHECK(fine < 0.4 * coarse);
 }
 
 TEST_CASE("conjugate gradients come as near as their tolerance says")

@@ -91,7 +91,8 @@ physics::StepReport SofaWorld::step(const physics::StepInput& in)
 void SofaWorld::advance(double dt, physics::StepReport& report)
 {
     const SceneState before = stateOf(scene_);
-    scene_.root->setDt(dt); // some components read it in place of the step's
+    scene_.root->setDt(dt);                                     // some components read it in place of the step's
+    ::sofa::simulation::node::updateContext(scene_.root.get()); // a step of SOFA hands gravity down only at its end
     for (const auto& body : scene_.rigid) body->beginMove(dt);
     const bool failed = !animate(*scene_.root, dt);
     for (std::size_t b = 0; b < scene_.soft.size(); ++b)

@@ -225,9 +225,11 @@ void SoftNode::setPins(std::vector<PinGroup> pins)
     if (fixed_) node_->removeObject(fixed_);
     fixed_.reset();
     if (hard.empty()) return;
+    // The constraint cancels changes of velocity only: a node that moved when it was attached would go on.
+    ::sofa::helper::WriteAccessor velocities(state_->v);
+    for (const int each : hard) velocities[static_cast<std::size_t>(each)].clear();
     auto fixed = New<Fixed>();
     fixed->setName("pins");
-    fixed->d_projectVelocity.setValue(true); // a node that moved when it was attached stops
     ::sofa::type::vector<::sofa::Index> indices;
     for (const int each : hard) indices.push_back(static_cast<::sofa::Index>(each));
     fixed->d_indices.setValue(indices);

@@ -55,7 +55,6 @@ void checkBody(const SoftBodyDef& def, const std::string& object)
         fail(object, ": material: only a FemMaterial is available with the engine 'sofa'");
     if (!def.collision.empty()) fail(object, ": collision", kLacks);
     if (def.dynamicTopology) fail(object, ": dynamicTopology", kLacks);
-    if (def.puncture) fail(object, ": puncture", kLacks);
 }
 
 double densityOf(const SoftBodyDef& def, const geometry::TetMesh& mesh)
