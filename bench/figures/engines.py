@@ -6,8 +6,9 @@ def cells(data):
     def row(cell):
         step = cell["step_s"]
         return [str(cell["tets"]), cell["engine"], cell["solver"], ms(step["median"]), ms(step["p99"]),
-                f'{cell["iterations"]:.1f}', f'{cell["error"]:.1e}', "yes" if cell["flags"] else ""]
-    return table(["mesh", "engine", "solver", "median [ms]", "p99 [ms]", "iterations", "error", "flags"],
+                f'{cell["iterations"]:.1f}', f'{cell["error"]:.1e}',
+                f'{cell["apart"]:.1e}', "yes" if cell["flags"] else ""]
+    return table(["mesh", "engine", "solver", "median [ms]", "p99 [ms]", "iterations", "error", "apart", "flags"],
                  map(row, data["cells"]))
 
 

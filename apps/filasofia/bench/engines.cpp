@@ -7,9 +7,11 @@
 
 #include <cmath>
 #include <cstdio>
+#include <optional>
 
 // The paper's figure 6 with several engines: the bunny that is pinned at the head falls under its own weight, and every
-// engine's cost of a step stands beside its error against the converged solution of the same equations.
+// engine's cost of a step stands beside its error against the converged solution of its own equations. Engines make a
+// step from different tangents, so their converged solutions differ, by an amount that is shown too.
 namespace filasofia::app {
 namespace {
 
@@ -25,8 +27,10 @@ struct Way {
     const char* name;
     physics::Solver solver;
 };
-const Way kWays[] = {{"default", ConjugateGradient{}},
-                     {"tight", ConjugateGradient{.maxIterations = 3000, .tolerance = 1e-5}},
+const Way kWays[] = {{"cg 5e-3", ConjugateGradient{.tolerance = 5e-3}},
+                     {"cg 5e-4", ConjugateGradient{.maxIterations = 3000, .tolerance = 5e-4}},
+                     {"cg 1e-5", ConjugateGradient{.maxIterations = 3000, .tolerance = 1e-5}},
+                     {"assembled 5e-4", ConjugateGradient{.maxIterations = 3000, .tolerance = 5e-4, .assembled = true}},
                      {"direct", Cholesky{}}};
 
 /// One run of the bunny.
@@ -72,7 +76,8 @@ double errorOf(const Fall& run, const Fall& reference, const std::vector<Vec3>& 
 struct EngineCell {
     int tets = 0;
     std::string engine = {}, way = {};
-    double error = 0.0; ///< [-]
+    double error = 0.0; ///< [-] against the engine's own converged solution
+    double apart = 0.0; ///< [-] of the engine's converged solution from the native one
     Fall run = {};
 };
 
@@ -84,14 +89,15 @@ json toJson(const EngineCell& cell)
             {"step_s", spreadToJson(runtime::spreadOf(cell.run.costs))},
             {"iterations", cell.run.iterations},
             {"flags", cell.run.flags},
-            {"error", cell.error}};
+            {"error", cell.error},
+            {"apart", cell.apart}};
 }
 
 void print(const EngineCell& cell)
 {
     const runtime::Spread cost = runtime::spreadOf(cell.run.costs);
-    std::printf("%6d  %-7s  %-8s  %9.3f %9.3f  %8.1f  %9.2e%s\n", cell.tets, cell.engine.c_str(), cell.way.c_str(),
-                1e3 * cost.median, 1e3 * cost.p99, cell.run.iterations, cell.error,
+    std::printf("%6d  %-7s  %-14s  %9.3f %9.3f  %8.1f  %9.2e  %9.2e%s\n", cell.tets, cell.engine.c_str(),
+                cell.way.c_str(), 1e3 * cost.median, 1e3 * cost.p99, cell.run.iterations, cell.error, cell.apart,
                 cell.run.flags == 0 ? "" : "  flags");
     std::fflush(stdout);
 }
@@ -105,27 +111,31 @@ void measureMesh(int tets, int steps, const std::vector<std::string>& engines, s
         const auto made = runtime::makeEngine(engine, {.period = kStep, .threads = 1});
         return fall(*made, solverBunny(mesh, Hold::Head, solver, material), steps);
     };
-    const Fall converged =
-        run("native", ConjugateGradient{.maxIterations = 100000, .tolerance = 1e-9, .assembled = true});
-    for (const std::string& engine : engines)
+    const ConjugateGradient tightest{.maxIterations = 100000, .tolerance = 1e-9, .assembled = true};
+    std::optional<Fall> native;
+    for (const std::string& engine : engines) {
+        const Fall converged = run(engine, tightest);
+        if (!native) native = converged;
         for (const Way& way : kWays) {
             EngineCell& cell = cells.emplace_back(EngineCell{.tets = tets, .engine = engine, .way = way.name});
             cell.run = run(engine, way.solver);
             cell.error = errorOf(cell.run, converged, mesh->nodes);
+            cell.apart = errorOf(converged, *native, mesh->nodes);
             print(cell);
         }
+    }
 }
 
 std::vector<Verdict> judge(const std::vector<EngineCell>& cells)
 {
-    Verdict verdict{.limit = "every engine's direct solver ends within 1e-3 of the converged solution",
+    Verdict verdict{.limit = "every engine's direct solver ends within 1e-5 of its conjugate gradients at 1e-9",
                     .met = {},
                     .measured = "nothing was measured"};
     double worst = -1.0;
     for (const EngineCell& cell : cells)
         if (cell.way == "direct" && cell.error > worst) {
             worst = cell.error;
-            verdict.met = worst <= 1e-3;
+            verdict.met = worst <= 1e-5;
             verdict.measured = text("largest ", worst, " (", cell.engine, ", ", cell.tets, " tetrahedra)");
         }
     return {verdict};
@@ -137,12 +147,13 @@ json benchEngines(const std::string& other, bool quick)
 {
     const std::vector<std::string> engines = {runtime::engineNames().front(), other};
     const std::vector<int> sizes = quick ? std::vector{756} : std::vector{756, 1492, 3004, 10000};
-    std::printf(
-        "the bunny, corotational law, pinned at the head, steps of %g ms, one thread; error: the largest distance to "
-        "the converged solution,\nrelative to that solution's displacement\n\n",
-        1e3 * kStep);
-    std::printf("%6s  %-7s  %-8s  %9s %9s  %8s  %9s\n", "tets", "engine", "solver", "step ms", "p99 ms", "iter",
-                "error");
+    std::printf("the bunny, corotational law, pinned at the head, steps of %g ms, one thread\n"
+                "error: the largest distance to the same engine's converged solution, relative to that solution's "
+                "displacement\n"
+                "apart: that of the engine's converged solution to the native one\n\n",
+                1e3 * kStep);
+    std::printf("%6s  %-7s  %-14s  %9s %9s  %8s  %9s  %9s\n", "tets", "engine", "solver", "step ms", "p99 ms", "iter",
+                "error", "apart");
     std::vector<EngineCell> cells;
     for (const int tets : sizes) measureMesh(tets, quick ? kQuickSteps : kSteps, engines, cells);
     json all = json::array(), info = json::array();

@@ -44,7 +44,9 @@ SofaWorld::SofaWorld(const SofaEngineDef& def)
     const Lock lock(sofaMutex());
     startSofa();
     scene_.root = ::sofa::simulation::Simulation::theSimulation->createNewGraph("root");
-    scene_.root->addObject(::sofa::core::objectmodel::New<::sofa::simulation::DefaultAnimationLoop>());
+    const auto loop = ::sofa::core::objectmodel::New<::sofa::simulation::DefaultAnimationLoop>();
+    loop->d_computeBoundingBox.setValue(false); // only SOFA's own pictures need it
+    scene_.root->addObject(loop);
     scene_.root->addObject(::sofa::core::objectmodel::New<::sofa::simulation::DefaultVisualManagerLoop>());
     scene_.root->setDt(def.period);
     ::sofa::simulation::node::initRoot(scene_.root.get());
