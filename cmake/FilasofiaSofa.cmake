@@ -5,7 +5,7 @@ if(NOT FILASOFIA_SOFA STREQUAL OFF)
   set(parts Sofa.Simulation.Graph Sofa.Component.StateContainer Sofa.Component.Mass Sofa.Component.ODESolver.Backward
     Sofa.Component.ODESolver.Forward Sofa.Component.LinearSolver.Iterative Sofa.Component.LinearSolver.Direct
     Sofa.Component.Constraint.Projective Sofa.Component.SolidMechanics.FEM.Elastic
-    Sofa.Component.SolidMechanics.FEM.HyperElastic Sofa.Component.Topology.Container.Dynamic)
+    Sofa.Component.SolidMechanics.FEM.HyperElastic Sofa.Component.SolidMechanics.Spring Sofa.Component.Topology.Container.Dynamic)
   set(missing)
   foreach(part IN LISTS parts)
     find_package(${part} QUIET)

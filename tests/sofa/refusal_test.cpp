@@ -76,11 +76,6 @@ TEST_CASE("a soft body that asks for what SOFA lacks is refused when it is added
         material.regions = {{.where = Listed{{0}}, .youngModulus = 1.0}};
         refuses(def, "material: a NeoHookean law");
     }
-    SECTION("springs")
-    {
-        def.material = MassSpringMaterial{};
-        refuses(def, "material: only a FemMaterial");
-    }
     SECTION("collision")
     {
         def.collision = {{}};

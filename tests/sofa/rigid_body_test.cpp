@@ -78,4 +78,15 @@ TEST_CASE("damping slows a rigid body, and without gravity it stays")
     CHECK(length(frame->rigidBody(b)->poses[0].position) < 1e-12);
 }
 
+TEST_CASE("SOFA has no gyroscopic moment: a body without moments keeps its angular velocity, not its momentum")
+{
+    const auto server = serverWith("sofa", 1e-3, {});
+    RigidBodyDef def = ball();
+    def.mass = GivenInertia{.mass = 0.2, .moments = {1e-4, 2e-4, 2.5e-4}};
+    def.angularVelocity = {1, 5, 3};
+    const BodyId body = server->add(def);
+    steps(*server, 200, 1e-3);
+    CHECK(length(server->latest()->rigidBody(body)->angularVelocities[0] - Vec3{1, 5, 3}) < 1e-9);
+}
+
 } // namespace rigid_body_test

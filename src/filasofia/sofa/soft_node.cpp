@@ -12,6 +12,7 @@
 #include <sofa/component/odesolver/backward/EulerImplicitSolver.h>
 #include <sofa/component/odesolver/forward/EulerExplicitSolver.h>
 #include <sofa/component/solidmechanics/fem/hyperelastic/TetrahedronHyperelasticityFEMForceField.h>
+#include <sofa/component/solidmechanics/spring/SpringForceField.h>
 #include <sofa/component/topology/container/dynamic/TetrahedronSetTopologyContainer.h>
 #include <sofa/simulation/Simulation.h>
 
@@ -30,6 +31,7 @@ using Scattered = linearsolver::GraphScatteredMatrix;
 using FreeGradients = linearsolver::iterative::CGLinearSolver<Scattered, linearsolver::GraphScatteredVector>;
 using AssembledGradients = linearsolver::iterative::CGLinearSolver<Blocks, ::sofa::linearalgebra::FullVector<SReal>>;
 using Direct = linearsolver::direct::SparseLDLSolver<Blocks, ::sofa::linearalgebra::FullVector<SReal>>;
+using Springs = solidmechanics::spring::SpringForceField<Vec3Types>;
 using Hyperelastic = solidmechanics::fem::hyperelastic::TetrahedronHyperelasticityFEMForceField<Vec3Types>;
 
 template <class List> auto toSofaList(const std::vector<Vec3>& from)
@@ -101,9 +103,20 @@ template <class Gradients> typename Gradients::SPtr gradients(const physics::Con
     return forces;
 }
 
-::sofa::core::objectmodel::BaseObject::SPtr lawOf(const SoftPlan& plan)
+/// SOFA's component for the edges of a mesh divides stiffness by length; ours are equal springs.
+template <class State>::sofa::core::objectmodel::BaseObject::SPtr
+springsOf(const SoftPlan& plan, const physics::MassSpringMaterial& material, State* state)
 {
-    const physics::ElasticLaw& law = std::get<physics::FemMaterial>(plan.def.material).law;
+    auto forces = New<Springs>(state, state, 0.0, 0.0);
+    for (const auto& [a, b] : plan.edges)
+        forces->addSpring(
+            static_cast<::sofa::Index>(a), static_cast<::sofa::Index>(b), material.stiffness, material.damping,
+            distance(plan.mesh.nodes[static_cast<std::size_t>(a)], plan.mesh.nodes[static_cast<std::size_t>(b)]));
+    return forces;
+}
+
+::sofa::core::objectmodel::BaseObject::SPtr continuumOf(const SoftPlan& plan, const physics::ElasticLaw& law)
+{
     if (std::holds_alternative<physics::NeoHookean>(law)) return hyperelastic(plan, "StableNeoHookean");
     if (std::holds_alternative<physics::StVenantKirchhoff>(law)) return hyperelastic(plan, "StVenantKirchhoff");
     return corotational(plan);
@@ -174,7 +187,10 @@ void SoftNode::addSolver()
 
 void SoftNode::addLaw()
 {
-    law_ = lawOf(plan_);
+    if (const auto* springs = std::get_if<physics::MassSpringMaterial>(&plan_.def.material))
+        law_ = springsOf(plan_, *springs, state_.get());
+    else
+        law_ = continuumOf(plan_, std::get<physics::FemMaterial>(plan_.def.material).law);
     law_->setName("law");
     node_->addObject(law_);
 }

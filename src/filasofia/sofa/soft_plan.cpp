@@ -34,7 +34,6 @@ void checkMaterial(const FemMaterial& material, const std::string& object)
     if (!material.fibres.empty()) fail(object, ".fibres", kLacks);
     if (!material.relaxation.empty()) fail(object, ".relaxation", kLacks);
     if (std::isfinite(material.yieldStress)) fail(object, ".yieldStress", kLacks);
-    if (std::isfinite(material.tearingThreshold)) fail(object, ".tearingThreshold", kLacks);
     if (std::isfinite(material.validStrain)) fail(object, ".validStrain", kLacks);
     for (std::size_t i = 0; i < material.regions.size(); ++i) {
         const TissueRegion& region = material.regions[i];
@@ -51,8 +50,7 @@ void checkMaterial(const FemMaterial& material, const std::string& object)
 
 void checkBody(const SoftBodyDef& def, const std::string& object)
 {
-    if (!std::holds_alternative<FemMaterial>(def.material))
-        fail(object, ": material: only a FemMaterial is available with the engine 'sofa'");
+    if (std::holds_alternative<physics::ShellMaterial>(def.material)) fail(object, ": material: a shell", kLacks);
     if (!def.collision.empty()) fail(object, ": collision", kLacks);
     if (def.dynamicTopology) fail(object, ": dynamicTopology", kLacks);
 }
@@ -65,13 +63,13 @@ double densityOf(const SoftBodyDef& def, const geometry::TetMesh& mesh)
     return std::get<physics::TotalMass>(def.mass).value / volume;
 }
 
-/// Stiffness and mass per tetrahedron, with what regions say: the last of several counts.
-void addTissue(const FemMaterial& material, const std::string& object, SoftPlan& plan)
+/// Stiffness per tetrahedron, with what regions say, and their densities: the last of several regions counts.
+void addTissue(const FemMaterial& material, const std::string& object, std::vector<double>& density, SoftPlan& plan)
 {
-    const std::size_t count = plan.mesh.tetrahedra.size();
-    plan.youngModulus.assign(count, material.youngModulus);
-    plan.poissonRatio.assign(count, material.poissonRatio);
-    std::vector<double> density(count, densityOf(plan.def, plan.mesh));
+    physics::check(material, plan.mesh, object);
+    checkMaterial(material, object);
+    plan.youngModulus.assign(density.size(), material.youngModulus);
+    plan.poissonRatio.assign(density.size(), material.poissonRatio);
     const geometry::TetMesh atRest = *loadMesh(plan.def); // regions are in the coordinates of the mesh
     for (std::size_t i = 0; i < material.regions.size(); ++i) {
         const TissueRegion& region = material.regions[i];
@@ -83,8 +81,27 @@ void addTissue(const FemMaterial& material, const std::string& object, SoftPlan&
         }
     }
     for (std::size_t t = 0; t < material.stiffnessField.size(); ++t) plan.youngModulus[t] *= material.stiffnessField[t];
+}
+
+void addSprings(SoftPlan& plan)
+{
+    for (const geometry::Tetrahedron& t : plan.mesh.tetrahedra)
+        for (int i = 0; i < 4; ++i)
+            for (int j = i + 1; j < 4; ++j) plan.edges.push_back({std::min(t[i], t[j]), std::max(t[i], t[j])});
+    std::ranges::sort(plan.edges);
+    plan.edges.erase(std::ranges::unique(plan.edges).begin(), plan.edges.end());
+}
+
+/// The material, and a quarter of each tetrahedron's mass at each of its corners.
+void addMaterial(const std::string& object, SoftPlan& plan)
+{
+    std::vector<double> density(plan.mesh.tetrahedra.size(), densityOf(plan.def, plan.mesh));
+    if (const auto* tissue = std::get_if<FemMaterial>(&plan.def.material))
+        addTissue(*tissue, object, density, plan);
+    else
+        addSprings(plan);
     plan.masses.assign(plan.mesh.nodes.size(), 0.0);
-    for (std::size_t t = 0; t < count; ++t)
+    for (std::size_t t = 0; t < density.size(); ++t)
         for (const int node : plan.mesh.tetrahedra[t])
             plan.masses[static_cast<std::size_t>(node)] +=
                 density[t] * signedVolume(plan.mesh, static_cast<int>(t)) / 4.0;
@@ -131,10 +148,7 @@ SoftPlan planSoft(const SoftBodyDef& def)
     check(physics::BodyDef{def});
     checkBody(def, object);
     SoftPlan plan{.def = def, .mesh = worldMesh(def)};
-    const auto& material = std::get<FemMaterial>(plan.def.material);
-    physics::check(material, plan.mesh, object + ": material");
-    checkMaterial(material, object + ": material");
-    addTissue(material, object + ": material", plan);
+    addMaterial(object + ": material", plan);
     for (std::size_t i = 0; i < def.attachments.size(); ++i)
         plan.pins.push_back(pinsOf(def.attachments[i], text(object, ": attachments[", i, "]"), plan.mesh.nodes));
     for (const physics::NodalForce& each : def.forces)

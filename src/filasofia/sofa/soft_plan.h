@@ -22,8 +22,9 @@ struct SoftPlan {
     physics::SoftBodyDef def = {};
     geometry::TetMesh mesh = {};                  ///< in the world, at rest
     std::vector<double> masses = {};              ///< [kg] per node
-    std::vector<double> youngModulus = {};        ///< [Pa] per tetrahedron
-    std::vector<double> poissonRatio = {};        ///< [-] per tetrahedron
+    std::vector<double> youngModulus = {};        ///< [Pa] per tetrahedron; empty if the material is of springs
+    std::vector<double> poissonRatio = {};        ///< [-] per tetrahedron; empty if the material is of springs
+    std::vector<std::array<int, 2>> edges = {};   ///< those of the mesh, once each; empty unless it is of springs
     std::vector<PinGroup> pins = {};              ///< those of the Def, in its order
     std::vector<std::array<int, 3>> surface = {}; ///< faces of one tetrahedron, counter-clockwise from outside
 };
