@@ -94,8 +94,14 @@ struct ApplyCommand {
     template <class Refused> void operator()(const Refused&) const {} // see checkCommand()
 
 private:
-    [[nodiscard]] SoftNode* soft(BodyId id) const { return findBody(scene.soft, id); }
-    [[nodiscard]] RigidNode* rigid(BodyId id) const { return findBody(scene.rigid, id); }
+    /// Throws an Error if SOFA could not make the body.
+    template <class Body> static Body* made(Body* body, BodyId id)
+    {
+        if (!body) fail("body ", id.value, " could not be made when it was added");
+        return body;
+    }
+    [[nodiscard]] SoftNode* soft(BodyId id) const { return made(findBody(scene.soft, id), id); }
+    [[nodiscard]] RigidNode* rigid(BodyId id) const { return made(findBody(scene.rigid, id), id); }
 };
 
 /// The command's name, if this engine has no such command at all.

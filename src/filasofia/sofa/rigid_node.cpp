@@ -57,8 +57,8 @@ void RigidLoads::addForce(const ::sofa::core::MechanicalParams* /*params*/, Data
     f.endEdit();
 }
 
-RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root)
-    : id_(id), plan_(std::move(plan)), targets_(plan_.def.elements.size())
+// Delegating: if what follows throws, the destructor takes the node out of the graph.
+RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root) : RigidNode(id, std::move(plan))
 {
     const bool dynamic = plan_.def.dynamic;
     node_ = root.createChild(text("body", id.value));

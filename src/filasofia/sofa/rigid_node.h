@@ -76,6 +76,8 @@ public:
     void finishMove();
 
 private:
+    RigidNode(BodyId id, RigidPlan plan) : id_(id), plan_(std::move(plan)), targets_(plan_.def.elements.size()) {}
+
     using State = ::sofa::component::statecontainer::MechanicalObject<RigidTypes>;
 
     BodyId id_;

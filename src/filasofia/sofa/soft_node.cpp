@@ -137,7 +137,8 @@ template <class Gradients> SolveOutcome outcomeOf(const Gradients& solver)
 
 } // namespace
 
-SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root) : id_(id), plan_(std::move(plan))
+// Delegating: if what follows throws, the destructor takes the node out of the graph.
+SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root) : SoftNode(id, std::move(plan))
 {
     node_ = root.createChild(text("body", id.value));
     addSolver();

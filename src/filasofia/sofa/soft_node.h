@@ -53,6 +53,7 @@ public:
 private:
     using State = ::sofa::component::statecontainer::MechanicalObject<Vec3Types>;
 
+    SoftNode(BodyId id, SoftPlan plan) : id_(id), plan_(std::move(plan)) {}
     void addLaw();
     void addSolver();
 
