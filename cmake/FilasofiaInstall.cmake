@@ -20,7 +20,7 @@ endif()
 # The Python package can be built with the libraries of this build folder (bindings/python).
 export(TARGETS ${rooms} filasofia_all filasofia_flags NAMESPACE Filasofia:: FILE ${PROJECT_BINARY_DIR}/FilasofiaBuildTargets.cmake)
 file(WRITE ${PROJECT_BINARY_DIR}/FilasofiaBuildOptions.cmake 
-  "set(FILASOFIA_FILAMENT ${FILASOFIA_FILAMENT})\nset(FILASOFIA_WINDOW ${FILASOFIA_WINDOW})\n")
+  "set(FILASOFIA_FILAMENT ${FILASOFIA_FILAMENT})\nset(FILASOFIA_WINDOW ${FILASOFIA_WINDOW})\nset(FILASOFIA_SOFA ${FILASOFIA_HAS_SOFA})\n")
 
 install(TARGETS ${rooms} filasofia_all EXPORT FilasofiaTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/filasofia DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} FILES_MATCHING PATTERN *.h
@@ -44,4 +44,4 @@ configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/FilasofiaConfig.cmake.
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/FilasofiaConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/FilasofiaConfig.cmake ${PROJECT_BINARY_DIR}/FilasofiaConfigVersion.cmake
   ${PROJECT_SOURCE_DIR}/cmake/FilasofiaDependencies.cmake
-  ${PROJECT_SOURCE_DIR}/cmake/FilasofiaImgui.cmake DESTINATION ${FILASOFIA_PACKAGE_DIR})
+  ${PROJECT_SOURCE_DIR}/cmake/FilasofiaImgui.cmake ${PROJECT_SOURCE_DIR}/cmake/FilasofiaSofa.cmake DESTINATION ${FILASOFIA_PACKAGE_DIR})

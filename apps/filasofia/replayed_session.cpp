@@ -2,10 +2,9 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/word.h"
-#include "filasofia/engine/native_engine.h"
 #include "filasofia/metric/sampling.h"
-#include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/session_player.h"
+#include "filasofia/runtime/engines.h"
 
 #include <algorithm>
 #include <cmath>
@@ -52,9 +51,8 @@ constexpr double kReplayRate = 200.0; // [Hz] rate of the samples
 metric::Session replayedSession(const std::filesystem::path& recording, const std::string& tool, int threads)
 {
     record::SessionPlayer player(recording, [&](const record::RecordingHeader& header) {
-        return engine::makeNativeEngine({.period = header.period,
-                                         .threads = threads == 0 ? std::nullopt : std::optional(threads),
-                                         .contact = header.contact});
+        return runtime::makeReplayEngine(header, recording.string(),
+                                         threads == 0 ? std::nullopt : std::optional(threads));
     });
     const record::RecordingHeader& header = player.header();
     metric::Session session{.trainee = header.trainee,

@@ -7,6 +7,7 @@
 #include "apps/filasofia/scene_reload.h"
 #include "filasofia/core/log.h"
 #include "filasofia/runtime/assets.h"
+#include "filasofia/runtime/engines.h"
 #include "filasofia/runtime/keys.h"
 #include "filasofia/scene/import.h"
 
@@ -21,6 +22,7 @@ struct RunCommandOptions {
     BunnyDef bunny;
     double rate = 1000.0;
     int threads = 0;
+    std::string engine = runtime::engineNames().front();
     bool anyFolder = false, strict = false;
     std::string package;
     std::string measures;
@@ -161,7 +163,9 @@ int runFile(const RunCommandOptions& options)
         scene.def = scene::loadAnyScene(options.scene, importOptions(options));
         checkOutputs(options, scene.def.files);
         if (options.threads != 0) scene.def.physics.threads = givenThreads(options.threads);
-        scene.simulation = std::make_unique<runtime::Simulation>(scene::simulationDef(scene.def));
+        SimulationDef simulation = scene::simulationDef(scene.def);
+        simulation.engine = options.engine;
+        scene.simulation = std::make_unique<runtime::Simulation>(simulation);
         scene.added = scene::addScene(*scene.simulation, scene.def,
                                       {.file = options.measures, .session = {.trainee = options.run.trainee}});
         return scene;
@@ -188,9 +192,11 @@ int runScene(RunCommandOptions& options)
     if (fileOnly) fail("run: ", fileOnly, " applies to scene files, not to '", scene.name, "'");
     if (options.scene != "bunny" && options.bunny.tets != BunnyDef{}.tets)
         fail("run: --tets applies to the bunny, not to '", scene.name, "'");
-    Simulation sim({.physics = {.rate = options.rate, .threads = givenThreads(options.threads)},
-                    .window = {.title = text("Filasofia: ", scene.name)},
-                    .look = {.around = scene.around}});
+    SimulationDef def{.physics = {.rate = options.rate, .threads = givenThreads(options.threads)}};
+    def.window.title = text("Filasofia: ", scene.name);
+    def.look.around = scene.around;
+    def.engine = options.engine;
+    Simulation sim(def);
     scene.make(sim, options.bunny);
     return print(sim.run(options.run));
 }
@@ -239,6 +245,10 @@ std::vector<Option> optionsOf(RunCommandOptions& o)
         {"--motion", &o.run.motion, "haptics only: play this motion file", "FILE"},
         {"--record-motion", &o.run.recordMotion, "haptics only: record the hand's motion in this file", "FILE"},
         bounded("--threads", &o.threads, kThreads, "Threads within one step; 0: all cores except one, at most 8"),
+        {.name = "--engine",
+         .target = &o.engine,
+         .meaning = "Physics engine (docs/guide/sofa.md)",
+         .choices = runtime::engineNames()},
         {"--measures", &o.measures,
          "Write what a scene file measures to this .jsonl file, for report, or to a .csv file", "FILE"},
         {"--any-folder", &o.anyFolder, "The files that a scene file names may be outside its folder"},

@@ -311,6 +311,21 @@ class Run(Program):
         self.refused("run", "bunny", "--headless", "--subdivision", "9", says=["subdivision", "[0, 3]", "got 9"])
         self.refused("run", "bunny", "--headless", "--rate", "0", says=["rate", "Hz", "got 0"])
 
+    def test_the_engine_is_chosen_by_name(self):
+        def state_hash(*words):
+            return re.search(r"(?m)^state hash ([0-9a-f]+)$", self.output(*self.BUNNY, "--steps", "5", *words))[1]
+
+        self.assertEqual(state_hash(), state_hash("--engine", "native"))
+        self.refused(*self.BUNNY, "--engine", "bullet", says=["--engine", "native", "sofa", "bullet"])
+        done = subprocess.run([PROGRAM, *self.BUNNY, "--steps", "5", "--engine", "sofa"], text=True,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300)
+        if done.returncode == 0:  # built with SOFA
+            self.assertIn("made 5 steps", done.stdout)
+        else:
+            self.assertEqual(done.returncode, 2)
+            self.assertIn("engine 'sofa' is not built in", done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1)
+
     def test_robots_and_models_of_mujoco_run_and_what_is_not_read_is_told(self):
         with tempfile.TemporaryDirectory() as folder:
             model = Path(folder, "model.xml")
@@ -792,6 +807,8 @@ class Bench(Program):
             self.refused("bench", "bunny", "--seconds", "3600", "--json", missing, says=[missing])
         self.refused("bench", "cat", says=["'cat'", "bunny", "solver", "visual"])
         self.refused("bench", "bunny", "--seconds", "0", says=["--seconds", "got 0"])
+        self.refused("bench", "contact", "--engine", "sofa", says=["--engine", "bunny only"])
+        self.refused("bench", "bunny", "--engine", "sofa", "--seconds", "1", says=["--seconds", "--engine"])
 
 
 class BenchVisual(Program):

@@ -27,6 +27,8 @@ struct EngineCalls {
     int hashes = 0;
     std::vector<std::int64_t> deadlines = {}; ///< one per step that had a clock
 
+    std::function<void(const Command&, const BodyDef*)> check = {}; ///< may throw: the engine refuses a command
+
     int needed = 0;                     ///< iterations that each soft body's solver makes if nothing stops it
     std::function<void()> build = {};   ///< called while a body is built
     std::function<void()> counted = {}; ///< called by nodeCount() of every body that is built from now on
@@ -40,6 +42,11 @@ class FakeEngine final : public PhysicsEngine {
 public:
     explicit FakeEngine(EngineCalls& calls) : calls_(calls) {}
 
+    [[nodiscard]] EngineInfo info() const override { return {.name = "fake"}; }
+    void check(const Command& command, const BodyDef* def) const override
+    {
+        if (calls_.check) calls_.check(command, def);
+    }
     [[nodiscard]] std::unique_ptr<BuiltBody> build(const BodyDef& def) const override
     {
         auto body = std::make_unique<FakeBody>();

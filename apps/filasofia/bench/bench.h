@@ -31,6 +31,11 @@ double rounded(double value, double digits);
 /// smallest mesh is measured.
 nlohmann::json benchBunny(double seconds, bool quick);
 
+/// The paper's bunny with the native engine and with another: the cost of a step beside the error against the engine's
+/// own converged solution, and how far apart those are. If `quick`, only the smallest mesh is measured, with fewer
+/// steps. Throws an Error if the engine cannot be had.
+nlohmann::json benchEngines(const std::string& other, bool quick);
+
 /// A step's cost by mesh size, time step and number of threads, compared with a lower bound of the cost and with the
 /// double-precision reference solver. If `quick`, only the small meshes are measured, with fewer steps.
 nlohmann::json benchSolver(bool quick);

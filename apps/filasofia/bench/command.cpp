@@ -2,6 +2,7 @@
 #include "apps/filasofia/commands.h"
 #include "apps/filasofia/json_file.h"
 #include "filasofia/core/error.h"
+#include "filasofia/runtime/engines.h"
 
 #include <cmath>
 #include <cstdio>
@@ -17,6 +18,7 @@ struct BenchCommandOptions {
     std::string file;
     double seconds = std::numeric_limits<double>::quiet_NaN(); ///< NaN if not given
     double soak = std::numeric_limits<double>::quiet_NaN();    ///< NaN if not given
+    std::string engine = runtime::engineNames().front();
     int seed = 1;
     bool quick = false;
 };
@@ -35,6 +37,11 @@ void checkOptions(const BenchCommandOptions& options)
     if (!std::isnan(options.seconds) && options.scene != "bunny" && options.scene != "haptics")
         fail("bench: --seconds applies to bunny and haptics only; ", options.scene, " makes a fixed number of steps");
     if (!std::isnan(options.soak) && options.scene != "contact") fail("bench: --soak applies to contact only");
+    if (options.engine != runtime::engineNames().front() && options.scene != "bunny")
+        fail("bench: --engine applies to bunny only: ", options.scene, " measures the native engine");
+    if (options.engine != runtime::engineNames().front() && !std::isnan(options.seconds))
+        fail("bench: --seconds and --engine ", options.engine,
+             " exclude each other: the latter makes a fixed number of steps");
     if (!std::isnan(options.soak) && options.quick) fail("bench: --soak and --quick exclude each other");
 }
 
@@ -46,6 +53,7 @@ json measure(const BenchCommandOptions& options)
     if (options.scene == "rod") return benchRod(options.quick);
     if (options.scene == "visual") return benchVisual(options.quick);
     const double seconds = std::isnan(options.seconds) ? kSeconds : options.seconds;
+    if (options.engine != runtime::engineNames().front()) return benchEngines(options.engine, options.quick);
     if (options.scene == "bunny") return benchBunny(seconds, options.quick);
     if (options.scene == "haptics")
         return benchHaptics(std::isnan(options.seconds) && options.quick ? kQuickSeconds : seconds, options.quick);
@@ -119,6 +127,12 @@ Command benchCommand()
                      .meaning = "Seed of the random tool motions of --soak",
                      .type = "N",
                      .bound = {closed(0, 1000000), "-"}},
+                    {.name = "--engine",
+                     .target = &options.engine,
+                     .meaning =
+                         "bunny only: instead of the paper's table, a step's cost and error with this engine and "
+                         "the native one",
+                     .choices = runtime::engineNames()},
                     {"--quick", &options.quick, "Measure only the smallest meshes"}},
         .run = [] { return bench(options); }};
 }

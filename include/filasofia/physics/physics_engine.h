@@ -5,8 +5,19 @@
 #include "filasofia/frame/frame.h"
 
 #include <span>
+#include <string>
 
 namespace filasofia::physics {
+
+/// What an engine is, and what it promises.
+struct EngineInfo {
+    std::string name = {};    ///< as --engine takes it: "native"
+    std::string version = {}; ///< of the engine
+    bool repeatable = false;  ///< the same input gives the same hash at every step, in every process
+    bool deadline = false;    ///< its solvers stop at the deadline of a step
+    bool cuts = false;        ///< blades cut its bodies, and stress tears them
+    bool joints = false;      ///< its rigid bodies may have joints
+};
 
 /// The input of a step.
 struct StepInput {
@@ -25,12 +36,17 @@ public:
     EngineState& operator=(const EngineState&) = delete;
 };
 
-/// The seam behind which an engine works: the native one, or another. Only build() may be called from any thread.
+/// The seam behind which an engine works: the native one, or another. Only info(), build() and check() may be called
+/// from any thread.
 class PhysicsEngine {
 public:
     virtual ~PhysicsEngine() = default;
+    [[nodiscard]] virtual EngineInfo info() const = 0;
     /// Checks a Def and builds its body; throws an Error. Reads nothing that a step changes.
     [[nodiscard]] virtual std::unique_ptr<BuiltBody> build(const BodyDef& def) const = 0;
+    /// Throws an Error if the engine cannot carry out a command that is valid in itself. `def`: that of the body which
+    /// the command is for; null if it is for none. Reads nothing that a step changes.
+    virtual void check(const Command& /*command*/, const BodyDef* /*def*/) const {}
     /// Computes one step. Never throws: problems are in the report.
     virtual StepReport step(const StepInput& in) = 0;
     /// Writes the whole state into a Frame, reusing its memory.

@@ -103,8 +103,12 @@ public:
     [[nodiscard]] std::vector<BodyId> bodies() const;
     /// Whether the body was added and not removed. Any thread.
     [[nodiscard]] bool has(BodyId id) const;
-    /// For its type, and for its build(). Any thread.
+    /// For its type, its info() and its build(). Any thread.
     [[nodiscard]] const PhysicsEngine& engine() const;
+    /// Replaces the engine before the first step, for a program whose user chooses it: bodies that were added are built
+    /// again. Throws an Error after a step, or if the new engine refuses a body or a command; nothing has changed then.
+    /// No other thread may use the server meanwhile.
+    void useEngine(std::unique_ptr<PhysicsEngine> engine);
 
     /// While it exists, its thread is the stepping thread: there, every function of this class except add() returns
     /// without waiting for any other thread (add() may wait for other threads that add). At most one exists at a time;

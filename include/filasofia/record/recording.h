@@ -13,10 +13,11 @@ namespace filasofia::record {
 
 /// The header of a recording.
 struct RecordingHeader {
-    std::string filasofia = {}; ///< version that wrote it; set by the writer
-    std::string revision = {};  ///< revision of its source (sourceRevision()); set by the writer; empty if unknown
-    std::string simd = {};      ///< vector instructions that the engine used; empty if unknown
-    double period = 1e-3;       ///< [s], the period that the engine's solvers were prepared for
+    std::string filasofia = {};    ///< version that wrote it; set by the writer
+    std::string revision = {};     ///< revision of its source (sourceRevision()); set by the writer; empty if unknown
+    std::string simd = {};         ///< vector instructions that the engine used; empty if unknown
+    std::string engine = "native"; ///< the name of the engine; the file has it only if it is another one
+    double period = 1e-3;          ///< [s], the period that the engine's solvers were prepared for
     physics::ContactMethod contact = {}; ///< the contact method
     std::uint64_t seed = 0;              ///< random seed, as defined by the program that recorded
     std::string session = {};            ///< name of the session: any text

@@ -79,12 +79,14 @@ struct SimulationDef {
     PhysicsDef physics = {};
     window::WindowDef window = {};
     LookDef look = {};
+    std::string engine = {}; ///< the physics engine, by name (runtime/engines.h); empty: "native"
 };
 constexpr auto fields(const SimulationDef*)
 {
     using T = SimulationDef;
     return describe("SimulationDef", field("physics", &T::physics, "how physics is paced"),
-                    field("window", &T::window, "the window of a live run"), field("look", &T::look, "the picture"));
+                    field("window", &T::window, "the window of a live run"), field("look", &T::look, "the picture"),
+                    field("engine", &T::engine, "the physics engine, by name; empty: native"));
 }
 
 /// A whole simulator: the physics server, the visual server, the events and their threads.
@@ -181,7 +183,11 @@ public:
     template <event::EventClass E> void post(E event) { post(std::make_unique<E>(std::move(event))); }
     [[nodiscard]] event::EventDispatcher& events();
     [[nodiscard]] physics::PhysicsServer& physics();
-    /// Fine-tuning: see filasofia/engine/native/native.h.
+    /// Chooses the physics engine by its name, in place of the Def's: the option --engine of every simulator. What was
+    /// added is built again. Throws an Error if there is no such engine, if it refuses a body or a command, or after
+    /// the first step; nothing has changed then. No other thread may use the simulation meanwhile.
+    void useEngine(const std::string& name);
+    /// Fine-tuning of the native engine: see filasofia/engine/native/native.h.
     void tune(std::function<void(engine::Native&)> change);
 
     /// Ends the run, from any thread; the report says why. Between two runs it ends the next one at once.

@@ -14,4 +14,14 @@ std::unique_ptr<physics::PhysicsEngine> makeNativeEngine(const NativeEngineDef& 
 
 std::vector<std::string> simdTargets() { return linalg::simdTargets(); }
 
+physics::EngineInfo World::info() const
+{
+    return {.name = "native",
+            .version = FILASOFIA_VERSION,
+            .repeatable = true,
+            .deadline = true,
+            .cuts = true,
+            .joints = true};
+}
+
 } // namespace filasofia::engine

@@ -13,6 +13,7 @@ namespace filasofia::engine {
 class World final : public physics::PhysicsEngine {
 public:
     explicit World(const NativeEngineDef& def = {});
+    [[nodiscard]] physics::EngineInfo info() const override;
     [[nodiscard]] std::unique_ptr<physics::BuiltBody> build(const physics::BodyDef& def) const override;
     physics::StepReport step(const physics::StepInput& in) override;
     void capture(frame::Frame& out) const override;

@@ -12,6 +12,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <concepts>
 #include <deque>
 #include <mutex>
 #include <utility>
@@ -36,6 +37,23 @@ AttachmentIds attachmentIdsOf(Command& command)
     if (auto* rigid = std::get_if<AttachRigid>(&command)) return {&rigid->id, 1};
     if (auto* grasp = std::get_if<Grasp>(&command)) return {&grasp->id, 1};
     return {};
+}
+
+/// The body that a command is for; none for a command of the whole scene, and for AddBody.
+BodyId subjectOf(const Command& command)
+{
+    return std::visit(
+        [](const auto& each) -> BodyId {
+            if constexpr (requires { requires std::same_as<decltype(each.body), BodyId>; })
+                return each.body;
+            else if constexpr (requires { each.rigid; })
+                return each.rigid;
+            else if constexpr (requires { requires std::same_as<decltype(each.id), BodyId>; })
+                return std::is_same_v<std::decay_t<decltype(each)>, AddBody> ? BodyId{} : each.id;
+            else
+                return {};
+        },
+        command);
 }
 
 /// Marks a step in progress. A second one at the same time, from another thread or from within a step, is refused
@@ -67,6 +85,7 @@ struct PhysicsServer::Impl {
     bool hashing = false;
     bool recordLost = false; ///< since the last record written
     bool paused = false;
+    bool began = false; ///< a step was asked for: the engine can no longer be replaced
     std::atomic<bool> logging = false;
     std::atomic_flag stepping = {}; ///< see SoleStep
 
@@ -197,6 +216,8 @@ struct PhysicsServer::Impl {
         const AttachmentIds ids = attachmentIdsOf(command);
         if (ids.count > 0) *ids.first = {lastAttachment.load() + 1};
         bodies.check(command);
+        const BodyId subject = subjectOf(command);
+        engine->check(command, subject == BodyId{} ? nullptr : bodies.find(subject).def.get());
         if (ids.count == 0) return {};
         return *ids.first = {lastAttachment.fetch_add(ids.count) + 1};
     }
@@ -251,6 +272,41 @@ struct PhysicsServer::Impl {
             commands.push_back(std::move(command));
             arrived.pop_front();
         }
+    }
+
+    /// What waits, checked and built by another engine: a body for each command that has one, else null.
+    std::vector<std::unique_ptr<BuiltBody>> builtBy(const PhysicsEngine& other)
+    {
+        std::vector<std::unique_ptr<BuiltBody>> bodies;
+        for (const Posted& each : arrived) {
+            std::unique_ptr<BuiltBody>& body = bodies.emplace_back();
+            const BodyId subject = subjectOf(each.command);
+            const BodyDef* def = known.has(subject) ? known.find(subject).def.get() : nullptr;
+            if (std::holds_alternative<Tune>(each.command))
+                fail("physics: the engine cannot be replaced: a tune() of the engine before waits");
+            other.check(each.command, def);
+            if (const auto* add = std::get_if<AddBody>(&each.command)) body = other.build(*add->def);
+            if (const auto* set = std::get_if<SetMaterial>(&each.command); set && def) {
+                BodyDef changed = *def;
+                std::get<SoftBodyDef>(changed).material = set->material;
+                body = other.build(changed);
+            }
+        }
+        return bodies;
+    }
+
+    void useEngine(std::unique_ptr<PhysicsEngine> other)
+    {
+        const std::lock_guard lock(registryMutex);
+        if (began) fail("physics: the engine cannot be replaced after a step");
+        takeArrived();
+        std::vector<std::unique_ptr<BuiltBody>> bodies = builtBy(*other);
+        for (std::size_t i = 0; i < bodies.size(); ++i)
+            if (auto* add = std::get_if<AddBody>(&arrived[i].command))
+                add->body = std::move(bodies[i]);
+            else if (auto* set = std::get_if<SetMaterial>(&arrived[i].command))
+                set->body = std::move(bodies[i]);
+        engine = std::move(other);
     }
 
     void giveBackSpent()
@@ -439,6 +495,7 @@ StepReport PhysicsServer::step(double dt, std::uint32_t flags, const StepBudget&
 {
     if (!(std::isfinite(dt) && dt > 0.0)) fail("physics: step: dt must be > 0 s and finite, got ", dt);
     const SoleStep sole(impl_->stepping);
+    impl_->began = true;
     impl_->gather();
     StepReport report = impl_->engine->step(
         {.dt = impl_->paused ? 0.0 : dt, .commands = impl_->commands, .flags = flags, .budget = &budget});
@@ -452,6 +509,7 @@ void PhysicsServer::expect(std::vector<Command> commands)
 {
     const SoleStep sole(impl_->stepping);
     const std::lock_guard lock(impl_->registryMutex);
+    impl_->began = true;
     for (const Command& command : commands) {
         impl_->registry.check(command);
         impl_->registry.note(command);
@@ -483,6 +541,13 @@ bool PhysicsServer::has(BodyId id) const
 }
 
 const PhysicsEngine& PhysicsServer::engine() const { return *impl_->engine; }
+
+void PhysicsServer::useEngine(std::unique_ptr<PhysicsEngine> engine)
+{
+    FILASOFIA_ASSERT(engine != nullptr);
+    const SoleStep sole(impl_->stepping);
+    impl_->useEngine(std::move(engine));
+}
 
 std::shared_ptr<const SavedState> PhysicsServer::save()
 {

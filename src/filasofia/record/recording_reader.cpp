@@ -48,8 +48,11 @@ RecordingHeader headerOf(const Json& json, const JsonReader& reader)
     reader.member(json, "session", header.session);
     reader.member(json, "trainee", header.trainee);
     reader.member(json, "date", header.date);
+    const bool named = json.contains("engine");
+    if (named) reader.member(json, "engine", header.engine);
     reader.refuseUnknown(
-        json, 9, oneOf("filasofia", "revision", "simd", "period", "contact", "seed", "session", "trainee", "date"));
+        json, named ? 10 : 9,
+        oneOf("filasofia", "revision", "simd", "engine", "period", "contact", "seed", "session", "trainee", "date"));
     return header;
 }
 

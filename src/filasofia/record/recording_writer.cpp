@@ -100,15 +100,17 @@ RecordingWriter::RecordingWriter(const std::filesystem::path& file, const Record
     : impl_(new Impl{OutputFile(file)})
 {
     impl_->file.write(openingLine());
-    impl_->append(lineOf({{"filasofia", FILASOFIA_VERSION},
-                          {"revision", FILASOFIA_REVISION},
-                          {"simd", header.simd},
-                          {"period", impl_->json.write(header.period)},
-                          {"contact", impl_->json.write(header.contact)},
-                          {"seed", header.seed},
-                          {"session", header.session},
-                          {"trainee", header.trainee},
-                          {"date", header.date}}));
+    Json line = {{"filasofia", FILASOFIA_VERSION},
+                 {"revision", FILASOFIA_REVISION},
+                 {"simd", header.simd},
+                 {"period", impl_->json.write(header.period)},
+                 {"contact", impl_->json.write(header.contact)},
+                 {"seed", header.seed},
+                 {"session", header.session},
+                 {"trainee", header.trainee},
+                 {"date", header.date}};
+    if (header.engine != RecordingHeader{}.engine) line["engine"] = header.engine; // older readers refuse the field
+    impl_->append(lineOf(line));
 }
 
 RecordingWriter::~RecordingWriter()

@@ -1,6 +1,7 @@
 #include "filasofia/runtime/simulation.h"
 
 #include "filasofia/core/word.h"
+#include "filasofia/runtime/engines.h"
 #include "filasofia/runtime/keys.h"
 #include "filasofia/runtime/options.h"
 
@@ -39,6 +40,14 @@ void addOption(CLI::App& app, const std::string& name, Value RunDef::*member, Ru
         added->type_name("N")->default_str(text(def.*member));
 }
 
+/// "native or sofa".
+std::string listedEngines()
+{
+    std::string all;
+    for (const std::string& name : engineNames()) all += (all.empty() ? "" : " or ") + name;
+    return all;
+}
+
 } // namespace
 
 int Simulation::run(int argc, const char* const* argv)
@@ -59,6 +68,10 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
     bool blind = false;
     app.add_flag("--no-picture", blind,
                  "a live run without window or pictures: physics on its own thread, paced by the clock");
+    std::string engine;
+    app.add_option("--engine", engine, "physics engine: " + listedEngines())
+        ->type_name("NAME")
+        ->default_str("the program's");
     addOption(app, "--steps", &RunDef::steps, def,
               text("end after this many steps; 0: no limit (headless: ", kHeadlessSteps, ")"));
     addOption(app, "--seconds", &RunDef::seconds, def, "end after this many seconds of wall time; 0: no limit");
@@ -86,6 +99,7 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
             fail("run: --no-picture cannot be combined with --picture or --video");
         const bool endless = def.headless && def.steps == 0; // a headless run has no window that a user could close
         if (endless) def.steps = kHeadlessSteps;
+        if (app.count("--engine") > 0) simulation.useEngine(engine);
         RunReport report = simulation.run(def);
         if (blind) report.visual.framesDrawn = 0; // the Null backend counts pictures although it draws nothing
         std::cout << summary(report);

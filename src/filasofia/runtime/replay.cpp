@@ -1,9 +1,8 @@
 #include "filasofia/runtime/replay.h"
 
 #include "filasofia/core/validate.h"
-#include "filasofia/engine/native_engine.h"
-#include "filasofia/physics/physics_engine.h"
 #include "filasofia/runtime/check_file.h"
+#include "filasofia/runtime/engines.h"
 #include "filasofia/runtime/scene_player.h"
 
 #include <chrono>
@@ -31,9 +30,8 @@ ReplayReport replay(const ReplayDef& def)
     checkFile("replay", def.video, "video", ".mp4");
     record::RecordingReader reader(def.file);
     ReplayReport report{.header = reader.header()};
-    Simulation::Impl impl(
-        {}, engine::makeNativeEngine(
-                {.period = report.header.period, .threads = def.threads, .contact = report.header.contact}));
+    const SimulationDef any; // its physics is that of the engine
+    Simulation::Impl impl(any, makeReplayEngine(report.header, def.file, def.threads));
     record::Replayer replayer(impl.physics);
     ScenePlayer scene(impl, def);
 

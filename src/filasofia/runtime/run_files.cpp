@@ -3,6 +3,7 @@
 #include "filasofia/core/date.h"
 #include "filasofia/core/log.h"
 #include "filasofia/engine/native_engine.h"
+#include "filasofia/physics/physics_engine.h"
 
 #include <chrono>
 #include <limits>
@@ -22,7 +23,10 @@ RunFiles::RunFiles(Simulation::Impl& impl, const RunDef& def) : impl_(impl)
 {
     if (!def.log.empty()) table_.emplace(def.log);
     if (!def.record.empty()) {
-        recording_.emplace(def.record, record::RecordingHeader{.simd = engine::simdTargets().front(),
+        const std::string name = impl.physics.engine().info().name;
+        const bool ours = name == record::RecordingHeader{}.engine;
+        recording_.emplace(def.record, record::RecordingHeader{.simd = ours ? engine::simdTargets().front() : "",
+                                                               .engine = name,
                                                                .period = 1.0 / impl.def.physics.rate,
                                                                .contact = impl.def.physics.contact,
                                                                .seed = static_cast<std::uint64_t>(def.seed),

@@ -178,6 +178,7 @@ void Simulation::post(std::unique_ptr<event::Event> event)
 
 event::EventDispatcher& Simulation::events() { return impl_->events; }
 physics::PhysicsServer& Simulation::physics() { return impl_->physics; }
+void Simulation::useEngine(const std::string& name) { impl_->useEngine(name); }
 void Simulation::tune(std::function<void(engine::Native&)> change) { engine::tune(impl_->physics, std::move(change)); }
 void Simulation::finish(std::string why) { impl_->control.finish(std::move(why)); }
 

@@ -2,8 +2,7 @@
 
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
-#include "filasofia/engine/native_engine.h"
-#include "filasofia/physics/physics_engine.h"
+#include "filasofia/runtime/engines.h"
 
 #include <limits>
 #include <utility>
@@ -20,21 +19,35 @@ const SimulationDef& checked(const SimulationDef& def)
     return def;
 }
 
-std::unique_ptr<physics::PhysicsEngine> engineFor(const PhysicsDef& def)
-{
-    return engine::makeNativeEngine({.period = 1.0 / def.rate, .threads = def.threads, .contact = def.contact});
-}
-
 constexpr auto kEventLost = static_cast<std::uint32_t>(physics::StepFlag::EventLost);
 
 } // namespace
 
-Simulation::Impl::Impl(const SimulationDef& asked) : Impl(asked, engineFor(checked(asked).physics)) {}
+Simulation::Impl::Impl(const SimulationDef& asked) : Impl(asked, engineFor(checked(asked))) {}
 
 Simulation::Impl::Impl(const SimulationDef& asked, std::unique_ptr<physics::PhysicsEngine> engine)
     : def(checked(asked)), physics(std::move(engine), {.gravity = asked.physics.gravity})
 {
     memories.add(bleedings.memory());
+}
+
+std::unique_ptr<physics::PhysicsEngine> Simulation::Impl::engineFor(const SimulationDef& def)
+try {
+    const PhysicsDef& paced = def.physics;
+    return makeEngine(def.engine.empty() ? engineNames().front() : def.engine,
+                      {.period = 1.0 / paced.rate, .threads = paced.threads, .contact = paced.contact});
+} catch (const Error& problem) {
+    fail("simulation: ", problem.what());
+}
+
+void Simulation::Impl::useEngine(const std::string& name)
+{
+    if (control.running()) fail("simulation: the engine must be chosen before a run, but one is going on");
+    if (name == physics.engine().info().name) return;
+    SimulationDef other = def;
+    other.engine = name;
+    physics.useEngine(engineFor(other));
+    def.engine = name;
 }
 
 Nanoseconds Simulation::Impl::deadline() const

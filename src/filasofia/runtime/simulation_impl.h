@@ -58,6 +58,10 @@ struct Simulation::Impl {
     explicit Impl(const SimulationDef& asked);
     Impl(const SimulationDef& asked, std::unique_ptr<physics::PhysicsEngine> engine);
 
+    /// The engine that a Def names. Throws an Error if it cannot be had.
+    static std::unique_ptr<physics::PhysicsEngine> engineFor(const SimulationDef& def);
+    void useEngine(const std::string& name);
+
     void beginRun();
     void endRun(); ///< after a run, however it ended, also if it could not begin
     [[nodiscard]] Nanoseconds period() const { return toNanoseconds(1.0 / def.physics.rate); }

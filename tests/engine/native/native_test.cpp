@@ -239,6 +239,7 @@ namespace {
 
 /// Another engine, which only runs its commands.
 struct OtherEngine final : PhysicsEngine {
+    EngineInfo info() const override { return {.name = "other"}; }
     std::unique_ptr<BuiltBody> build(const BodyDef&) const override { return nullptr; }
     StepReport step(const StepInput& in) override
     {

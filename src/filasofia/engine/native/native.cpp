@@ -111,7 +111,7 @@ void tune(physics::PhysicsServer& server, std::function<void(Native&)> change)
     if (!change) fail("tune: the function to run must not be empty");
     if (!dynamic_cast<const World*>(&server.engine())) fail("tune: the native engine is not in use");
     server.tune([change = std::move(change)](physics::PhysicsEngine& engine) {
-        Native native(static_cast<World&>(engine).scene());
+        Native native(dynamic_cast<World&>(engine).scene());
         change(native);
     });
 }

@@ -1,0 +1,157 @@
+#include "filasofia/sofa/apply_commands.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
+
+#include <algorithm>
+
+namespace filasofia::sofaengine {
+namespace {
+
+using physics::Command;
+using physics::StepFlag;
+
+/// One function per kind of command. Commands that checkCommand() refuses never arrive.
+struct ApplyCommand {
+    physics::PhysicsEngine& self;
+    SofaScene& scene;
+    physics::StepReport& report;
+
+    void operator()(physics::AddBody& add) const
+    {
+        const std::unique_ptr<physics::BuiltBody> body = std::move(add.body);
+        if (auto* soft = dynamic_cast<PlannedSoft*>(body.get())) {
+            std::uint32_t id = add.attachments.value;
+            for (PinGroup& group : soft->plan.pins) group.id = {id++};
+            scene.soft.push_back(std::make_unique<SoftNode>(add.id, std::move(soft->plan), *scene.root));
+        } else if (auto* rigid = dynamic_cast<PlannedRigid*>(body.get())) {
+            scene.rigid.push_back(std::make_unique<RigidNode>(add.id, std::move(rigid->plan), *scene.root));
+        }
+    }
+    void operator()(const physics::RemoveBody& remove) const
+    {
+        const auto isIt = [&](const auto& each) { return each->id() == remove.id; };
+        std::erase_if(scene.soft, isIt);
+        std::erase_if(scene.rigid, isIt);
+    }
+    void operator()(const physics::SetPose& set) const { rigid(set.id)->setPose(set.element, set.pose); }
+    void operator()(const physics::SetWrench& set) const
+    {
+        rigid(set.id)->setWrench(set.element, {set.force, set.torque});
+    }
+    void operator()(const physics::SetGravity& set) const { scene.root->setGravity(toSofa(set.gravity)); }
+    void operator()(physics::SetMaterial& set) const
+    {
+        if (auto* built = dynamic_cast<PlannedSoft*>(set.body.get())) soft(set.id)->setMaterial(built->plan);
+    }
+    void operator()(const physics::SetForces& set) const { soft(set.id)->loads().forces = set.forces; }
+    void operator()(const physics::SetPressure& set) const { soft(set.id)->loads().pressure = set.pressure; }
+    void operator()(const physics::Attach& attach) const
+    {
+        SoftNode& body = *soft(attach.body);
+        SoftState now;
+        body.read(now);
+        PinGroup group{.id = attach.id, .nodes = nodesOf(attach.def, now.positions), .stiffness = attach.def.stiffness};
+        if (group.nodes.empty()) {
+            report.set(StepFlag::NothingAttached);
+            logWarning("soft body '", body.plan().def.name, "': an attachment found no node");
+            return;
+        }
+        for (const int node : group.nodes) group.places.push_back(now.positions[static_cast<std::size_t>(node)]);
+        std::vector<PinGroup> pins = body.pins();
+        pins.push_back(std::move(group));
+        body.setPins(std::move(pins));
+    }
+    void operator()(const physics::Release& release) const
+    {
+        for (const auto& body : scene.soft) {
+            std::vector<PinGroup> pins = body->pins();
+            if (std::erase_if(pins, [&](const PinGroup& each) { return each.id == release.id; }) > 0)
+                body->setPins(std::move(pins));
+        }
+    }
+    void operator()(const physics::Reset&) const
+    {
+        for (const auto& body : scene.soft) {
+            const std::vector<Vec3>& rest = body->plan().mesh.nodes;
+            body->write({rest, std::vector<Vec3>(rest.size())});
+        }
+        for (const auto& body : scene.rigid) body->write(body->start());
+    }
+    void operator()(const physics::Pause&) const {} // the server steps with dt = 0
+    void operator()(const physics::Tune& tune) const
+    {
+        report.set(StepFlag::Tuned);
+        const SceneState before = stateOf(scene);
+        try {
+            tune.change(self);
+        } catch (const std::exception& problem) {
+            setState(before, scene); // components that it added or changed stay
+            report.set(StepFlag::TuneRejected);
+            logError("tune: ", problem.what());
+        }
+    }
+    template <class Refused> void operator()(const Refused&) const {} // see checkCommand()
+
+private:
+    /// Throws an Error if SOFA could not make the body.
+    template <class Body> static Body* made(Body* body, BodyId id)
+    {
+        if (!body) fail("body ", id.value, " could not be made when it was added");
+        return body;
+    }
+    [[nodiscard]] SoftNode* soft(BodyId id) const { return made(findBody(scene.soft, id), id); }
+    [[nodiscard]] RigidNode* rigid(BodyId id) const { return made(findBody(scene.rigid, id), id); }
+};
+
+/// The command's name, if this engine has no such command at all.
+struct Missing {
+    const char* operator()(const physics::SetJoint&) const { return "SetJoint"; }
+    const char* operator()(const physics::SetHaptic&) const { return "SetHaptic"; }
+    const char* operator()(const physics::SetTissue&) const { return "SetTissue"; }
+    const char* operator()(const physics::SetFibreStress&) const { return "SetFibreStress"; }
+    const char* operator()(const physics::SetCurvature&) const { return "SetCurvature"; }
+    const char* operator()(const physics::SetCutting&) const { return "SetCutting"; }
+    const char* operator()(const physics::AttachRigid&) const { return "AttachRigid"; }
+    const char* operator()(const physics::Grasp&) const { return "Grasp"; }
+    const char* operator()(const physics::RemovePiece&) const { return "RemovePiece"; }
+    template <class Known> const char* operator()(const Known&) const { return nullptr; }
+};
+
+} // namespace
+
+std::unique_ptr<physics::BuiltBody> planBody(const physics::BodyDef& def)
+{
+    if (const auto* soft = std::get_if<physics::SoftBodyDef>(&def)) {
+        auto planned = std::make_unique<PlannedSoft>();
+        planned->plan = planSoft(*soft);
+        return planned;
+    }
+    if (const auto* rigid = std::get_if<physics::RigidBodyDef>(&def)) {
+        auto planned = std::make_unique<PlannedRigid>();
+        planned->plan = planRigid(*rigid);
+        return planned;
+    }
+    fail(describeBody(def), ": a rod is not available with the engine 'sofa'");
+}
+
+void checkCommand(const Command& command, const physics::BodyDef* def)
+{
+    const std::string object = def ? describeBody(*def) : std::string("physics");
+    if (const char* name = std::visit(Missing{}, command))
+        fail(object, ": ", name, " is not available with the engine 'sofa'");
+    if (const auto* attach = std::get_if<physics::Attach>(&command)) checkPin(attach->def, object + ": attach");
+}
+
+void applyCommands(std::span<Command> commands, physics::PhysicsEngine& self, SofaScene& scene,
+                   physics::StepReport& report)
+{
+    for (Command& command : commands) try {
+            std::visit(ApplyCommand{self, scene, report}, command);
+        } catch (const std::exception& problem) {
+            report.set(StepFlag::TuneRejected);
+            logError("SOFA: a command failed: ", problem.what());
+        }
+}
+
+} // namespace filasofia::sofaengine

@@ -1,0 +1,184 @@
+#include "filasofia/sofa/rigid_node.h"
+
+#include "filasofia/core/text.h"
+
+#include <sofa/component/linearsolver/iterative/CGLinearSolver.h>
+#include <sofa/component/mass/UniformMass.h>
+#include <sofa/component/odesolver/backward/EulerImplicitSolver.h>
+#include <sofa/defaulttype/RigidMass.h>
+#include <sofa/simulation/Simulation.h>
+
+#include <limits>
+
+namespace filasofia::sofaengine {
+namespace {
+
+using namespace ::sofa::component;
+using ::sofa::core::objectmodel::New;
+using RigidGradients =
+    linearsolver::iterative::CGLinearSolver<linearsolver::GraphScatteredMatrix, linearsolver::GraphScatteredVector>;
+
+constexpr double kJump = 20.0; ///< [m/s] a kinematic body that would have to move faster jumps, as in our engine
+
+::sofa::defaulttype::Rigid3dMass massOf(const physics::RigidInertia& inertia)
+{
+    ::sofa::defaulttype::Rigid3dMass mass(inertia.mass);
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) mass.inertiaMatrix(i, j) = inertia.inertia[i][j] / inertia.mass;
+    mass.recalc();
+    return mass;
+}
+
+/// The solver's matrix is that of the masses alone: a few iterations are exact.
+void addRigidSolver(const physics::RigidBodyDef& def, ::sofa::simulation::Node& node)
+{
+    auto euler = New<odesolver::backward::EulerImplicitSolver>();
+    euler->d_rayleighMass.setValue(def.linearDamping);
+    euler->d_rayleighStiffness.setValue(0.0);
+    node.addObject(euler);
+    auto solver = New<RigidGradients>();
+    solver->d_maxIter.setValue(100);
+    solver->d_tolerance.setValue(1e-12);
+    solver->d_smallDenominatorThreshold.setValue(std::numeric_limits<SReal>::min());
+    node.addObject(solver);
+}
+
+} // namespace
+
+void RigidLoads::addForce(const ::sofa::core::MechanicalParams* /*params*/, DataVecDeriv& f, const DataVecCoord& /*x*/,
+                          const DataVecDeriv& /*v*/)
+{
+    auto& force = *f.beginEdit();
+    const ::sofa::type::Vec3 weight = getContext()->getGravity() * weightless;
+    for (std::size_t i = 0; i < wrenches.size(); ++i) {
+        getVCenter(force[i]) += toSofa(wrenches[i].force) - weight;
+        getVOrientation(force[i]) += toSofa(wrenches[i].torque);
+    }
+    f.endEdit();
+}
+
+// Delegating: if what follows throws, the destructor takes the node out of the graph.
+RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root) : RigidNode(id, std::move(plan))
+{
+    const bool dynamic = plan_.def.dynamic;
+    node_ = root.createChild(text("body", id.value));
+    if (dynamic) addRigidSolver(plan_.def, *node_);
+    state_ = New<State>();
+    state_->setName("state");
+    state_->resize(static_cast<::sofa::Size>(plan_.def.elements.size()));
+    write(start());
+    state_->x0.setValue(state_->x.getValue());
+    node_->addObject(state_);
+    if (dynamic) {
+        auto mass = New<mass::UniformMass<RigidTypes>>();
+        mass->d_vertexMass.setValue(massOf(plan_.inertia));
+        node_->addObject(mass);
+        loads_ = New<RigidLoads>();
+        loads_->setName("loads");
+        loads_->wrenches.resize(plan_.def.elements.size());
+        if (!plan_.def.gravity) loads_->weightless = plan_.inertia.mass;
+        node_->addObject(loads_);
+    }
+    ::sofa::simulation::node::init(node_.get());
+}
+
+RigidNode::~RigidNode()
+{
+    if (node_) ::sofa::simulation::node::unload(node_);
+}
+
+RigidState RigidNode::start() const
+{
+    const std::size_t count = plan_.def.elements.size();
+    const bool dynamic = plan_.def.dynamic;
+    return {.poses = plan_.def.elements,
+            .velocities = std::vector<Vec3>(count, dynamic ? plan_.def.velocity : Vec3{}),
+            .angularVelocities = std::vector<Vec3>(count, dynamic ? plan_.def.angularVelocity : Vec3{})};
+}
+
+void RigidNode::read(RigidState& out) const
+{
+    const auto& x = state_->x.getValue();
+    const auto& v = state_->v.getValue();
+    out.poses.clear();
+    out.velocities.clear();
+    out.angularVelocities.clear();
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        const Quat turn = fromSofa(x[i].getOrientation());
+        out.poses.push_back({fromSofa(x[i].getCenter()) - rotate(turn, plan_.inertia.centre), turn});
+        out.velocities.push_back(fromSofa(getVCenter(v[i])));
+        out.angularVelocities.push_back(fromSofa(getVOrientation(v[i])));
+    }
+}
+
+void RigidNode::write(const RigidState& state)
+{
+    RigidTypes::VecCoord x;
+    RigidTypes::VecDeriv v;
+    for (std::size_t i = 0; i < state.poses.size(); ++i) {
+        const Quat turn = normalized(state.poses[i].orientation);
+        x.push_back({toSofa(state.poses[i].position + rotate(turn, plan_.inertia.centre)), toSofa(turn)});
+        v.push_back({toSofa(state.velocities[i]), toSofa(state.angularVelocities[i])});
+    }
+    state_->x.setValue(x);
+    state_->v.setValue(v);
+}
+
+bool RigidNode::isUsable() const
+{
+    RigidState now;
+    read(now);
+    for (std::size_t i = 0; i < now.poses.size(); ++i)
+        if (!isFinite(now.poses[i]) || !(length(now.poses[i].position) < physics::kFarthest) ||
+            !(length(now.velocities[i]) < physics::kFarthest) ||
+            !(length(now.angularVelocities[i]) < physics::kFarthest))
+            return false;
+    return true;
+}
+
+void RigidNode::setWrench(int element, const RigidLoads::Wrench& wrench)
+{
+    loads_->wrenches[static_cast<std::size_t>(element)] = wrench;
+}
+
+void RigidNode::setPose(int element, const Pose& pose)
+{
+    const auto at = static_cast<std::size_t>(element);
+    if (!plan_.def.dynamic) {
+        targets_[at] = Pose{pose.position, normalized(pose.orientation)};
+        return;
+    }
+    RigidState now;
+    read(now);
+    now.poses[at] = pose;
+    now.velocities[at] = now.angularVelocities[at] = {};
+    write(now);
+}
+
+void RigidNode::beginMove(double dt)
+{
+    if (plan_.def.dynamic) return;
+    RigidState now;
+    read(now);
+    for (std::size_t i = 0; i < targets_.size(); ++i) {
+        now.velocities[i] = now.angularVelocities[i] = {};
+        if (!targets_[i]) continue;
+        const Vec3 velocity = (targets_[i]->position - now.poses[i].position) / dt;
+        if (length(velocity) > kJump) continue;
+        now.velocities[i] = velocity;
+        now.angularVelocities[i] = rotationVector(targets_[i]->orientation * conjugate(now.poses[i].orientation)) / dt;
+    }
+    write(now);
+}
+
+void RigidNode::finishMove()
+{
+    if (plan_.def.dynamic) return;
+    RigidState now;
+    read(now);
+    for (std::size_t i = 0; i < targets_.size(); ++i)
+        if (const auto target = std::exchange(targets_[i], std::nullopt)) now.poses[i] = *target;
+    write(now);
+}
+
+} // namespace filasofia::sofaengine

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "filasofia/physics/defs.h"
+
+namespace filasofia::sofaengine {
+
+/// A rigid body as its node in SOFA is made: checked, plain data of ours, made on any thread.
+struct RigidPlan {
+    physics::RigidBodyDef def = {};
+    physics::RigidInertia inertia = {}; ///< the same for each element; zero if the body is kinematic
+};
+
+/// Throws an Error that names the body and the field if the Def is wrong, or if it asks for what this engine lacks.
+RigidPlan planRigid(const physics::RigidBodyDef& def);
+
+} // namespace filasofia::sofaengine

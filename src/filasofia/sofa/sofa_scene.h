@@ -1,0 +1,38 @@
+#pragma once
+
+#include "filasofia/sofa/rigid_node.h"
+#include "filasofia/sofa/soft_node.h"
+
+#include <memory>
+#include <vector>
+
+namespace filasofia::sofaengine {
+
+/// All bodies, each list in the order of ids, below one root.
+struct SofaScene {
+    ::sofa::simulation::Node::SPtr root = {};
+    std::vector<std::unique_ptr<SoftNode>> soft = {};
+    std::vector<std::unique_ptr<RigidNode>> rigid = {};
+};
+
+/// The state of a scene between two steps.
+struct SceneState {
+    Vec3 gravity = {}; ///< [m/s^2]
+    std::vector<SoftState> soft = {};
+    std::vector<RigidState> rigid = {};
+    std::vector<std::vector<PinGroup>> pins = {}; ///< per soft body
+};
+
+SceneState stateOf(const SofaScene& scene);
+/// The scene must have the same bodies.
+void setState(const SceneState& state, SofaScene& scene);
+
+/// Null if there is no such body.
+template <class Body> Body* findBody(const std::vector<std::unique_ptr<Body>>& bodies, BodyId id)
+{
+    for (const auto& each : bodies)
+        if (each->id() == id) return each.get();
+    return nullptr;
+}
+
+} // namespace filasofia::sofaengine

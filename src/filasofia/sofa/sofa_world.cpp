@@ -1,0 +1,217 @@
+#include "filasofia/sofa/sofa_world.h"
+
+#include "filasofia/core/hash.h"
+#include "filasofia/core/log.h"
+#include "filasofia/core/validate.h"
+#include "filasofia/sofa/apply_commands.h"
+#include "filasofia/sofa/sofa_process.h"
+
+#include <sofa/simulation/DefaultAnimationLoop.h>
+#include <sofa/simulation/DefaultVisualManagerLoop.h>
+#include <sofa/simulation/Simulation.h>
+
+namespace filasofia::sofaengine {
+
+namespace {
+
+using Lock = std::lock_guard<std::recursive_mutex>;
+
+struct WorldState final : physics::EngineState {
+    SceneState scene;
+    double time = 0.0;
+    std::uint64_t steps = 0;
+};
+
+/// One step of the whole graph. False, with a line in the log, if it ended with an exception.
+bool animate(::sofa::simulation::Node& root, double dt)
+{
+    try {
+        ::sofa::simulation::node::animate(&root, dt);
+        return true;
+    } catch (const std::exception& problem) {
+        logError("SOFA: a step ended with an exception: ", problem.what());
+    } catch (...) {
+        logError("SOFA: a step ended with an exception that is none of the standard library");
+    }
+    return false;
+}
+
+} // namespace
+
+SofaWorld::SofaWorld(const SofaEngineDef& def)
+{
+    validate(def, "SOFA engine");
+    const Lock lock(sofaMutex());
+    startSofa();
+    scene_.root = ::sofa::simulation::Simulation::theSimulation->createNewGraph("root");
+    const auto loop = ::sofa::core::objectmodel::New<::sofa::simulation::DefaultAnimationLoop>();
+    loop->d_computeBoundingBox.setValue(false); // only SOFA's own pictures need it
+    scene_.root->addObject(loop);
+    scene_.root->addObject(::sofa::core::objectmodel::New<::sofa::simulation::DefaultVisualManagerLoop>());
+    scene_.root->setDt(def.period);
+    ::sofa::simulation::node::initRoot(scene_.root.get());
+}
+
+SofaWorld::~SofaWorld()
+{
+    const Lock lock(sofaMutex());
+    scene_.soft.clear();
+    scene_.rigid.clear();
+    ::sofa::simulation::node::unload(scene_.root);
+    scene_.root.reset();
+}
+
+physics::EngineInfo SofaWorld::info() const { return {.name = "sofa", .version = FILASOFIA_SOFA_VERSION}; }
+
+std::unique_ptr<physics::BuiltBody> SofaWorld::build(const physics::BodyDef& def) const { return planBody(def); }
+
+void SofaWorld::check(const physics::Command& command, const physics::BodyDef* def) const
+{
+    checkCommand(command, def);
+}
+
+physics::StepReport SofaWorld::step(const physics::StepInput& in)
+{
+    physics::StepReport report{.dt = in.dt, .flags = in.flags};
+    const auto now = [&] { return in.budget && in.budget->now ? in.budget->now() : std::int64_t{0}; };
+    const Lock lock(sofaMutex());
+    const std::int64_t begin = now();
+    applyCommands(in.commands, *this, scene_, report);
+    const std::int64_t applied = now();
+    report.times.commands = 1e-9 * static_cast<double>(applied - begin);
+    if (in.dt > 0.0) {
+        advance(in.dt, report);
+        ++steps_;
+        time_ += in.dt;
+    }
+    report.times.advance = 1e-9 * static_cast<double>(now() - applied);
+    report.step = steps_;
+    report.time = time_;
+    return report;
+}
+
+void SofaWorld::advance(double dt, physics::StepReport& report)
+{
+    const SceneState before = stateOf(scene_);
+    scene_.root->setDt(dt);                                     // some components read it in place of the step's
+    ::sofa::simulation::node::updateContext(scene_.root.get()); // a step of SOFA hands gravity down only at its end
+    for (const auto& body : scene_.rigid) body->beginMove(dt);
+    const bool failed = !animate(*scene_.root, dt);
+    for (std::size_t b = 0; b < scene_.soft.size(); ++b)
+        if (failed || !scene_.soft[b]->isUsable()) {
+            const std::vector<Vec3>& positions = before.soft[b].positions;
+            scene_.soft[b]->write({positions, std::vector<Vec3>(positions.size())});
+            report.set(physics::StepFlag::Undone);
+        }
+    for (std::size_t b = 0; b < scene_.rigid.size(); ++b)
+        if (failed || !scene_.rigid[b]->isUsable()) {
+            const std::vector<Vec3> rest(before.rigid[b].poses.size());
+            scene_.rigid[b]->write({before.rigid[b].poses, rest, rest});
+            report.set(physics::StepFlag::Undone);
+        }
+    for (const auto& body : scene_.rigid) body->finishMove();
+    for (const auto& body : scene_.soft) {
+        const SolveOutcome solve = body->outcome();
+        if (solve.atLimit) report.set(physics::StepFlag::NotConverged);
+        report.solves.push_back({body->id(), solve.iterations, solve.residual, body->id()});
+    }
+}
+
+void SofaWorld::capture(frame::Frame& out) const
+{
+    const Lock lock(sofaMutex());
+    out.step = steps_;
+    out.time = time_;
+    out.softBodies.resize(scene_.soft.size());
+    for (std::size_t b = 0; b < scene_.soft.size(); ++b) {
+        frame::SoftBodyFrame& body = out.softBodies[b];
+        SoftState state{std::move(body.positions), std::move(body.velocities)}; // reuses their memory
+        scene_.soft[b]->read(state);
+        body = {.id = scene_.soft[b]->id(),
+                .positions = std::move(state.positions),
+                .velocities = std::move(state.velocities)};
+    }
+    out.rigidBodies.resize(scene_.rigid.size());
+    for (std::size_t b = 0; b < scene_.rigid.size(); ++b) {
+        RigidState state;
+        scene_.rigid[b]->read(state);
+        out.rigidBodies[b] = {.id = scene_.rigid[b]->id(),
+                              .poses = std::move(state.poses),
+                              .velocities = std::move(state.velocities),
+                              .angularVelocities = std::move(state.angularVelocities)};
+    }
+    out.contacts.clear();
+    out.attachments.clear();
+    out.channels.clear();
+}
+
+void SofaWorld::record(physics::StepRecord& out) const
+{
+    const Lock lock(sofaMutex());
+    out.rigidPoses.clear();
+    RigidState state;
+    for (const auto& body : scene_.rigid) {
+        body->read(state);
+        out.rigidPoses.insert(out.rigidPoses.end(), state.poses.begin(), state.poses.end());
+    }
+    out.contacts.clear();
+    out.attachments.clear();
+    out.channels.clear();
+}
+
+std::uint64_t SofaWorld::hash() const
+{
+    const Lock lock(sofaMutex());
+    const SceneState state = stateOf(scene_);
+    Hasher hasher;
+    hasher.add(steps_);
+    hasher.add(time_);
+    for (const SoftState& body : state.soft) {
+        hasher.addAll(std::span<const Vec3>(body.positions));
+        hasher.addAll(std::span<const Vec3>(body.velocities));
+    }
+    for (const RigidState& body : state.rigid) {
+        hasher.addAll(std::span<const Pose>(body.poses));
+        hasher.addAll(std::span<const Vec3>(body.velocities));
+        hasher.addAll(std::span<const Vec3>(body.angularVelocities));
+    }
+    return hasher.value();
+}
+
+std::shared_ptr<const physics::EngineState> SofaWorld::save() const
+{
+    const Lock lock(sofaMutex());
+    auto state = std::make_shared<WorldState>();
+    state->scene = stateOf(scene_);
+    state->time = time_;
+    state->steps = steps_;
+    return state;
+}
+
+void SofaWorld::restore(const physics::EngineState& saved)
+{
+    const auto* state = dynamic_cast<const WorldState*>(&saved);
+    if (!state) fail("restore: the state is one of another engine");
+    const Lock lock(sofaMutex());
+    if (state->scene.soft.size() != scene_.soft.size() || state->scene.rigid.size() != scene_.rigid.size())
+        fail("restore: the state has other bodies");
+    setState(state->scene, scene_);
+    time_ = state->time;
+    steps_ = state->steps;
+}
+
+::sofa::simulation::Node* SofaWorld::nodeOf(BodyId id) const
+{
+    if (const SoftNode* soft = findBody(scene_.soft, id)) return &soft->node();
+    const RigidNode* rigid = findBody(scene_.rigid, id);
+    return rigid ? &rigid->node() : nullptr;
+}
+
+std::unique_ptr<physics::PhysicsEngine> makeSofaEngine(const SofaEngineDef& def)
+{
+    return std::make_unique<SofaWorld>(def);
+}
+
+bool isBuiltIn() { return true; }
+
+} // namespace filasofia::sofaengine

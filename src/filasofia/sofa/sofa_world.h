@@ -1,0 +1,37 @@
+#pragma once
+
+#include "filasofia/sofa/sofa_engine.h"
+#include "filasofia/sofa/sofa_scene.h"
+
+namespace filasofia::sofaengine {
+
+/// The engine: a root node, and a node per body below it.
+class SofaWorld final : public physics::PhysicsEngine {
+public:
+    explicit SofaWorld(const SofaEngineDef& def);
+    ~SofaWorld() override;
+    SofaWorld(const SofaWorld&) = delete;
+    SofaWorld& operator=(const SofaWorld&) = delete;
+
+    [[nodiscard]] physics::EngineInfo info() const override;
+    [[nodiscard]] std::unique_ptr<physics::BuiltBody> build(const physics::BodyDef& def) const override;
+    void check(const physics::Command& command, const physics::BodyDef* def) const override;
+    physics::StepReport step(const physics::StepInput& in) override;
+    void capture(frame::Frame& out) const override;
+    void record(physics::StepRecord& out) const override;
+    [[nodiscard]] std::uint64_t hash() const override;
+    [[nodiscard]] std::shared_ptr<const physics::EngineState> save() const override;
+    void restore(const physics::EngineState& state) override;
+
+    [[nodiscard]] ::sofa::simulation::Node& root() const { return *scene_.root; }
+    [[nodiscard]] ::sofa::simulation::Node* nodeOf(BodyId id) const; ///< null if there is none
+
+private:
+    void advance(double dt, physics::StepReport& report);
+
+    SofaScene scene_;
+    double time_ = 0.0; ///< [s]
+    std::uint64_t steps_ = 0;
+};
+
+} // namespace filasofia::sofaengine

@@ -1,0 +1,269 @@
+#include "filasofia/sofa/soft_node.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/sofa/corotational.h"
+
+#include "filasofia/physics/rigid_body_def.h"
+
+#include <sofa/component/constraint/projective/FixedProjectiveConstraint.h>
+#include <sofa/component/linearsolver/direct/SparseLDLSolver.h>
+#include <sofa/component/linearsolver/iterative/CGLinearSolver.h>
+#include <sofa/component/mass/DiagonalMass.h>
+#include <sofa/component/odesolver/backward/EulerImplicitSolver.h>
+#include <sofa/component/odesolver/forward/EulerExplicitSolver.h>
+#include <sofa/component/solidmechanics/fem/hyperelastic/TetrahedronHyperelasticityFEMForceField.h>
+#include <sofa/component/solidmechanics/spring/SpringForceField.h>
+#include <sofa/component/topology/container/dynamic/TetrahedronSetTopologyContainer.h>
+#include <sofa/simulation/Simulation.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace filasofia::sofaengine {
+namespace {
+
+using namespace ::sofa::component;
+using ::sofa::core::objectmodel::New;
+using Fixed = constraint::projective::FixedProjectiveConstraint<Vec3Types>;
+using Blocks = ::sofa::linearalgebra::CompressedRowSparseMatrix<::sofa::type::Mat<3, 3, SReal>>;
+using Scattered = linearsolver::GraphScatteredMatrix;
+using FreeGradients = linearsolver::iterative::CGLinearSolver<Scattered, linearsolver::GraphScatteredVector>;
+using AssembledGradients = linearsolver::iterative::CGLinearSolver<Blocks, ::sofa::linearalgebra::FullVector<SReal>>;
+using Direct = linearsolver::direct::SparseLDLSolver<Blocks, ::sofa::linearalgebra::FullVector<SReal>>;
+using Springs = solidmechanics::spring::SpringForceField<Vec3Types>;
+using Hyperelastic = solidmechanics::fem::hyperelastic::TetrahedronHyperelasticityFEMForceField<Vec3Types>;
+
+template <class List> auto toSofaList(const std::vector<Vec3>& from)
+{
+    List list;
+    list.reserve(from.size());
+    for (const Vec3 each : from) list.push_back(toSofa(each));
+    return list;
+}
+
+template <class List> void fromSofaList(const List& from, std::vector<Vec3>& out)
+{
+    out.clear();
+    for (const auto& each : from) out.push_back(fromSofa(each));
+}
+
+topology::container::dynamic::TetrahedronSetTopologyContainer::SPtr topologyOf(const geometry::TetMesh& mesh)
+{
+    auto topology = New<topology::container::dynamic::TetrahedronSetTopologyContainer>();
+    topology->setName("topology");
+    topology->setNbPoints(static_cast<::sofa::Size>(mesh.nodes.size()));
+    for (const Vec3 node : mesh.nodes) topology->addPoint(node.x, node.y, node.z);
+    for (const geometry::Tetrahedron& t : mesh.tetrahedra)
+        topology->addTetra(static_cast<::sofa::Index>(t[0]), static_cast<::sofa::Index>(t[1]),
+                           static_cast<::sofa::Index>(t[2]), static_cast<::sofa::Index>(t[3]));
+    return topology;
+}
+
+/// SOFA's threshold ends the iterations at a small p.Ap, whose default of 1e-5 kg m^2/s^2 a body of a few grams is
+/// always below; only the tolerance shall end them.
+template <class Gradients> typename Gradients::SPtr gradients(const physics::ConjugateGradient& def)
+{
+    auto solver = New<Gradients>();
+    solver->d_maxIter.setValue(static_cast<unsigned>(def.maxIterations));
+    solver->d_tolerance.setValue(def.tolerance);
+    solver->d_smallDenominatorThreshold.setValue(std::numeric_limits<SReal>::min());
+    solver->d_warmStart.setValue(false); // with it, a right side of zeros leaves the last step's solution
+    return solver;
+}
+
+::sofa::core::objectmodel::BaseObject::SPtr solverOf(const physics::Solver& def)
+{
+    if (std::holds_alternative<physics::Cholesky>(def)) return New<Direct>();
+    const auto& iterative = std::get<physics::ConjugateGradient>(def);
+    if (iterative.assembled) return gradients<AssembledGradients>(iterative);
+    return gradients<FreeGradients>(iterative);
+}
+
+::sofa::core::objectmodel::BaseObject::SPtr hyperelastic(const SoftPlan& plan, const char* law)
+{
+    const double young = plan.youngModulus.front(), poisson = plan.poissonRatio.front();
+    const double mu = young / (2 * (1 + poisson));
+    const double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
+    auto forces = New<Hyperelastic>();
+    forces->setMaterialName(law);
+    Hyperelastic::SetParameterArray parameters;
+    parameters.push_back(mu);
+    parameters.push_back(lambda);
+    forces->setparameter(parameters);
+    return forces;
+}
+
+::sofa::core::objectmodel::BaseObject::SPtr corotational(const SoftPlan& plan)
+{
+    auto forces = New<CorotationalForces>();
+    forces->d_method.setValue("polar");
+    forces->d_youngModulus.setValue({plan.youngModulus.begin(), plan.youngModulus.end()});
+    forces->d_poissonRatio.setValue({plan.poissonRatio.begin(), plan.poissonRatio.end()});
+    return forces;
+}
+
+/// SOFA's component for the edges of a mesh divides stiffness by length; ours are equal springs.
+template <class State>::sofa::core::objectmodel::BaseObject::SPtr
+springsOf(const SoftPlan& plan, const physics::MassSpringMaterial& material, State* state)
+{
+    auto forces = New<Springs>(state, state, 0.0, 0.0);
+    for (const auto& [a, b] : plan.edges)
+        forces->addSpring(
+            static_cast<::sofa::Index>(a), static_cast<::sofa::Index>(b), material.stiffness, material.damping,
+            distance(plan.mesh.nodes[static_cast<std::size_t>(a)], plan.mesh.nodes[static_cast<std::size_t>(b)]));
+    return forces;
+}
+
+::sofa::core::objectmodel::BaseObject::SPtr continuumOf(const SoftPlan& plan, const physics::ElasticLaw& law)
+{
+    if (std::holds_alternative<physics::NeoHookean>(law)) return hyperelastic(plan, "StableNeoHookean");
+    if (std::holds_alternative<physics::StVenantKirchhoff>(law)) return hyperelastic(plan, "StVenantKirchhoff");
+    return corotational(plan);
+}
+
+/// Residuals that the solver noted, one per iteration, relative to the right side.
+template <class Gradients> SolveOutcome outcomeOf(const Gradients& solver)
+{
+    const auto& graph = solver.d_graph.getValue();
+    const auto found = graph.find("Error");
+    if (found == graph.end() || found->second.empty()) return {};
+    const double last = found->second.back();
+    const int made = static_cast<int>(found->second.size()) - 1;
+    return {.iterations = made,
+            .residual = last,
+            .atLimit = made >= static_cast<int>(solver.d_maxIter.getValue()) && last > solver.d_tolerance.getValue()};
+}
+
+} // namespace
+
+// Delegating: if what follows throws, the destructor takes the node out of the graph.
+SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root) : SoftNode(id, std::move(plan))
+{
+    node_ = root.createChild(text("body", id.value));
+    addSolver();
+    node_->addObject(topologyOf(plan_.mesh));
+    state_ = New<State>();
+    state_->setName("state");
+    state_->resize(static_cast<::sofa::Size>(plan_.mesh.nodes.size()));
+    const auto rest = toSofaList<Vec3Types::VecCoord>(plan_.mesh.nodes);
+    state_->x.setValue(rest);
+    state_->x0.setValue(rest);
+    node_->addObject(state_);
+    auto mass = New<mass::DiagonalMass<Vec3Types>>();
+    mass->d_vertexMass.setValue({plan_.masses.begin(), plan_.masses.end()});
+    node_->addObject(mass);
+    addLaw();
+    loads_ = New<BodyLoads>();
+    loads_->setName("loads");
+    loads_->surface = plan_.surface;
+    loads_->forces = plan_.def.forces;
+    loads_->pressure = plan_.def.pressure;
+    if (!plan_.def.gravity) loads_->weightless = plan_.masses;
+    node_->addObject(loads_);
+    ::sofa::simulation::node::init(node_.get());
+    setPins(plan_.pins);
+}
+
+SoftNode::~SoftNode()
+{
+    if (node_) ::sofa::simulation::node::unload(node_);
+}
+
+void SoftNode::addSolver()
+{
+    if (const auto* explicitly = std::get_if<physics::ExplicitEuler>(&plan_.def.integrator)) {
+        auto euler = New<odesolver::forward::EulerExplicitSolver>();
+        euler->d_symplectic.setValue(explicitly->symplectic);
+        node_->addObject(euler);
+        return;
+    }
+    auto euler = New<odesolver::backward::EulerImplicitSolver>();
+    euler->d_rayleighMass.setValue(plan_.def.rayleigh.mass);
+    euler->d_rayleighStiffness.setValue(plan_.def.rayleigh.stiffness);
+    node_->addObject(euler);
+    solver_ = solverOf(plan_.def.solver);
+    node_->addObject(solver_);
+}
+
+void SoftNode::addLaw()
+{
+    if (const auto* springs = std::get_if<physics::MassSpringMaterial>(&plan_.def.material))
+        law_ = springsOf(plan_, *springs, state_.get());
+    else
+        law_ = continuumOf(plan_, std::get<physics::FemMaterial>(plan_.def.material).law);
+    law_->setName("law");
+    node_->addObject(law_);
+}
+
+void SoftNode::read(SoftState& out) const
+{
+    fromSofaList(state_->x.getValue(), out.positions);
+    fromSofaList(state_->v.getValue(), out.velocities);
+}
+
+void SoftNode::write(const SoftState& state)
+{
+    state_->x.setValue(toSofaList<Vec3Types::VecCoord>(state.positions));
+    state_->v.setValue(toSofaList<Vec3Types::VecDeriv>(state.velocities));
+}
+
+bool SoftNode::isUsable() const
+{
+    const auto near = [](const auto& list) {
+        for (const auto& each : list)
+            if (!(each.norm() < physics::kFarthest)) return false; // also NaN
+        return true;
+    };
+    return near(state_->x.getValue()) && near(state_->v.getValue());
+}
+
+SolveOutcome SoftNode::outcome() const
+{
+    if (const auto* free = dynamic_cast<const FreeGradients*>(solver_.get())) return outcomeOf(*free);
+    if (const auto* assembled = dynamic_cast<const AssembledGradients*>(solver_.get())) return outcomeOf(*assembled);
+    return {.iterations = solver_ ? 1 : 0};
+}
+
+void SoftNode::setPins(std::vector<PinGroup> pins)
+{
+    pins_ = std::move(pins);
+    std::vector<int> hard;
+    loads_->springs.clear();
+    for (const PinGroup& group : pins_)
+        for (std::size_t i = 0; i < group.nodes.size(); ++i)
+            if (group.stiffness == physics::kHard)
+                hard.push_back(group.nodes[i]);
+            else
+                loads_->springs.push_back(
+                    {static_cast<std::size_t>(group.nodes[i]), toSofa(group.places[i]), group.stiffness});
+    std::ranges::sort(hard);
+    hard.erase(std::ranges::unique(hard).begin(), hard.end());
+    if (fixed_) node_->removeObject(fixed_);
+    fixed_.reset();
+    if (hard.empty()) return;
+    // The constraint cancels changes of velocity only: a node that moved when it was attached would go on.
+    ::sofa::helper::WriteAccessor velocities(state_->v);
+    for (const int each : hard) velocities[static_cast<std::size_t>(each)].clear();
+    auto fixed = New<Fixed>();
+    fixed->setName("pins");
+    ::sofa::type::vector<::sofa::Index> indices;
+    for (const int each : hard) indices.push_back(static_cast<::sofa::Index>(each));
+    fixed->d_indices.setValue(indices);
+    fixed_ = fixed;
+    node_->addObject(fixed_);
+    fixed->init();
+}
+
+void SoftNode::setMaterial(SoftPlan plan)
+{
+    plan_.def.material = plan.def.material;
+    plan_.youngModulus = std::move(plan.youngModulus);
+    plan_.poissonRatio = std::move(plan.poissonRatio);
+    node_->removeObject(law_);
+    addLaw();
+    law_->init();
+    law_->bwdInit();
+}
+
+} // namespace filasofia::sofaengine

@@ -1,0 +1,69 @@
+#pragma once
+
+#include "filasofia/sofa/body_loads.h"
+
+#include "filasofia/frame/frame.h"
+#include "filasofia/physics/step.h"
+
+#include <sofa/component/statecontainer/MechanicalObject.h>
+#include <sofa/simulation/Node.h>
+
+namespace filasofia::sofaengine {
+
+/// What the solver of a body did in a step.
+struct SolveOutcome {
+    int iterations = 0;
+    double residual = 0.0; ///< [-], relative to the right side
+    bool atLimit = false;  ///< it ended at its largest number of iterations
+};
+
+/// Where a body is.
+struct SoftState {
+    std::vector<Vec3> positions = {};  ///< [m]
+    std::vector<Vec3> velocities = {}; ///< [m/s]
+};
+
+/// A soft body in SOFA: a node with its state, mass, law, loads, pins and solvers.
+class SoftNode {
+public:
+    /// Makes the node below `root`. Throws what SOFA throws.
+    SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root);
+    ~SoftNode();
+    SoftNode(const SoftNode&) = delete;
+    SoftNode& operator=(const SoftNode&) = delete;
+
+    [[nodiscard]] BodyId id() const { return id_; }
+    [[nodiscard]] const SoftPlan& plan() const { return plan_; }
+    [[nodiscard]] ::sofa::simulation::Node& node() const { return *node_; }
+    [[nodiscard]] BodyLoads& loads() const { return *loads_; }
+
+    /// Writes the state into lists, whose memory is reused.
+    void read(SoftState& out) const;
+    void write(const SoftState& state);
+    /// Whether every position and velocity is finite and near enough.
+    [[nodiscard]] bool isUsable() const;
+    [[nodiscard]] SolveOutcome outcome() const;
+
+    /// Attachments to space.
+    [[nodiscard]] const std::vector<PinGroup>& pins() const { return pins_; }
+    void setPins(std::vector<PinGroup> pins);
+    /// Gives it another material of the same mesh; its state stays.
+    void setMaterial(SoftPlan plan);
+
+private:
+    using State = ::sofa::component::statecontainer::MechanicalObject<Vec3Types>;
+
+    SoftNode(BodyId id, SoftPlan plan) : id_(id), plan_(std::move(plan)) {}
+    void addLaw();
+    void addSolver();
+
+    BodyId id_;
+    SoftPlan plan_;
+    std::vector<PinGroup> pins_;
+    ::sofa::simulation::Node::SPtr node_;
+    State::SPtr state_;
+    BodyLoads::SPtr loads_;
+    ::sofa::core::objectmodel::BaseObject::SPtr law_, fixed_, solver_;
+};
+
+} // namespace filasofia::sofaengine

@@ -1,0 +1,165 @@
+#include "filasofia/sofa/soft_plan.h"
+
+#include "filasofia/core/validate.h"
+#include "filasofia/geometry/surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace filasofia::sofaengine {
+namespace {
+
+using physics::FemMaterial;
+using physics::SoftBodyDef;
+using physics::TissueRegion;
+
+constexpr const char* kLacks = " is not available with the engine 'sofa'"; // how every refusal ends
+
+/// SOFA's laws of the same energy as ours.
+bool isKnown(const physics::ElasticLaw& law)
+{
+    return std::holds_alternative<physics::Corotational>(law) || std::holds_alternative<physics::NeoHookean>(law) ||
+           std::holds_alternative<physics::StVenantKirchhoff>(law);
+}
+
+bool isUniform(const FemMaterial& material)
+{
+    const auto elastic = [](const TissueRegion& each) { return each.youngModulus || each.poissonRatio; };
+    return material.stiffnessField.empty() && std::ranges::none_of(material.regions, elastic);
+}
+
+void checkMaterial(const FemMaterial& material, const std::string& object)
+{
+    if (!isKnown(material.law)) fail(object, ".law ", nameOf(material.law), kLacks);
+    if (!material.fibres.empty()) fail(object, ".fibres", kLacks);
+    if (!material.relaxation.empty()) fail(object, ".relaxation", kLacks);
+    if (std::isfinite(material.yieldStress)) fail(object, ".yieldStress", kLacks);
+    if (std::isfinite(material.validStrain)) fail(object, ".validStrain", kLacks);
+    for (std::size_t i = 0; i < material.regions.size(); ++i) {
+        const TissueRegion& region = material.regions[i];
+        const char* field = region.tearingThreshold ? "tearingThreshold"
+                            : region.restScale      ? "restScale"
+                            : region.yieldStress    ? "yieldStress"
+                                                    : nullptr;
+        if (field) fail(object, ".regions[", i, "].", field, kLacks);
+    }
+    if (!std::holds_alternative<physics::Corotational>(material.law) && !isUniform(material))
+        fail(object, ": a ", nameOf(material.law), " law whose stiffness differs between elements", kLacks,
+             ": use Corotational");
+}
+
+void checkBody(const SoftBodyDef& def, const std::string& object)
+{
+    if (std::holds_alternative<physics::ShellMaterial>(def.material)) fail(object, ": material: a shell", kLacks);
+    if (!def.collision.empty()) fail(object, ": collision", kLacks);
+    if (def.dynamicTopology) fail(object, ": dynamicTopology", kLacks);
+}
+
+double densityOf(const SoftBodyDef& def, const geometry::TetMesh& mesh)
+{
+    if (const auto* density = std::get_if<physics::Density>(&def.mass)) return density->value;
+    double volume = 0.0;
+    for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) volume += signedVolume(mesh, static_cast<int>(t));
+    return std::get<physics::TotalMass>(def.mass).value / volume;
+}
+
+/// Stiffness per tetrahedron, with what regions say, and their densities: the last of several regions counts.
+void addTissue(const FemMaterial& material, const std::string& object, std::vector<double>& density, SoftPlan& plan)
+{
+    physics::check(material, plan.mesh, object);
+    checkMaterial(material, object);
+    plan.youngModulus.assign(density.size(), material.youngModulus);
+    plan.poissonRatio.assign(density.size(), material.poissonRatio);
+    const geometry::TetMesh atRest = *loadMesh(plan.def); // regions are in the coordinates of the mesh
+    for (std::size_t i = 0; i < material.regions.size(); ++i) {
+        const TissueRegion& region = material.regions[i];
+        for (const int t : tetrahedraOf(region.where, atRest, text(object, ".regions[", i, "].where"))) {
+            const auto at = static_cast<std::size_t>(t);
+            plan.youngModulus[at] = region.youngModulus.value_or(plan.youngModulus[at]);
+            plan.poissonRatio[at] = region.poissonRatio.value_or(plan.poissonRatio[at]);
+            density[at] = region.density.value_or(density[at]);
+        }
+    }
+    for (std::size_t t = 0; t < material.stiffnessField.size(); ++t) plan.youngModulus[t] *= material.stiffnessField[t];
+}
+
+void addSprings(SoftPlan& plan)
+{
+    for (const geometry::Tetrahedron& t : plan.mesh.tetrahedra)
+        for (int i = 0; i < 4; ++i)
+            for (int j = i + 1; j < 4; ++j) plan.edges.push_back({std::min(t[i], t[j]), std::max(t[i], t[j])});
+    std::ranges::sort(plan.edges);
+    plan.edges.erase(std::ranges::unique(plan.edges).begin(), plan.edges.end());
+}
+
+/// The material, and a quarter of each tetrahedron's mass at each of its corners.
+void addMaterial(const std::string& object, SoftPlan& plan)
+{
+    std::vector<double> density(plan.mesh.tetrahedra.size(), densityOf(plan.def, plan.mesh));
+    if (const auto* tissue = std::get_if<FemMaterial>(&plan.def.material))
+        addTissue(*tissue, object, density, plan);
+    else
+        addSprings(plan);
+    plan.masses.assign(plan.mesh.nodes.size(), 0.0);
+    for (std::size_t t = 0; t < density.size(); ++t)
+        for (const int node : plan.mesh.tetrahedra[t])
+            plan.masses[static_cast<std::size_t>(node)] +=
+                density[t] * signedVolume(plan.mesh, static_cast<int>(t)) / 4.0;
+}
+
+PinGroup pinsOf(const physics::AttachmentDef& def, const std::string& object, const std::vector<Vec3>& rest)
+{
+    const int count = static_cast<int>(rest.size());
+    for (const int node : def.nodes)
+        if (node < 0 || node >= count) fail(object, ".nodes must be in [0, ", count, "), got ", node);
+    if (def.box && geometry::isEmpty(*def.box)) fail(object, ".box: high must be >= low in every axis");
+    checkPin(def, object);
+    PinGroup group{.nodes = nodesOf(def, rest), .stiffness = def.stiffness};
+    if (group.nodes.empty()) fail(object, ": must hold at least one node, got none");
+    for (const int node : group.nodes) group.places.push_back(rest[static_cast<std::size_t>(node)]);
+    return group;
+}
+
+} // namespace
+
+void checkPin(const physics::AttachmentDef& def, const std::string& object)
+{
+    if (def.to) fail(object, ".to: an attachment to another body", kLacks);
+    if (std::isfinite(def.breakForce)) fail(object, ".breakForce", kLacks);
+}
+
+std::vector<int> nodesOf(const physics::AttachmentDef& def, const std::vector<Vec3>& at)
+{
+    std::vector<int> nodes = def.nodes;
+    for (std::size_t i = 0; i < at.size(); ++i) {
+        const bool inBall = def.ball && distance(at[i], def.ball->centre) <= def.ball->radius;
+        if (inBall || (def.box && geometry::squaredDistance(*def.box, at[i]) == 0.0))
+            nodes.push_back(static_cast<int>(i));
+    }
+    std::ranges::sort(nodes);
+    nodes.erase(std::ranges::unique(nodes).begin(), nodes.end());
+    return nodes;
+}
+
+SoftPlan planSoft(const SoftBodyDef& def)
+{
+    const std::string object = describeBody(physics::BodyDef{def});
+    validate(def, object);
+    check(physics::BodyDef{def});
+    checkBody(def, object);
+    SoftPlan plan{.def = def, .mesh = worldMesh(def)};
+    addMaterial(object + ": material", plan);
+    for (std::size_t i = 0; i < def.attachments.size(); ++i)
+        plan.pins.push_back(pinsOf(def.attachments[i], text(object, ": attachments[", i, "]"), plan.mesh.nodes));
+    for (const physics::NodalForce& each : def.forces)
+        if (static_cast<std::size_t>(each.node) >= plan.mesh.nodes.size())
+            fail(object, ": forces: node must be in [0, ", plan.mesh.nodes.size(), "), got ", each.node);
+    const geometry::Surface surface = geometry::extractSurface(plan.mesh);
+    for (const geometry::Triangle& each : surface.mesh.triangles) {
+        const auto node = [&](int corner) { return surface.nodes[static_cast<std::size_t>(each[corner])]; };
+        plan.surface.push_back({node(0), node(1), node(2)});
+    }
+    return plan;
+}
+
+} // namespace filasofia::sofaengine

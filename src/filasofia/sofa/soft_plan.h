@@ -1,0 +1,41 @@
+#pragma once
+
+#include "filasofia/core/attachment_id.h"
+#include "filasofia/geometry/tet_mesh.h"
+#include "filasofia/physics/commands.h"
+
+#include <array>
+#include <vector>
+
+namespace filasofia::sofaengine {
+
+/// Nodes that are held in space.
+struct PinGroup {
+    AttachmentId id = {};
+    std::vector<int> nodes = {};
+    std::vector<Vec3> places = {};     ///< [m] where they are held, one per node
+    double stiffness = physics::kHard; ///< [N/m] a spring per node
+};
+
+/// A soft body as its node in SOFA is made: checked, plain data of ours, made on any thread.
+struct SoftPlan {
+    physics::SoftBodyDef def = {};
+    geometry::TetMesh mesh = {};                  ///< in the world, at rest
+    std::vector<double> masses = {};              ///< [kg] per node
+    std::vector<double> youngModulus = {};        ///< [Pa] per tetrahedron; empty if the material is of springs
+    std::vector<double> poissonRatio = {};        ///< [-] per tetrahedron; empty if the material is of springs
+    std::vector<std::array<int, 2>> edges = {};   ///< those of the mesh, once each; empty unless it is of springs
+    std::vector<PinGroup> pins = {};              ///< those of the Def, in its order
+    std::vector<std::array<int, 3>> surface = {}; ///< faces of one tetrahedron, counter-clockwise from outside
+};
+
+/// Throws an Error that names the body and the field if the Def is wrong, or if it asks for what this engine lacks.
+SoftPlan planSoft(const physics::SoftBodyDef& def);
+
+/// Nodes that an attachment selects, ascending. `at`: where they are now.
+std::vector<int> nodesOf(const physics::AttachmentDef& def, const std::vector<Vec3>& at);
+
+/// Throws an Error that begins with `object` if an attachment is more than a hold in space.
+void checkPin(const physics::AttachmentDef& def, const std::string& object);
+
+} // namespace filasofia::sofaengine

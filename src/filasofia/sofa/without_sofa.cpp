@@ -1,0 +1,22 @@
+#include "filasofia/core/error.h"
+#include "filasofia/sofa/sofa_engine.h"
+#include "filasofia/sofa/tune.h"
+
+// The room of a program that was built without SOFA.
+namespace filasofia::sofaengine {
+
+bool isBuiltIn() { return false; }
+
+std::unique_ptr<physics::PhysicsEngine> makeSofaEngine(const SofaEngineDef& /*def*/)
+{
+    fail("engine 'sofa' is not built in: install SOFA 25.12 and build again with -DFILASOFIA_SOFA=ON "
+         "(docs/guide/sofa.md)");
+}
+
+void tune(physics::PhysicsServer& /*server*/,
+          std::function<void(::sofa::simulation::Node& root, const NodeOf& nodeOf)> /*change*/)
+{
+    fail("tune: the engine 'sofa' is not in use");
+}
+
+} // namespace filasofia::sofaengine

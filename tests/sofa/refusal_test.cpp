@@ -1,0 +1,147 @@
+#include "sofa/sofa_stage.h"
+
+namespace refusal_test {
+
+using namespace filasofia;
+using namespace filasofia::physics;
+using namespace filasofia::sofa_test;
+
+namespace {
+
+SoftBodyDef tissue()
+{
+    return {.name = "tissue", .mesh = bar(1, 1, 1, {0.01, 0.01, 0.01}), .material = FemMaterial{.law = Corotational{}}};
+}
+
+void refuses(const SoftBodyDef& def, const std::string& says)
+{
+    const auto server = serverWith("sofa");
+    CHECK_THROWS_WITH(server->add(def),
+                      Catch::StartsWith("soft body 'tissue': " + says) && Catch::Contains("with the engine 'sofa'"));
+}
+void refuses(const RigidBodyDef& def, const std::string& says)
+{
+    const auto server = serverWith("sofa");
+    CHECK_THROWS_WITH(server->add(def),
+                      Catch::StartsWith("rigid body 'tool': " + says) && Catch::Contains("with the engine 'sofa'"));
+}
+
+} // namespace
+
+TEST_CASE("what the engine says of itself")
+{
+    const auto info = runtime::makeEngine("sofa", {})->info();
+    CHECK((info.name == "sofa" && !info.version.empty()));
+    CHECK_FALSE((info.repeatable || info.deadline || info.cuts || info.joints));
+    CHECK_THROWS_WITH(runtime::makeEngine("sofa", {.period = 0.0}), Catch::Contains("period must be in (0, 10] s"));
+}
+
+TEST_CASE("a soft body that asks for what SOFA lacks is refused when it is added")
+{
+    SoftBodyDef def = tissue();
+    auto& material = std::get<FemMaterial>(def.material);
+    SECTION("law")
+    {
+        material.law = Fung{};
+        refuses(def, "material.law Fung");
+    }
+    SECTION("fibres")
+    {
+        material.fibres = {{}};
+        refuses(def, "material.fibres");
+    }
+    SECTION("relaxation")
+    {
+        material.relaxation = {{}};
+        refuses(def, "material.relaxation");
+    }
+    SECTION("yield")
+    {
+        material.yieldStress = 1e3;
+        refuses(def, "material.yieldStress");
+    }
+    SECTION("strain")
+    {
+        material.validStrain = 0.5;
+        refuses(def, "material.validStrain");
+    }
+    SECTION("region")
+    {
+        material.regions = {{.where = Listed{{0}}, .restScale = 0.9}};
+        refuses(def, "material.regions[0].restScale");
+    }
+    SECTION("uneven")
+    {
+        material.law = NeoHookean{};
+        material.regions = {{.where = Listed{{0}}, .youngModulus = 1.0}};
+        refuses(def, "material: a NeoHookean law");
+    }
+    SECTION("collision")
+    {
+        def.collision = {{}};
+        refuses(def, "collision");
+    }
+    SECTION("cuts")
+    {
+        def.dynamicTopology = true;
+        refuses(def, "dynamicTopology");
+    }
+    SECTION("break")
+    {
+        def.attachments = {{.nodes = {0}, .breakForce = 1.0}};
+        refuses(def, "attachments[0].breakForce");
+    }
+}
+
+TEST_CASE("a rigid body or a rod that asks for what SOFA lacks is refused")
+{
+    RigidBodyDef def{.name = "tool", .dynamic = true, .mass = GivenInertia{}};
+    SECTION("collision")
+    {
+        def.collision = {{.mesh = std::make_shared<const geometry::TriangleMesh>(
+                              geometry::TriangleMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {}})}};
+        refuses(def, "collision");
+    }
+    SECTION("joints")
+    {
+        def.articulation.joints = {{}};
+        refuses(def, "articulation");
+    }
+    SECTION("attachment")
+    {
+        def.attachments = {{}};
+        refuses(def, "attachments");
+    }
+    SECTION("damping")
+    {
+        def.angularDamping = 1.0;
+        refuses(def, "an angularDamping");
+    }
+    SECTION("rod")
+    {
+        const auto server = serverWith("sofa");
+        CHECK_THROWS_WITH(server->add(RodBodyDef{.name = "thread", .points = {{0, 0, 0}, {0.01, 0, 0}, {0.02, 0, 0}}}),
+                          Catch::Contains("a rod is not available with the engine 'sofa'"));
+    }
+}
+
+TEST_CASE("a command that SOFA cannot carry out is refused at its caller")
+{
+    const auto server = serverWith("sofa");
+    const BodyId body = server->add(tissue());
+    const BodyId tool = server->add(RigidBodyDef{.name = "tool"});
+    const auto refused = [&](auto&& act, const std::string& says) {
+        CHECK_THROWS_WITH(act(), Catch::Contains(says) && Catch::Contains("not available with the engine 'sofa'"));
+    };
+    refused([&] { server->setHaptic(tool, {}); }, "rigid body 'tool': SetHaptic");
+    refused([&] { server->grasp(tool, body); }, "rigid body 'tool': Grasp");
+    const BodyId stone = server->add(RigidBodyDef{.name = "stone", .dynamic = true, .mass = GivenInertia{}});
+    refused([&] { server->attach(stone, RigidAttachmentDef{}); }, "rigid body 'stone': AttachRigid");
+    refused([&] { server->setTissue(body, {.where = Listed{{0}}, .youngModulus = 1e3}); },
+            "soft body 'tissue': SetTissue");
+    refused([&] { server->attach(body, AttachmentDef{.nodes = {0}, .to = tool}); }, "soft body 'tissue': attach.to");
+    server->step(1e-3);
+    CHECK(server->latest()->softBodies.size() == 1);
+}
+
+} // namespace refusal_test
