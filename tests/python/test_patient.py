@@ -194,6 +194,15 @@ def test_what_cannot_be_meshed_is_refused(act, says):
         act()
 
 
+@pytest.mark.parametrize("millimetres", [0.2, 1, 6])
+def test_the_probe_of_a_scene_begins_outside_of_organs_of_any_size(millimetres, tmp_path):
+    map_ = anatomy.LabelMap(np.pad(np.ones((20, 20, 20), np.uint8), 3), spacing=millimetres * 1e-3, names={1: "kidney"})
+    anatomy.write_scene(anatomy.mesh_labels(map_, 800), str(tmp_path / "a.json"))
+    with fs.load(str(tmp_path / "a.json"), threads=1) as sim:
+        sim.step(20)
+        assert sim.report().intersecting == 0 and not sim.report().contacts
+
+
 @pytest.mark.parametrize("reader", fuzz_labels.READERS)
 def test_damaged_label_maps_are_read_or_refused(reader, tmp_path):
     """tests/python/fuzz_labels.py does a million."""

@@ -1,6 +1,12 @@
 #include "engine/stage.h"
 
+#include "filasofia/engine/contact/sheathed_blades.h"
 #include "filasofia/geometry/shapes.h"
+
+#include <array>
+#include <cmath>
+#include <random>
+#include <span>
 
 namespace switched_blade_test {
 
@@ -15,6 +21,7 @@ struct Hook {
     BodyId blade;
     double force = 0.0; ///< [N] highest contact force between them
     std::size_t ruptures = 0;
+    int pushedOn = 0; ///< steps in which a blade that was off was pushed on
 
     Hook() : Hook(NativeEngineDef{.threads = 1}) {}
     explicit Hook(const NativeEngineDef& engine) : stage(engine)
@@ -38,7 +45,9 @@ struct Hook {
         frame::Frame frame;
         for (int i = 1; i <= 60; ++i) {
             stage.post(physics::SetPose{blade, 0, at(from + (to - from) * i / 60)});
-            ruptures += stage.step(1e-3).topology.ruptures.size();
+            const physics::TopologyReport report = stage.step(1e-3).topology;
+            ruptures += report.ruptures.size();
+            pushedOn += report.bladeOff;
             stage.world.capture(frame);
             for (const frame::Contact& contact : frame.contacts) force = std::max(force, contact.normalForce);
         }
@@ -63,19 +72,73 @@ TEST_CASE("a blade that is switched off pushes what it would cut, and cuts when 
     CHECK(hook.force == 0.0); // it does not push what it cuts
 }
 
-TEST_CASE("a blade that is switched off in tissue cuts no further, until it is switched on again")
+TEST_CASE("a blade that is switched off in tissue stays in its cut without a force until it is out")
 {
     Hook hook;
     hook.move(0.033, 0.020);
     hook.cutting(false);
     const std::size_t before = hook.ruptures;
     CHECK(before > 0);
-    hook.move(0.020, 0.016);
+    hook.move(0.020, 0.020);
+    CHECK(hook.pushedOn == 0);
+    hook.move(0.020, 0.033); // contact with the walls of the cut gave kilonewtons here
+    CHECK(hook.force == 0.0);
+    CHECK(hook.pushedOn == 0);
+    CHECK(hook.stage.world.scene().rigid[0].state.sheath == 0);
+    hook.move(0.033, 0.027); // beside its cut, which is closed, it pushes again
+    CHECK(hook.force > 0.05);
+    CHECK(hook.force < 5.0);
     CHECK(hook.ruptures == before);
-    CHECK(hook.force > 0.0);
+}
+
+TEST_CASE("a blade that is off and pushed on into tissue is counted, and cuts when it is switched on again")
+{
+    Hook hook;
+    hook.move(0.033, 0.020);
+    hook.cutting(false);
+    const std::size_t before = hook.ruptures;
+    hook.move(0.020, 0.004);
+    CHECK(hook.pushedOn > 0);
+    CHECK(hook.ruptures == before);
+    CHECK(hook.force == 0.0);
+    hook.move(0.004, 0.020);
     hook.cutting(true);
-    hook.move(0.016, 0.004);
+    hook.move(0.020, 0.004);
     CHECK(hook.ruptures > before);
+}
+
+TEST_CASE("a triangle is near an element if no plane parts them by more than the margin")
+{
+    // Against the distance of points of both, taken at random.
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> coordinate(-1.0, 1.0), share(0.0, 1.0);
+    const auto point = [&] { return Vec3{coordinate(random), coordinate(random), coordinate(random)}; };
+    const auto inside = [&](std::span<const Vec3> of) {
+        Vec3 sum;
+        double all = 0.0;
+        for (const Vec3& each : of) {
+            const double weight = -std::log(share(random) + 1e-12);
+            sum += weight * each;
+            all += weight;
+        }
+        return 1.0 / all * sum;
+    };
+    int near = 0, apart = 0;
+    for (int turn = 0; turn < 200; ++turn) {
+        const std::array<Vec3, 3> triangle{point(), point(), point()};
+        const Vec3 aside{turn % 2 == 0 ? 1.5 : 0.0, 0.0, 0.0};
+        const std::array<Vec3, 4> corners{aside + point(), aside + point(), aside + point(), aside + point()};
+        const std::span<const Vec3> element(corners.data(), turn % 3 == 0 ? 3 : 4);
+        double least = 1e9;
+        for (int i = 0; i < 2000; ++i) least = std::min(least, distance(inside(triangle), inside(element)));
+        const bool said = isNear(triangle, element, 0.1);
+        near += said;
+        apart += !said;
+        if (!said) CHECK(least > 0.1);      // never apart if points are near
+        if (least > 0.6) CHECK_FALSE(said); // and never near if all points are far
+    }
+    CHECK(near > 20);
+    CHECK(apart > 20);
 }
 
 TEST_CASE("whether a blade cuts belongs to the state: hash, saved state and reset know it")

@@ -42,6 +42,8 @@ def lattice(origin: Array, shape: Array, size: float) -> tuple[Array, Array]:
 
 def _votes(fields: Fields, nodes: Array, tetrahedra: Array) -> Array:
     """Row that has most of 20 points in each tetrahedron; the field at the middle decides where it is far ahead."""
+    if not len(tetrahedra):  # the whole map is smaller than an element
+        return np.zeros(0, int)
     corner = nodes[tetrahedra]
     middle = corner.mean(axis=1)
     out, ahead = fields.leader(middle)

@@ -60,6 +60,8 @@ def refuse_too_small(size: float, room: float) -> None:
 
 def _start(fields: Fields, size: float) -> tuple[Array, Array, Array]:
     nodes, tetrahedra, rows = _lattice.labelled(fields, size)
+    if not rows.any():  # a voxel or two, which smoothing has removed
+        return nodes, tetrahedra[:0], rows[:0]
     rows = _lattice.tidy(nodes, tetrahedra, rows)
     tetrahedra, rows = tetrahedra[rows > 0], rows[rows > 0]
     for _ in range(8):
@@ -81,8 +83,8 @@ def _refuse_lost(fields: Fields, rows: Array, wanted: Array, size: float) -> Non
     if len(lost):
         label = fields.labels[1 + lost[0]]
         raise Error(
-            f"mesh: label {label} is thinner than the elements of {size * 1e3:.3g} mm, so nothing of it is left; "
-            f"ask for more or smaller tetrahedra, or leave the label out"
+            f"mesh: label {label} is thinner than the elements of {size * 1e3:.3g} mm, or than its smoothing, so nothing of it is left; "
+            f"ask for smaller elements or less smoothing, or leave the label out"
         )
 
 

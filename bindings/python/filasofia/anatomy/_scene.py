@@ -148,14 +148,16 @@ def _bone(anatomy: Anatomy, name: str, folder: str, stem: str, beside: str) -> J
 def _around(anatomy: Anatomy, bodies: list[Json]) -> Json:
     low, high = anatomy.nodes.min(axis=0), anatomy.nodes.max(axis=0)
     middle, room = 0.5 * (low + high), high - low
-    tip = [float(middle[0]), float(high[1] + 0.25 * room.max()), float(middle[2])]
+    radius = min(0.004, 0.05 * float(room.max()))
+    length = 7.5 * radius
+    tip = [float(middle[0]), float(high[1] + max(0.25 * room.max(), 0.5 * length + 2.0 * radius)), float(middle[2])]
     return {
         "window": {"title": "Patient"},
         "look": {"around": [low.tolist(), high.tolist()], "direction": [0.35, 1.0, -0.75]},
         "bodies": [
             *bodies,
             {
-                "type": "RigidBodyDef", "name": "probe", "elements": [tip], "mesh": {"type": "capsule", "radius": 0.004, "length": 0.03},
+                "type": "RigidBodyDef", "name": "probe", "elements": [tip], "mesh": {"type": "capsule", "radius": radius, "length": length},
                 "dynamic": True, "mass": {"type": "TotalMass", "value": 0.05}, "gravity": False, "collision": [{}],
                 "show": [{"material": "MetalMaterial"}],
             },

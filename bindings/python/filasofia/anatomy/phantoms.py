@@ -137,9 +137,7 @@ def _moved(shape: Shape, at: Array, turn: Array) -> Shape:
     return lambda p: shape((p - at) @ turn)
 
 
-def random_anatomy(seed: int) -> LabelMap:
-    """One to five organs that touch, overlap or stand alone: ellipsoids with bumps, tubes, sheets; with noise, and voxels that need not be cubes."""
-    random = np.random.default_rng(seed)
+def _any_anatomy(random: np.random.Generator, seed: int) -> _typing.Optional[LabelMap]:
     organs: dict[str, Shape] = {}
     for i in range(int(random.integers(1, 6))):
         at = random.uniform(-0.03, 0.03, 3)
@@ -159,4 +157,13 @@ def random_anatomy(seed: int) -> LabelMap:
     noise = float(random.choice([0.0, 0.0, 0.0003, 0.0008]))
     map_ = label_map(organs, (-0.07, -0.07, -0.07), (0.07, 0.07, 0.07), spacing, noise, seed)
     # What others have covered but for a few voxels is no organ that anybody would segment.
-    return map_.only([label for label in map_.labels if (map_.array == label).sum() >= 200])
+    large = [label for label in map_.labels if (map_.array == label).sum() >= 200]
+    return map_.only(large) if large else None
+
+
+def random_anatomy(seed: int) -> LabelMap:
+    """One to five organs that touch, overlap or stand alone: ellipsoids with bumps, tubes, sheets; with noise, and voxels that need not be cubes."""
+    random = np.random.default_rng(seed)
+    while (map_ := _any_anatomy(random, seed)) is None:
+        pass
+    return map_

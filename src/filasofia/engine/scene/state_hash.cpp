@@ -207,8 +207,8 @@ std::uint64_t hashOf(const Scene& scene)
         const RigidState& body = each.state;
         for (const Pose& pose : body.poses) add(hash, pose);
         addJoints(hash, body);
-        if (!body.cutting) hash.add(std::uint64_t{1});            // the hash of others stays
-        if (body.sheath > 0) hash.add(body.sheath);
+        if (!body.cutting) hash.add(std::uint64_t{1}); // the hash of others stays
+        if (body.sheath > 0) hash.add(static_cast<std::uint64_t>(body.sheath));
         if (!each.model.dynamic && body.joints.empty()) continue; // a kinematic body is its poses alone
         for (const auto* list : {&body.velocities, &body.angularVelocities})
             for (const Vec3& v : *list) add(hash, v);
