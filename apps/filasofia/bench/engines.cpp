@@ -148,6 +148,9 @@ std::vector<Verdict> judge(const std::vector<EngineCell>& cells)
 json benchEngines(const std::string& other, bool quick)
 {
     const std::vector<std::string> engines = {runtime::engineNames().front(), other};
+    json info = json::array();
+    for (const std::string& each : engines) // an engine that cannot be had ends here, before anything is measured
+        info.push_back({{"name", each}, {"version", runtime::makeEngine(each, {})->info().version}});
     const std::vector<int> sizes = quick ? std::vector{756} : std::vector{756, 1492, 3004, 10000, 30000};
     std::printf("the bunny, corotational law, pinned at the head, steps of %g ms, one thread\n"
                 "error: the largest distance to the same engine's converged solution, relative to that solution's "
@@ -158,10 +161,8 @@ json benchEngines(const std::string& other, bool quick)
                 "error", "apart");
     std::vector<EngineCell> cells;
     for (const int tets : sizes) measureMesh(tets, quick ? kQuickSteps : kSteps, engines, cells);
-    json all = json::array(), info = json::array();
+    json all = json::array();
     for (const EngineCell& cell : cells) all.push_back(toJson(cell));
-    for (const std::string& each : engines)
-        info.push_back({{"name", each}, {"version", runtime::makeEngine(each, {})->info().version}});
     return {{"bench", "engines"},
             {"quick", quick},
             {"dt_s", kStep},

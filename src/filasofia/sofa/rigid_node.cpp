@@ -1,6 +1,7 @@
 #include "filasofia/sofa/rigid_node.h"
 
 #include "filasofia/core/text.h"
+#include "filasofia/sofa/node_removal.h"
 
 #include <sofa/component/linearsolver/iterative/CGLinearSolver.h>
 #include <sofa/component/mass/UniformMass.h>
@@ -84,7 +85,7 @@ RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root) 
 
 RigidNode::~RigidNode()
 {
-    if (node_) ::sofa::simulation::node::unload(node_);
+    if (node_) removeNode(node_);
 }
 
 RigidState RigidNode::start() const

@@ -2,12 +2,14 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/sofa/corotational.h"
+#include "filasofia/sofa/node_removal.h"
 
 #include "filasofia/physics/rigid_body_def.h"
 
 #include <sofa/component/constraint/projective/FixedProjectiveConstraint.h>
 #include <sofa/component/linearsolver/direct/SparseLDLSolver.h>
 #include <sofa/component/linearsolver/iterative/CGLinearSolver.h>
+#include <sofa/component/linearsystem/MatrixLinearSystem.h>
 #include <sofa/component/mass/DiagonalMass.h>
 #include <sofa/component/odesolver/backward/EulerImplicitSolver.h>
 #include <sofa/component/odesolver/forward/EulerExplicitSolver.h>
@@ -27,10 +29,11 @@ using namespace ::sofa::component;
 using ::sofa::core::objectmodel::New;
 using Fixed = constraint::projective::FixedProjectiveConstraint<Vec3Types>;
 using Blocks = ::sofa::linearalgebra::CompressedRowSparseMatrix<::sofa::type::Mat<3, 3, SReal>>;
+using Assembled = ::sofa::linearalgebra::FullVector<SReal>;
 using Scattered = linearsolver::GraphScatteredMatrix;
 using FreeGradients = linearsolver::iterative::CGLinearSolver<Scattered, linearsolver::GraphScatteredVector>;
-using AssembledGradients = linearsolver::iterative::CGLinearSolver<Blocks, ::sofa::linearalgebra::FullVector<SReal>>;
-using Direct = linearsolver::direct::SparseLDLSolver<Blocks, ::sofa::linearalgebra::FullVector<SReal>>;
+using AssembledGradients = linearsolver::iterative::CGLinearSolver<Blocks, Assembled>;
+using Direct = linearsolver::direct::SparseLDLSolver<Blocks, Assembled>;
 using Springs = solidmechanics::spring::SpringForceField<Vec3Types>;
 using Hyperelastic = solidmechanics::fem::hyperelastic::TetrahedronHyperelasticityFEMForceField<Vec3Types>;
 
@@ -167,7 +170,7 @@ SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root) : S
 
 SoftNode::~SoftNode()
 {
-    if (node_) ::sofa::simulation::node::unload(node_);
+    if (node_) removeNode(node_);
 }
 
 void SoftNode::addSolver()
@@ -260,6 +263,10 @@ void SoftNode::setMaterial(SoftPlan plan)
     plan_.def.material = plan.def.material;
     plan_.youngModulus = std::move(plan.youngModulus);
     plan_.poissonRatio = std::move(plan.poissonRatio);
+    // An assembled system keeps what it made for the old law, and with it the law, until it begins anew: a change of
+    // this value, even to the same, makes it.
+    for (auto* system : node_->getNodeObjects<linearsystem::MatrixLinearSystem<Blocks, Assembled>>())
+        system->d_checkIndices.setValue(false);
     node_->removeObject(law_);
     addLaw();
     law_->init();
