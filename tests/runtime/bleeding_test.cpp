@@ -1,8 +1,15 @@
 #include "filasofia/filasofia.h"
 
 #include "filasofia/runtime/film_marks.h"
+#include "filasofia/runtime/replay.h"
 #include "filasofia/runtime/stepped_run.h"
+#include "filasofia/visual/image.h"
 #include "shown_stage.h"
+#include "skip.h"
+
+#include <filesystem>
+
+#include <unistd.h>
 
 namespace bleeding_test {
 
@@ -76,6 +83,27 @@ TEST_CASE("a state has the blood: steps after restore() have that of the steps a
     CHECK(go() == first);
     run.restore(*saved);
     CHECK(go() == first);
+}
+
+TEST_CASE("a replay shows the blood of the run, to the byte")
+{
+    if (skipIf(!visual::hasBackend(Backend::Headless), "this build draws nothing")) return;
+    const auto folder = std::filesystem::temp_directory_path() / text("filasofia_bleeding_test_", getpid());
+    std::filesystem::create_directory(folder);
+    const auto picture = [&](const char* name, bool bleeds) {
+        Wound wound(1, bleeds);
+        wound.sim.show(wound.tissue);
+        wound.sim.everyStep([&wound, bleeds](double time) {
+            if (bleeds && std::abs(time - 0.3) < 1e-9) wound.sim.treat(wound.tissue, Injure{{10_mm, 6_mm, 5_mm}, 5_mm});
+        });
+        wound.sim.run({.headless = true, .steps = 350, .picture = folder / name, .record = folder / "run.rec"});
+        return visual::loadImage(folder / name).rgba;
+    };
+    const auto dry = picture("dry.png", false), wet = picture("wet.png", true);
+    CHECK(wet != dry);
+    replay({.file = folder / "run.rec", .picture = folder / "again.png"});
+    CHECK(visual::loadImage(folder / "again.png").rgba == wet);
+    std::filesystem::remove_all(folder);
 }
 
 TEST_CASE("a reset cleans and heals; a wound without a cut heals with it")
