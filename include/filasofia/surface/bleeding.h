@@ -37,6 +37,7 @@ public:
 
 private:
     void set(std::vector<geometry::Triangle> triangles, std::vector<std::uint8_t> opened);
+    std::vector<int> carry(const std::vector<int>& before, const std::vector<int>& local);
     void spread(const std::vector<int>& fresh);
     void measureWounds();
     void well(double dt);

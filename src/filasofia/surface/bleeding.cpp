@@ -77,10 +77,6 @@ void Bleeding::follow(const frame::Boundary& boundary)
 void Bleeding::set(std::vector<geometry::Triangle> triangles, std::vector<std::uint8_t> opened)
 {
     const std::vector<int> before = std::move(nodes_);
-    const FilmContent content = std::move(content_);
-    const std::vector<std::uint8_t> wound = std::move(wound_);
-    const std::vector<double> vessels = std::move(vessels_);
-
     nodes_.clear();
     for (const geometry::Triangle& each : triangles) nodes_.insert(nodes_.end(), each.begin(), each.end());
     std::ranges::sort(nodes_);
@@ -90,6 +86,25 @@ void Bleeding::set(std::vector<geometry::Triangle> triangles, std::vector<std::u
     for (geometry::Triangle& each : triangles)
         for (int& node : each) node = local[node];
 
+    const std::vector<int> fresh = carry(before, local);
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        for (const int v : triangles[t])
+            if (opened[t] != 0 && wound_[v] == kWhole) {
+                wound_[v] = kOpened;
+                vessels_[v] = kNew;
+            }
+    opened_ = std::move(opened);
+    untilLandings_ = 0.0;
+    topology_ = filmTopology(static_cast<int>(nodes_.size()), std::move(triangles));
+    if (!before.empty()) spread(fresh);
+}
+
+/// What lies and bleeds on nodes stays with them. Returns the vertices whose nodes were not there before.
+std::vector<int> Bleeding::carry(const std::vector<int>& before, const std::vector<int>& local)
+{
+    const FilmContent content = std::move(content_);
+    const std::vector<std::uint8_t> wound = std::move(wound_);
+    const std::vector<double> vessels = std::move(vessels_);
     content_.volume.assign(nodes_.size(), 0.0);
     content_.aged.assign(nodes_.size(), 0.0);
     wound_.assign(nodes_.size(), kWhole);
@@ -107,19 +122,10 @@ void Bleeding::set(std::vector<geometry::Triangle> triangles, std::vector<std::u
         vessels_[now] = vessels[v];
         known[now] = 1;
     }
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-        for (const int v : triangles[t])
-            if (opened[t] != 0 && wound_[v] == kWhole) {
-                wound_[v] = kOpened;
-                vessels_[v] = kNew;
-            }
-    opened_ = std::move(opened);
-    untilLandings_ = 0.0;
-    topology_ = filmTopology(static_cast<int>(nodes_.size()), std::move(triangles));
     std::vector<int> fresh;
     for (std::size_t v = 0; v < known.size(); ++v)
-        if (known[v] == 0 && !before.empty()) fresh.push_back(static_cast<int>(v));
-    spread(fresh);
+        if (known[v] == 0) fresh.push_back(static_cast<int>(v));
+    return fresh;
 }
 
 /// A new vertex took its area from those around it, and takes a part of their blood: as much as makes its volume the
