@@ -3,11 +3,17 @@
 import pytest
 
 import filasofia as fs
+from scenes import block
+
+
+def pinned():
+    """Its lower side."""
+    return fs.AttachmentDef(box=fs.Box((-1, -1, -1), (1, -0.0059, 1)))
 
 
 def bleeding():
     sim = fs.Simulation(rate=500)
-    tissue = sim.add(fs.SoftBodyDef(name="tissue", mesh=fs.shapes.block((0.04, 0.012, 0.03), (8, 3, 6))))
+    tissue = sim.add(block(mesh=fs.shapes.block((0.04, 0.012, 0.03), (8, 3, 6)), attachments=[pinned()]))
     sim.bleed(tissue, fs.BleedingDef(flux=1e-3))
     return sim, tissue
 

@@ -8,6 +8,7 @@ import typing as _typing
 
 from . import _core, _defs, shapes
 from ._core import (
+    BloodBalance,
     BodySolve,
     ContactEvent,
     ContactPairReport,
@@ -63,6 +64,7 @@ __all__ = [
     "asset",
     "load",
     "replay",
+    "BloodBalance",
     "BodySolve",
     "ContactEvent",
     "ContactPairReport",
