@@ -45,8 +45,8 @@ private:
     [[nodiscard]] bool idle() const;
 
     BleedingDef def_;
-    std::vector<geometry::Triangle> skin_; ///< of the body before it is cut
-    std::uint64_t revision_ = 0;           ///< of the boundary that it follows
+    std::vector<geometry::Triangle> skin_; ///< the body's before it is cut
+    std::uint64_t revision_ = 0;           ///< that of the boundary it follows
     std::vector<int> nodes_;               ///< the body's node of each vertex, ascending
     FilmTopology topology_;
     std::vector<std::uint8_t> opened_; ///< per triangle

@@ -51,7 +51,7 @@ void findLandings(const FilmTopology& topology, std::span<const Vec3> positions,
                   const FilmContent& content, FilmGeometry& out);
 
 struct FilmLiquid {
-    double viscosity = 4e-3;       ///< [Pa s], of fresh liquid
+    double viscosity = 4e-3;       ///< [Pa s], while it is fresh
     double hardening = 180.0;      ///< [s], age by which its viscosity rises by e
     double density = 1060.0;       ///< [kg/m^3]
     double surfaceTension = 0.056; ///< [N/m]

@@ -14,7 +14,7 @@ constexpr std::uint8_t kWhole = 0;   ///< no vessel is open
 constexpr std::uint8_t kOpened = 1;  ///< bleeds on its opened triangles
 constexpr std::uint8_t kInjured = 2; ///< bleeds on all of its triangles
 constexpr double kLandings = 0.1;    ///< [s] between two looks where drops land
-constexpr double kNew = -1.0;        ///< of vessels that have just been opened
+constexpr double kNew = -1.0;        ///< vessels have just been opened
 
 /// In [0, 1), the same for the same node.
 double drawn(int node)
