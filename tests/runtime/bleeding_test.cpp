@@ -122,7 +122,7 @@ TEST_CASE("a replay shows the blood of the run, to the byte")
     std::filesystem::remove_all(folder);
 }
 
-TEST_CASE("a reset cleans and heals; a wound without a cut heals with it")
+TEST_CASE("a reset cleans and heals, also a wound without a cut")
 {
     Wound wound;
     SteppedRun run(wound.sim);
