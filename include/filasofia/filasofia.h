@@ -138,6 +138,7 @@ using prefab::TrainerDef;
 using prefab::Training;
 using prefab::TrainingSession;
 using runtime::asset;
+using runtime::BleedingEvent;
 using runtime::ContactEvent;
 using runtime::CutEvent;
 using runtime::DeviceEvent;

@@ -8,6 +8,7 @@ import typing as _typing
 
 from . import _core, _defs, shapes
 from ._core import (
+    BleedingEvent,
     BloodBalance,
     BodySolve,
     ContactEvent,
@@ -64,6 +65,7 @@ __all__ = [
     "asset",
     "load",
     "replay",
+    "BleedingEvent",
     "BloodBalance",
     "BodySolve",
     "ContactEvent",

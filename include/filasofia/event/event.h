@@ -25,6 +25,7 @@ enum class EventType : std::uint8_t {
     Cut,
     Tear,
     Intersection,
+    Bleeding,
     FileFailed,
     Device,
     Controller,
@@ -33,7 +34,7 @@ enum class EventType : std::uint8_t {
     Custom3,
     Custom4,
 };
-inline constexpr std::size_t kEventTypes = 19;
+inline constexpr std::size_t kEventTypes = 20;
 
 /// The enumerator's name, such as "PhysicsUpdate".
 std::string_view name(EventType type);

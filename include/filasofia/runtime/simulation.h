@@ -4,6 +4,7 @@
 #include "filasofia/event/event_dispatcher.h"
 #include "filasofia/event/input_events.h"
 #include "filasofia/physics/physics_server.h"
+#include "filasofia/runtime/bleeding_event.h"
 #include "filasofia/runtime/contact_event.h"
 #include "filasofia/runtime/device_event.h"
 #include "filasofia/runtime/file_failed_event.h"

@@ -8,6 +8,8 @@
 namespace filasofia::runtime {
 namespace {
 
+constexpr double kTelling = 1.0; ///< [s] between two events of a body
+
 /// The triangles of a soft body by its nodes, before it is cut.
 std::vector<geometry::Triangle> skinOf(const physics::SoftBodyDef& body, const std::string& object)
 {
@@ -83,7 +85,11 @@ void Bleedings::finish(Patient& patient)
 void Bleedings::begin(Patient& patient, const frame::SoftBodyFrame& body, double time)
 {
     Turn& turn = *patient.turn;
-    if (std::exchange(patient.restart, false)) turn.blood = *patient.start;
+    if (std::exchange(patient.restart, false)) {
+        turn.blood = *patient.start;
+        patient.told.reset(); // the next event says from where it counts again
+        patient.tellFrom = 0.0;
+    }
     turn.commands = std::exchange(patient.waiting, {});
     turn.positions = body.positions;
     turn.boundary = body.boundary;
@@ -94,14 +100,26 @@ void Bleedings::begin(Patient& patient, const frame::SoftBodyFrame& body, double
     thread_.submit(patient.job);
 }
 
-void Bleedings::afterStep(std::uint64_t step, double time, physics::PhysicsServer& physics)
+bool Bleedings::tell(BodyId id, double time, Patient& patient, const Post& post)
 {
-    if (!any_) return;
+    if (patient.told == patient.balance.welled || time < patient.tellFrom) return true;
+    patient.told = patient.balance.welled;
+    patient.tellFrom = std::floor(time / kTelling + 1e-6) * kTelling + kTelling;
+    auto event = std::make_unique<BleedingEvent>();
+    event->body = id;
+    event->balance = patient.balance;
+    return post(std::move(event));
+}
+
+bool Bleedings::afterStep(std::uint64_t step, double time, physics::PhysicsServer& physics, const Post& post)
+{
+    if (!any_) return true;
+    bool all = true;
     const std::lock_guard lock(mutex_);
     for (auto& [id, each] : patients_) {
         if (time < each.next - 1e-9) continue;
         const frame::FrameRef frame = physics.latest();
-        if (!frame || frame->step != step) return; // readers hold all frames: the next step has one
+        if (!frame || frame->step != step) return all; // readers hold all frames: the next step has one
         const frame::SoftBodyFrame* body = frame->softBody(id);
         if (body == nullptr) continue; // not there yet, or removed
         finish(each);
@@ -109,11 +127,14 @@ void Bleedings::afterStep(std::uint64_t step, double time, physics::PhysicsServe
             each.balance = each.turn->blood.balance();
             each.film = each.turn->film;
             each.fresh = true;
+            if (each.restart) each.tellFrom = 0.0; // what was lost before a reset is told before it is gone
+            all = tell(id, time, each, post) && all;
         }
         begin(each, *body, time);
         const double rate = each.start->def().rate;
         each.next = (std::floor(time * rate + 1e-6) + 1.0) / rate;
     }
+    return all;
 }
 
 std::map<BodyId, NodeFilm> Bleedings::takeFilms()

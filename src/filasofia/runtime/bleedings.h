@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/runtime/bleeding_event.h"
 #include "filasofia/runtime/film_marks.h"
 #include "filasofia/runtime/memory.h"
 #include "filasofia/runtime/run.h"
@@ -9,6 +10,7 @@
 #include "filasofia/surface/bleeding.h"
 
 #include <atomic>
+#include <functional>
 #include <map>
 #include <mutex>
 
@@ -27,8 +29,10 @@ public:
     /// All bodies are as they were added. Any thread.
     void restart();
 
-    /// After a step of physics that ended at `time` [s]: the stepping thread.
-    void afterStep(std::uint64_t step, double time, physics::PhysicsServer& physics);
+    using Post = std::function<bool(std::unique_ptr<BleedingEvent>)>;
+    /// After a step of physics that ended at `time` [s]: the stepping thread. `post` returns false if an event is lost;
+    /// so does this.
+    bool afterStep(std::uint64_t step, double time, physics::PhysicsServer& physics, const Post& post);
     /// The newest film of each body that has a newer one than at the last call.
     [[nodiscard]] std::map<BodyId, NodeFilm> takeFilms();
     /// Makes takeFilms() return all films once more.
@@ -60,11 +64,14 @@ private:
         double last = -1.0; ///< [s], time of the newest positions; < 0: it had none yet
         double next = 0.0;  ///< [s]
         surface::BloodBalance balance = {};
+        std::optional<double> told = {}; ///< [m^3], blood lost in the last event
+        double tellFrom = 0.0;           ///< [s], no event before
         NodeFilm film = {};
         bool fresh = false; ///< takeFilms() does not have this film yet
     };
     using Patients = std::map<BodyId, Patient>;
     static void finish(Patient& patient);
+    static bool tell(BodyId id, double time, Patient& patient, const Post& post);
     void begin(Patient& patient, const frame::SoftBodyFrame& body, double time);
     [[nodiscard]] const Patient& patient(BodyId id) const;
     [[nodiscard]] Patients copy() const;

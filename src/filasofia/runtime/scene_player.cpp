@@ -101,7 +101,9 @@ void ScenePlayer::apply(const SceneTreated& treated) { impl_.bleedings.treat(tre
 
 void ScenePlayer::afterStep()
 {
-    if (drawing_) impl_.bleedings.afterStep(impl_.now.step(), impl_.now.seconds(), impl_.physics);
+    if (!drawing_) return;
+    const auto unheard = [](const std::unique_ptr<BleedingEvent>&) { return true; };
+    impl_.bleedings.afterStep(impl_.now.step(), impl_.now.seconds(), impl_.physics, unheard);
 }
 
 void ScenePlayer::apply(const SceneStage& stage)

@@ -65,9 +65,9 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     counters.count(report);
     feed.write(report);
     haptics.afterStep(report, physics);
-    bleedings.afterStep(report.step, report.time, physics);
     // Before the update event, so that its observers already know what happened in the step.
-    const std::uint32_t flags = postContactEvents(report) | postIntersectionEvents(report) | postRuptureEvents(report);
+    const std::uint32_t flags = postContactEvents(report) | postIntersectionEvents(report) | postRuptureEvents(report) |
+                                postBleedingEvents(report);
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
     now.stamp(*update);
     return flags | (events.tryPost(std::move(update)) ? 0u : kEventLost);
@@ -118,6 +118,15 @@ std::uint32_t Simulation::Impl::postRuptureEvents(const physics::StepReport& rep
         else
             post(std::make_unique<TearEvent>(), rupture);
     return all ? 0u : kEventLost;
+}
+
+std::uint32_t Simulation::Impl::postBleedingEvents(const physics::StepReport& report)
+{
+    const auto post = [this](std::unique_ptr<BleedingEvent> event) {
+        now.stamp(*event);
+        return events.tryPost(std::move(event));
+    };
+    return bleedings.afterStep(report.step, report.time, physics, post) ? 0u : kEventLost;
 }
 
 void Simulation::Impl::dressScene(visual::VisualServer& visual)

@@ -77,6 +77,7 @@ struct Simulation::Impl {
     std::uint32_t postIntersectionEvents(const physics::StepReport& report);
     /// Posts an event for each cut and tear. Returns StepFlag bits if some were lost.
     std::uint32_t postRuptureEvents(const physics::StepReport& report);
+    std::uint32_t postBleedingEvents(const physics::StepReport& report); ///< lets the blood flow
     /// Makes the look of the Def, or calls the user's dress functions.
     void dressScene(visual::VisualServer& visual);
     /// Moves the drawn bodies to the newest frame.
