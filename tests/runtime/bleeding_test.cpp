@@ -170,7 +170,8 @@ TEST_CASE("a film becomes marks: at nodes, and between those of its element that
     const std::vector<float> film{2.5e-4F, 0.0F, -1.0F, 5e-4F};
     std::vector<visual::SurfaceState> states(5);
     states[1].blood = 0.9; // painted
-    addFilm(mapping::IdentityMap{{0, 1, 2, 3, 9}}, film, states);
+    const auto values = [](std::vector<float> each) { return std::make_shared<const std::vector<float>>(each); };
+    addMarks(mapping::IdentityMap{{0, 1, 2, 3, 9}}, {.blood = values(film)}, states);
     CHECK(states[0].blood == Approx(1.0 - std::exp(-1.0)));
     CHECK(states[0].wetness == 1.0);
     CHECK(states[1].blood == 0.9);
@@ -180,8 +181,10 @@ TEST_CASE("a film becomes marks: at nodes, and between those of its element that
 
     std::vector<visual::SurfaceState> inside(1);
     const geometry::Embedding embedding{{{0, 1, 2, 3}}, {{0.25, 0.25, 0.5, 0.0}}};
-    addFilm(mapping::BarycentricMap{embedding}, film, inside);
+    addMarks(mapping::BarycentricMap{embedding}, {.blood = values(film), .burn = values({0.4F, 0.2F, -1.0F, 1.0F})},
+             inside);
     CHECK(inside[0].blood == Approx(1.0 - std::exp(-0.5)));
+    CHECK(inside[0].burn == Approx(0.3));
 }
 
 TEST_CASE("what is drawn of a body shows its film")
@@ -195,10 +198,10 @@ TEST_CASE("what is drawn of a body shows its film")
         return std::ranges::any_of(states, [](const visual::PackedState& each) { return each[0] > 0; });
     };
     CHECK(!bloody());
-    stage.bindings.setFilms({{block, std::make_shared<const std::vector<float>>(60, 3e-4F)}});
+    stage.bindings.setFilms({{block, std::make_shared<const std::vector<float>>(60, 3e-4F)}}, {});
     stage.step();
     CHECK(bloody());
-    stage.bindings.setFilms({{block, std::make_shared<const std::vector<float>>(60, 0.0F)}});
+    stage.bindings.setFilms({{block, std::make_shared<const std::vector<float>>(60, 0.0F)}}, {});
     stage.step();
     CHECK(!bloody());
 }

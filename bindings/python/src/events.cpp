@@ -76,6 +76,12 @@ void bindEvents(nb::module_& module)
             "body", [](const runtime::BleedingEvent& self) { return Convert<BodyId>::make(self.body); },
             nb::for_getter(nb::sig(id("body").c_str())))
         .def_ro("balance", &runtime::BleedingEvent::balance);
+    eventClass<runtime::BurnEvent>(module, "BurnEvent", "How much of a body is burnt.")
+        .def_prop_ro(
+            "body", [](const runtime::BurnEvent& self) { return Convert<BodyId>::make(self.body); },
+            nb::for_getter(nb::sig(id("body").c_str())))
+        .def_ro("injury", &runtime::BurnEvent::injury)
+        .def_ro("balance", &runtime::BurnEvent::balance);
     eventClass<runtime::FileFailedEvent>(module, "FileFailedEvent", "A file that the run writes takes no more data.")
         .def_ro("problem", &runtime::FileFailedEvent::problem);
     eventClass<event::PhysicsUpdateEvent>(module, "PhysicsUpdateEvent", "A step is done.");
@@ -88,6 +94,7 @@ std::size_t alternativeOf(nb::handle given)
                                   nb::type<runtime::TearEvent>(),
                                   nb::type<runtime::IntersectionEvent>(),
                                   nb::type<runtime::BleedingEvent>(),
+                                  nb::type<runtime::BurnEvent>(),
                                   nb::type<runtime::FileFailedEvent>(),
                                   nb::type<event::PhysicsUpdateEvent>()};
     static_assert(std::size(classes) == std::variant_size_v<Arrived>);
@@ -95,7 +102,7 @@ std::size_t alternativeOf(nb::handle given)
         if (given.is(classes[i])) return i;
     throw nb::type_error(
         text("on: the event must be ContactEvent, CutEvent, TearEvent, IntersectionEvent, BleedingEvent, "
-             "FileFailedEvent or PhysicsUpdateEvent, got ",
+             "BurnEvent, FileFailedEvent or PhysicsUpdateEvent, got ",
              shown(given))
             .c_str());
 }

@@ -26,6 +26,7 @@ enum class EventType : std::uint8_t {
     Tear,
     Intersection,
     Bleeding,
+    Burn,
     FileFailed,
     Device,
     Controller,
@@ -34,7 +35,7 @@ enum class EventType : std::uint8_t {
     Custom3,
     Custom4,
 };
-inline constexpr std::size_t kEventTypes = 20;
+inline constexpr std::size_t kEventTypes = 21;
 
 /// The enumerator's name, such as "PhysicsUpdate".
 std::string_view name(EventType type);

@@ -33,6 +33,8 @@ std::string_view name(EventType type)
         return "Intersection";
     case EventType::Bleeding:
         return "Bleeding";
+    case EventType::Burn:
+        return "Burn";
     case EventType::FileFailed:
         return "FileFailed";
     case EventType::Device:
