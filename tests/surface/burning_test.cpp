@@ -264,7 +264,7 @@ TEST_CASE("a source is divided evenly over what it reaches, and one that touches
     CHECK(plate.heat.balance().delivered == 0.0);
 }
 
-TEST_CASE("sources of different numbers heat together; a cut keeps the burn and accounts for the heat")
+TEST_CASE("sources of different numbers heat together, and a cut keeps the burn and accounts for the heat")
 {
     Plate plate({}, 2e-3);
     plate.heat.apply({.place = {5e-3, 0, 0}, .power = 1.0}, {});
