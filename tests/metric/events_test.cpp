@@ -92,6 +92,20 @@ TEST_CASE("the simulator's reports are used: volume, share seen, what is left, m
     CHECK(reason("share_seen", withEvents({})) == "there was no event of kind 'seen'");
 }
 
+TEST_CASE("blood lost is the sum over bodies and over what they lost between resets")
+{
+    const Session session = withEvents({{1.0, EventKind::Blood, "liver", 0.0},
+                                        {2.0, EventKind::Blood, "liver", 3e-6},
+                                        {2.5, EventKind::Blood, "bowel", 1e-6},
+                                        {3.0, EventKind::Blood, "liver", 4e-6},
+                                        {4.0, EventKind::Blood, "liver", 0.0}, // it was reset
+                                        {5.0, EventKind::Blood, "liver", 0.5e-6}});
+    CHECK(number("blood_lost", session) == exactly(5.5e-6));
+    CHECK(*measured("blood_lost", session).moment == 2.0);
+    CHECK(number("blood_lost", withEvents({{1.0, EventKind::Blood, "liver", 0.0}})) == 0.0);
+    CHECK(reason("blood_lost", withEvents({})) == "the case has no body that can bleed");
+}
+
 TEST_CASE("the horizon error is the mean roll of the picture")
 {
     const auto before = [](double) { return Vec3{0, 0, -0.1}; };

@@ -328,6 +328,24 @@ TEST_CASE("forces of contact, tears and what the simulator marks are in the sess
     CHECK(tool.contacts > 0);
 }
 
+TEST_CASE("a session has the blood that its bodies lose")
+{
+    Simulation sim;
+    const BodyId liver = sim.add(SoftBodyDef{.name = "liver", .mesh = shapes::block({20_mm, 20_mm, 20_mm}, {4, 4, 4})});
+    sim.bleed(liver, {.flux = 1e-3});
+    sim.treat(liver, Injure{{0, 10_mm, 0}, 8_mm});
+    MetricTracker tracker(sim, {.bodies = {{.body = liver, .role = Role::Other}}, .keep = true});
+    sim.run({.headless = true, .steps = 2100});
+    tracker.close();
+    const auto values = metric::measure(tracker.session());
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (metric::catalog()[i].id != "blood_lost") continue;
+        CHECK(*values[i].value > 0.0);
+        CHECK(*values[i].value <= sim.blood(liver).welled);
+        CHECK(*values[i].value > 0.8 * sim.blood(liver).welled);
+    }
+}
+
 TEST_CASE("a file for spreadsheets has a row per moment, and names that cannot act as formulas")
 {
     const std::string file = temporary(".csv");

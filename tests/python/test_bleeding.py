@@ -21,7 +21,10 @@ def bleeding():
 def test_an_injury_bleeds_until_it_is_sealed():
     sim, tissue = bleeding()
     sim.treat(tissue, fs.Injure(place=(0, 0.006, 0), radius=0.01))
+    told = []
+    sim.on(fs.BleedingEvent, told.append)
     sim.step(100)
+    assert told and told[0].body == tissue and told[0].balance.welled == 0
     blood = sim.blood(tissue)
     assert blood.welled > 0 and blood.rate > 0
     assert blood.welled == pytest.approx(blood.on_tissue + blood.dripped)

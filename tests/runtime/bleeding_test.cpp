@@ -64,6 +64,39 @@ TEST_CASE("a cut bleeds, with the same bits for any number of threads, and physi
     CHECK(one.sim.blood(one.tissue).welled <= b.welled); // up to the last step of the film that has ended
 }
 
+TEST_CASE("events tell what a body has lost, at first and then each second")
+{
+    Wound wound;
+    std::vector<BleedingEvent> told;
+    wound.sim.on<BleedingEvent>([&](const BleedingEvent& each) { told.push_back(each); });
+    const RunReport report = wound.sim.run({.headless = true, .steps = 1600});
+    REQUIRE(told.size() == 4);
+    CHECK(told[0].balance.welled == 0.0); // it can bleed
+    for (std::size_t i = 1; i < told.size(); ++i) {
+        CHECK(told[i].body == wound.tissue);
+        CHECK(told[i].time == Approx(static_cast<double>(i)).margin(0.02));
+        CHECK(told[i].balance.welled > told[i - 1].balance.welled);
+    }
+    CHECK(told.back().balance.welled < report.blood.at(0).balance.welled);
+}
+
+TEST_CASE("events tell what was lost before a reset, and then count from 0")
+{
+    Wound wound;
+    std::vector<double> told;
+    wound.sim.on<BleedingEvent>([&](const BleedingEvent& each) { told.push_back(each.balance.welled); });
+    SteppedRun run(wound.sim);
+    wound.sim.treat(wound.tissue, Injure{{10_mm, 6_mm, 0}, 5_mm});
+    for (int i = 0; i < 60; ++i) run.step(); // the knife is not there yet
+    const double lost = wound.sim.blood(wound.tissue).welled;
+    wound.sim.reset();
+    for (int i = 0; i < 30; ++i) run.step();
+    REQUIRE(told.size() == 3);
+    CHECK(told[0] == 0.0);
+    CHECK(told[1] >= lost);
+    CHECK(told[2] == 0.0);
+}
+
 TEST_CASE("a state has the blood: steps after restore() have that of the steps after save()")
 {
     Wound wound;
@@ -137,7 +170,8 @@ TEST_CASE("a film becomes marks: at nodes, and between those of its element that
     const std::vector<float> film{2.5e-4F, 0.0F, -1.0F, 5e-4F};
     std::vector<visual::SurfaceState> states(5);
     states[1].blood = 0.9; // painted
-    addFilm(mapping::IdentityMap{{0, 1, 2, 3, 9}}, film, states);
+    const auto values = [](std::vector<float> each) { return std::make_shared<const std::vector<float>>(each); };
+    addMarks(mapping::IdentityMap{{0, 1, 2, 3, 9}}, {.blood = values(film)}, states);
     CHECK(states[0].blood == Approx(1.0 - std::exp(-1.0)));
     CHECK(states[0].wetness == 1.0);
     CHECK(states[1].blood == 0.9);
@@ -147,8 +181,10 @@ TEST_CASE("a film becomes marks: at nodes, and between those of its element that
 
     std::vector<visual::SurfaceState> inside(1);
     const geometry::Embedding embedding{{{0, 1, 2, 3}}, {{0.25, 0.25, 0.5, 0.0}}};
-    addFilm(mapping::BarycentricMap{embedding}, film, inside);
+    addMarks(mapping::BarycentricMap{embedding}, {.blood = values(film), .burn = values({0.4F, 0.2F, -1.0F, 1.0F})},
+             inside);
     CHECK(inside[0].blood == Approx(1.0 - std::exp(-0.5)));
+    CHECK(inside[0].burn == Approx(0.3));
 }
 
 TEST_CASE("what is drawn of a body shows its film")
@@ -162,10 +198,10 @@ TEST_CASE("what is drawn of a body shows its film")
         return std::ranges::any_of(states, [](const visual::PackedState& each) { return each[0] > 0; });
     };
     CHECK(!bloody());
-    stage.bindings.setFilms({{block, std::make_shared<const std::vector<float>>(60, 3e-4F)}});
+    stage.bindings.setFilms({{block, std::make_shared<const std::vector<float>>(60, 3e-4F)}}, {});
     stage.step();
     CHECK(bloody());
-    stage.bindings.setFilms({{block, std::make_shared<const std::vector<float>>(60, 0.0F)}});
+    stage.bindings.setFilms({{block, std::make_shared<const std::vector<float>>(60, 0.0F)}}, {});
     stage.step();
     CHECK(!bloody());
 }

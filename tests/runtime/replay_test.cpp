@@ -71,6 +71,12 @@ TEST_CASE("every event of a scene comes back from its recording")
     CHECK((bled.body == BodyId{4} && bled.def.flux == 3e-4 && bled.gravity.z == -9.81));
     CHECK(std::isinf(std::get<Rinse>(roundTrip(SceneTreated{BodyId{4}, Rinse{}}).command).radius));
     CHECK(std::get<Suck>(roundTrip(SceneTreated{BodyId{4}, Suck{.rate = 2e-7}}).command).rate == 2e-7);
+    const Heat heat{.place = {1, 2, 3}, .power = 30.0, .limit = 400.0, .source = 7};
+    const auto heated = std::get<Heat>(roundTrip(SceneTreated{BodyId{4}, heat}).command);
+    CHECK((heated.place == heat.place && heated.power == 30.0 && heated.limit == 400.0 && heated.source == 7));
+    const auto burnt = roundTrip(SceneBurnt{BodyId{4}, {.depth = 7e-4, .target = false}});
+    CHECK((burnt.body == BodyId{4} && burnt.def.depth == 7e-4 && burnt.def.frequencyFactor == 3.1e98));
+    CHECK_FALSE(burnt.def.target);
     CHECK(roundTrip(SceneFile{"a \"b\".png", 7, 0xffffffffffffffffu}).digest == 0xffffffffffffffffu);
     const auto shown = roundTrip(SceneShown{
         3,
@@ -108,7 +114,7 @@ TEST_CASE("every event of a scene comes back from its recording")
     CHECK((stage.cameras.size() == 1 && stage.lights.size() == 2 && stage.views.size() == 1));
     CHECK(stage.views[0].def.effects == view.effects);
     CHECK(roundTrip(ScenePlaces{{{}, {Pose{{1, 2, 3}, {}}, false}}, {}}).cameras[1].pose.position == Vec3{1, 2, 3});
-    STATIC_REQUIRE(std::variant_size_v<SceneEvent> == 12);
+    STATIC_REQUIRE(std::variant_size_v<SceneEvent> == 13);
 }
 
 TEST_CASE("fields that materials got later are in a recording if they are set, and may be missing")

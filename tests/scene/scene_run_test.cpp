@@ -33,6 +33,21 @@ TEST_CASE("scenes: the bunny's file has the hash of its program")
     CHECK(runScene(loadScene(example("bunny")), 60).hash == sim.run({.headless = true, .steps = 60}).hash);
 }
 
+TEST_CASE("scenes: a body burns where it is heated, little power blanches and much chars, and an injury is told")
+{
+    const RunReport report = runScene(loadScene(example("burning")), 700);
+    REQUIRE(report.heat.size() == 2);
+    const auto& [liver, bowel] = std::tie(report.heat[0], report.heat[1]);
+    CHECK(liver.balance.delivered < 1.01 * (6.0 + 60.0) * 2.9);
+    CHECK(liver.balance.delivered > 0.9 * (6.0 + 60.0) * 2.9); // what is charred takes no more
+    CHECK(liver.balance.burnt > 50e-6);
+    CHECK(liver.balance.charred < liver.balance.burnt);
+    CHECK(liver.target);
+    CHECK(bowel.balance.delivered == Approx(40.0).epsilon(0.02));
+    CHECK(bowel.balance.burnt > 5e-6);
+    CHECK_FALSE(bowel.target);
+}
+
 TEST_CASE("scenes: a body bleeds where it is cut, and its blood is sucked, sealed and rinsed")
 {
     const RunReport report = runScene(loadScene(example("bleeding")), 2000);

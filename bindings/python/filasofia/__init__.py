@@ -8,8 +8,10 @@ import typing as _typing
 
 from . import _core, _defs, shapes
 from ._core import (
+    BleedingEvent,
     BloodBalance,
     BodySolve,
+    BurnEvent,
     ContactEvent,
     ContactPairReport,
     ContactReport,
@@ -17,6 +19,7 @@ from ._core import (
     Error,
     FileFailedEvent,
     Frame,
+    HeatBalance,
     Intersection,
     IntersectionEvent,
     InvertedElements,
@@ -64,8 +67,10 @@ __all__ = [
     "asset",
     "load",
     "replay",
+    "BleedingEvent",
     "BloodBalance",
     "BodySolve",
+    "BurnEvent",
     "ContactEvent",
     "ContactPairReport",
     "ContactReport",
@@ -73,6 +78,7 @@ __all__ = [
     "Error",
     "FileFailedEvent",
     "Frame",
+    "HeatBalance",
     "Intersection",
     "IntersectionEvent",
     "InvertedElements",

@@ -25,7 +25,8 @@ const DefTable& table()
         out.add<runtime::ShowDef>();
         out.add<runtime::PaintDef>();
         out.add<surface::BleedingDef>();
-        out.add<surface::BloodCommand>();
+        out.add<surface::BurningDef>();
+        out.add<surface::Treatment>();
         out.add<runtime::PictureDef>();
         out.add<runtime::ViewerDef>();
         out.add<runtime::ReplayDef>();

@@ -71,6 +71,17 @@ void bindEvents(nb::module_& module)
                          return self.kind == runtime::IntersectionEvent::Kind::Begin ? "begin" : "end";
                      })
         .def_ro("intersection", &runtime::IntersectionEvent::intersection);
+    eventClass<runtime::BleedingEvent>(module, "BleedingEvent", "How much blood a body has lost.")
+        .def_prop_ro(
+            "body", [](const runtime::BleedingEvent& self) { return Convert<BodyId>::make(self.body); },
+            nb::for_getter(nb::sig(id("body").c_str())))
+        .def_ro("balance", &runtime::BleedingEvent::balance);
+    eventClass<runtime::BurnEvent>(module, "BurnEvent", "How much of a body is burnt.")
+        .def_prop_ro(
+            "body", [](const runtime::BurnEvent& self) { return Convert<BodyId>::make(self.body); },
+            nb::for_getter(nb::sig(id("body").c_str())))
+        .def_ro("injury", &runtime::BurnEvent::injury)
+        .def_ro("balance", &runtime::BurnEvent::balance);
     eventClass<runtime::FileFailedEvent>(module, "FileFailedEvent", "A file that the run writes takes no more data.")
         .def_ro("problem", &runtime::FileFailedEvent::problem);
     eventClass<event::PhysicsUpdateEvent>(module, "PhysicsUpdateEvent", "A step is done.");
@@ -82,14 +93,16 @@ std::size_t alternativeOf(nb::handle given)
                                   nb::type<runtime::CutEvent>(),
                                   nb::type<runtime::TearEvent>(),
                                   nb::type<runtime::IntersectionEvent>(),
+                                  nb::type<runtime::BleedingEvent>(),
+                                  nb::type<runtime::BurnEvent>(),
                                   nb::type<runtime::FileFailedEvent>(),
                                   nb::type<event::PhysicsUpdateEvent>()};
     static_assert(std::size(classes) == std::variant_size_v<Arrived>);
     for (std::size_t i = 0; i < std::size(classes); ++i)
         if (given.is(classes[i])) return i;
     throw nb::type_error(
-        text("on: the event must be ContactEvent, CutEvent, TearEvent, IntersectionEvent, FileFailedEvent or "
-             "PhysicsUpdateEvent, got ",
+        text("on: the event must be ContactEvent, CutEvent, TearEvent, IntersectionEvent, BleedingEvent, "
+             "BurnEvent, FileFailedEvent or PhysicsUpdateEvent, got ",
              shown(given))
             .c_str());
 }

@@ -137,15 +137,24 @@ void addPictures(nb::class_<HeldSimulation>& sim)
         nb::sig("def bleed(self, body: filasofia.BodyId, bleeding: filasofia.BleedingDef | None = None) -> None"),
         "Makes a soft body bleed where cuts and tears open it.");
     sim.def(
+        "burn",
+        [](HeldSimulation& self, nb::handle body, nb::handle def) {
+            const auto read = def.is_none() ? surface::BurningDef{} : readDef<surface::BurningDef>(def, "burn");
+            usable(self, "burn").simulation().burn(readArgument<BodyId>(body, "burn", "body"), read);
+        },
+        nb::arg("body").none(), nb::arg("burning").none() = nb::none(),
+        nb::sig("def burn(self, body: filasofia.BodyId, burning: filasofia.BurningDef | None = None) -> None"),
+        "Makes a soft body warm and burn where it is heated.");
+    sim.def(
         "treat",
         [](HeldSimulation& self, nb::handle body, nb::handle command) {
-            const auto read = readArgument<surface::BloodCommand>(command, "treat", "command");
+            const auto read = readArgument<surface::Treatment>(command, "treat", "command");
             usable(self, "treat").simulation().treat(readArgument<BodyId>(body, "treat", "body"), read);
         },
         nb::arg("body").none(), nb::arg("command").none(),
         nb::sig("def treat(self, body: filasofia.BodyId, command: filasofia.Perfuse | filasofia.Injure | "
-                "filasofia.Seal | filasofia.Suck | filasofia.Rinse) -> None"),
-        "Presses, injures, seals, sucks or rinses a body that bleeds.");
+                "filasofia.Seal | filasofia.Suck | filasofia.Rinse | filasofia.Heat) -> None"),
+        "Presses, injures, seals, sucks or rinses a body that bleeds, or heats one that burns.");
     sim.def(
         "blood",
         [](HeldSimulation& self, nb::handle body) {
@@ -153,6 +162,13 @@ void addPictures(nb::class_<HeldSimulation>& sim)
         },
         nb::arg("body").none(), nb::sig("def blood(self, body: filasofia.BodyId) -> filasofia.BloodBalance"),
         "What has become of its blood.");
+    sim.def(
+        "heat",
+        [](HeldSimulation& self, nb::handle body) {
+            return usable(self, "heat").simulation().heat(readArgument<BodyId>(body, "heat", "body"));
+        },
+        nb::arg("body").none(), nb::sig("def heat(self, body: filasofia.BodyId) -> filasofia.HeatBalance"),
+        "What has become of its heat, and how much of it is burnt.");
     sim.def("_render", &render);
     sim.def("_render_depth", &renderDepth);
     sim.def("_open_viewer", &openViewer);

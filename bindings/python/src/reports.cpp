@@ -169,6 +169,18 @@ void bindRun(nb::module_& module)
         .def_ro("dripped", &BloodBalance::dripped, "[m^3], fell from it")
         .def_ro("carried_off", &BloodBalance::carriedOff, "[m^3], left with pieces that were removed")
         .def_ro("rate", &BloodBalance::rate, "[m^3/s], wells now");
+    using surface::HeatBalance;
+    nb::class_<HeatBalance>(module, "HeatBalance", "What became of the heat of a body, and how much of it is burnt.")
+        .def_ro("delivered", &HeatBalance::delivered, "[J], taken by the tissue")
+        .def_ro("stored", &HeatBalance::stored, "[J], in the layer, beyond rest")
+        .def_ro("perfused", &HeatBalance::perfused, "[J], carried away by blood")
+        .def_ro("lost", &HeatBalance::lost, "[J], to what is below and to the air")
+        .def_ro("boiled", &HeatBalance::boiled, "[J], left as steam")
+        .def_ro("carried_off", &HeatBalance::carriedOff, "[J], left with pieces; negative where cuts bared warm tissue")
+        .def_ro("hottest", &HeatBalance::hottest, "[K], now")
+        .def_ro("peak", &HeatBalance::peak, "[K], since the body was added or reset")
+        .def_ro("burnt", &HeatBalance::burnt, "[m^2], damaged")
+        .def_ro("charred", &HeatBalance::charred, "[m^2], without water");
     nb::class_<RunReport>(module, "RunReport",
                           "How a run went. str() of it is the summary that the command line prints.")
         .def_ro("steps", &RunReport::steps)

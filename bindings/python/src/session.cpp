@@ -218,6 +218,10 @@ void Session::collect(std::size_t alternative, bool on)
     case 3:
         return observe<runtime::IntersectionEvent>(alternative);
     case 4:
+        return observe<runtime::BleedingEvent>(alternative);
+    case 5:
+        return observe<runtime::BurnEvent>(alternative);
+    case 6:
         return observe<runtime::FileFailedEvent>(alternative);
     default:
         return observe<event::PhysicsUpdateEvent>(alternative);

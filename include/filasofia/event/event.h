@@ -25,6 +25,8 @@ enum class EventType : std::uint8_t {
     Cut,
     Tear,
     Intersection,
+    Bleeding,
+    Burn,
     FileFailed,
     Device,
     Controller,
@@ -33,7 +35,7 @@ enum class EventType : std::uint8_t {
     Custom3,
     Custom4,
 };
-inline constexpr std::size_t kEventTypes = 19;
+inline constexpr std::size_t kEventTypes = 21;
 
 /// The enumerator's name, such as "PhysicsUpdate".
 std::string_view name(EventType type);

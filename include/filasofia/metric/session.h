@@ -45,6 +45,7 @@ enum class EventKind {
     Tear,        ///< stress opened a body; amount: [m^2]
     Cut,         ///< a blade opened a body; amount: [m^2]
     Perforation, ///< an instrument went through a wall
+    Blood,       ///< a body has lost so much blood since it was added or reset; amount: [m^3]
     Removed,     ///< a piece was removed; amount: [m^3]
     Seen,        ///< the share of the surface to be inspected that has been seen; amount: [-], in [0, 1]
     Residual,    ///< the share of the target that is left; amount: [-], in [0, 1]

@@ -3,7 +3,7 @@
 #include "filasofia/core/fields.h"
 #include "filasofia/physics/step.h"
 #include "filasofia/runtime/timing.h"
-#include "filasofia/surface/bleeding_def.h"
+#include "filasofia/surface/treatment.h"
 #include "filasofia/visual/visual_server.h"
 
 #include <array>
@@ -90,6 +90,13 @@ struct BloodReport {
     surface::BloodBalance balance = {};
 };
 
+/// What became of the heat of a body that burns.
+struct HeatReport {
+    std::string body = {}; ///< its name
+    bool target = true;    ///< BurningDef::target
+    surface::HeatBalance balance = {};
+};
+
 /// How a run went.
 struct RunReport {
     RunTiming timing;
@@ -122,6 +129,7 @@ struct RunReport {
     std::string finished;             ///< why it ended
     std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
     std::vector<BloodReport> blood;          ///< one per body that bleeds, ascending by their ids
+    std::vector<HeatReport> heat;            ///< one per body that burns, ascending by their ids
     std::vector<std::string> bluntBlades;    ///< one line per blade that touched a soft body without dynamicTopology
     /// why functions of everyStep() are no longer called, in this run or an earlier one: scripts that ended early
     std::vector<std::string> callbackProblems;

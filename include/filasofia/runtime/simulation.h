@@ -4,6 +4,8 @@
 #include "filasofia/event/event_dispatcher.h"
 #include "filasofia/event/input_events.h"
 #include "filasofia/physics/physics_server.h"
+#include "filasofia/runtime/bleeding_event.h"
+#include "filasofia/runtime/burn_event.h"
 #include "filasofia/runtime/contact_event.h"
 #include "filasofia/runtime/device_event.h"
 #include "filasofia/runtime/file_failed_event.h"
@@ -127,10 +129,16 @@ public:
     /// Makes a soft body bleed where cuts and tears open it, under the gravity of the simulation's Def. What is drawn
     /// of it shows the blood. Error if it is no soft body, or bleeds already.
     void bleed(BodyId id, const surface::BleedingDef& def = {});
-    /// Presses, injures, seals, sucks or rinses a body that bleeds, from the film's next step on.
-    void treat(BodyId id, const surface::BloodCommand& command);
+    /// Makes a soft body warm and burn where it is heated. What is drawn of it shows the burns, and what is burnt does
+    /// not bleed. Error if it is no soft body, or burns already.
+    void burn(BodyId id, const surface::BurningDef& def = {});
+    /// Presses, injures, seals, sucks or rinses a body that bleeds, or heats one that burns, from the next step of its
+    /// blood or heat on.
+    void treat(BodyId id, const surface::Treatment& treatment);
     /// What has become of its blood, up to the last step of the film that has ended.
     [[nodiscard]] surface::BloodBalance blood(BodyId id) const;
+    /// What has become of its heat, and how much of it is burnt, up to the last step of the heat that has ended.
+    [[nodiscard]] surface::HeatBalance heat(BodyId id) const;
 
     /// Makes a light, camera or other Transform of the visual server follow a body until unfollow(), its end, the
     /// body's end, or until it gets a parent; then it stays where it is. Main thread only, while there is a visual
@@ -150,7 +158,7 @@ public:
     [[nodiscard]] bool paused() const; ///< in the last step
     /// Makes one step if the simulation is paused.
     void singleStep();
-    /// Puts the bodies back to their start at the next step, and removes all paint and blood.
+    /// Puts the bodies back to their start at the next step, and removes all paint, blood, heat and burns.
     void reset();
 
     /// The function is called on the main thread as soon as there is a visual server, in place of the look of the Def;

@@ -61,6 +61,7 @@ struct SceneBody {
     std::vector<runtime::ShowDef> show = {};           ///< none: it is not drawn
     std::vector<runtime::PaintDef> paint = {};         ///< marks on what is drawn of it
     std::optional<surface::BleedingDef> bleeding = {}; ///< how a soft body bleeds where it is opened; none: it does not
+    std::optional<surface::BurningDef> burning = {};   ///< how a soft body burns where it is heated; none: it does not
     std::vector<ElementMotion> motions = {};           ///< a kinematic rigid body's elements
     std::vector<JointMotion> jointMotions = {};        ///< an articulated body's joints
     Places places = {}; ///< where it stands, by the empty path, and its members by theirs
@@ -71,6 +72,7 @@ constexpr auto fields(const SceneBody*)
     return describe("SceneBody", field("", &T::def, "the body's Def, whose fields stand beside the others"),
                     field("show", &T::show, "how it is drawn"), field("paint", &T::paint, "marks on it"),
                     field("bleeding", &T::bleeding, "how it bleeds where it is opened"),
+                    field("burning", &T::burning, "how it burns where it is heated"),
                     field("motions", &T::motions, "motions of a kinematic body's elements"),
                     field("jointMotions", &T::jointMotions, "commands of its joints"));
 }
@@ -130,22 +132,22 @@ constexpr auto fields(const SetMaterial*)
                     field("material", &SetMaterial::material, "new material, of the kind it was made with"));
 }
 
-/// Does something to the blood of a soft body that bleeds, as Simulation::treat().
-struct TreatBlood {
+/// Does something to the blood of a soft body that bleeds or the heat of one that burns, as Simulation::treat().
+struct Treat {
     BodyId id = {};
-    surface::BloodCommand treatment = {};
+    surface::Treatment treatment = {};
 };
-constexpr auto fields(const TreatBlood*)
+constexpr auto fields(const Treat*)
 {
-    return describe("TreatBlood", field("id", &TreatBlood::id, "the soft body"),
-                    field("treatment", &TreatBlood::treatment, "what is done"));
+    return describe("Treat", field("id", &Treat::id, "the soft body"),
+                    field("treatment", &Treat::treatment, "what is done"));
 }
 
 /// What a scene may command.
 using SceneCommand = std::variant<physics::Attach, physics::AttachRigid, physics::Grasp, physics::Release,
                                   physics::RemovePiece, physics::RemoveBody, physics::SetForces, physics::SetWrench,
                                   physics::SetPressure, physics::SetFibreStress, physics::SetCurvature,
-                                  physics::SetCutting, physics::SetTissue, physics::SetGravity, SetMaterial, TreatBlood,
+                                  physics::SetCutting, physics::SetTissue, physics::SetGravity, SetMaterial, Treat,
                                   physics::SetPose, physics::SetJoint, physics::SetHaptic, physics::Reset>;
 
 /// A command that physics gets once, in the step that ends at its time. An AttachmentId{n} in it means an attachment of

@@ -2,7 +2,7 @@
 
 #include "filasofia/frame/boundary.h"
 #include "filasofia/surface/bleeding_def.h"
-#include "filasofia/surface/film.h"
+#include "filasofia/surface/body_surface.h"
 
 #include <cstdint>
 #include <optional>
@@ -15,6 +15,10 @@ namespace filasofia::surface {
 /// saves; the same calls give the same bits. It knows no clock and no thread.
 class Bleeding {
 public:
+    using Def = BleedingDef;
+    using Command = BloodCommand;
+    using Balance = BloodBalance;
+
     /// `skin` are the triangles of the body before it is cut, by its nodes. Throws an Error that names `object` if the
     /// Def is wrong or there is no triangle.
     Bleeding(const BleedingDef& def, std::vector<geometry::Triangle> skin, const std::string& object);
@@ -23,6 +27,8 @@ public:
     /// have opened since begins to bleed. If the boundary is older than the last one, the body was put back to its
     /// start, and so is everything here.
     void follow(const frame::Boundary& boundary);
+    /// The vessels of these nodes are closed, and stay so when they are cut: true per node of the body.
+    void close(std::span<const std::uint8_t> nodes);
     /// Takes effect at once, at the positions [m] of the body's nodes.
     void apply(const BloodCommand& command, std::span<const Vec3> positions);
     /// `dt` [s], >= 0. Error-free; nothing happens as long as nothing bleeds or lies there.
@@ -33,11 +39,11 @@ public:
     [[nodiscard]] std::vector<float> thickness() const;
     [[nodiscard]] const BleedingDef& def() const { return def_; }
     /// The number of nodes that the positions must have.
-    [[nodiscard]] int nodesNeeded() const { return nodes_.empty() ? 0 : nodes_.back() + 1; }
+    [[nodiscard]] int nodesNeeded() const { return surface_.nodesNeeded(); }
 
 private:
     void set(std::vector<geometry::Triangle> triangles, std::vector<std::uint8_t> opened);
-    std::vector<int> carry(const std::vector<int>& before, const std::vector<int>& local);
+    void carry(const std::vector<int>& now);
     void spread(const std::vector<int>& fresh);
     void measureWounds();
     void well(double dt);
@@ -47,8 +53,7 @@ private:
     BleedingDef def_;
     std::vector<geometry::Triangle> skin_; ///< the body's before it is cut
     std::uint64_t revision_ = 0;           ///< that of the boundary it follows
-    std::vector<int> nodes_;               ///< the body's node of each vertex, ascending
-    FilmTopology topology_;
+    BodySurface surface_;
     std::vector<std::uint8_t> opened_; ///< per triangle
     std::vector<std::uint8_t> wound_;  ///< per vertex: bleeds where it is opened; kInjured: on all its triangles
     std::vector<double> vessels_;      ///< [-] per vertex: flux of its wound over the Def's; < 0: not known yet

@@ -31,6 +31,10 @@ std::string_view name(EventType type)
         return "Tear";
     case EventType::Intersection:
         return "Intersection";
+    case EventType::Bleeding:
+        return "Bleeding";
+    case EventType::Burn:
+        return "Burn";
     case EventType::FileFailed:
         return "FileFailed";
     case EventType::Device:

@@ -55,6 +55,7 @@ Value perforations(const Material&);
 Value unintendedTears(const Material&);
 Value unintendedCuts(const Material&);
 Value unintendedArea(const Material&);
+Value bloodLost(const Material&);
 Value volumeRemoved(const Material&);
 // View.
 Value horizonError(const Material&);

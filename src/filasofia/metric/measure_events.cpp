@@ -103,6 +103,23 @@ Value unintendedArea(const Material& m)
     return found(area, firstOf(events));
 }
 
+Value bloodLost(const Material& m)
+{
+    const auto events = eventsOf(m, [](const Event& event) { return event.kind == EventKind::Blood && event.amount; });
+    if (events.empty()) return none("the case has no body that can bleed");
+    std::map<std::string_view, double> last; // [m^3], per body; a body that is reset begins at 0 again
+    double lost = 0.0;
+    std::optional<double> first;
+    for (const Event* event : events) {
+        double& before = last[event->what];
+        const double more = *event->amount - (*event->amount < before ? 0.0 : before);
+        if (more > 0.0 && !first) first = event->time;
+        lost += more;
+        before = *event->amount;
+    }
+    return found(lost, first);
+}
+
 Value volumeRemoved(const Material& m)
 {
     if (!watched(m, EventKind::Removed)) return notWatched(EventKind::Removed);

@@ -15,6 +15,7 @@ constexpr std::array kKinds = {
     KindName{EventKind::Tear, "tear"},
     KindName{EventKind::Cut, "cut"},
     KindName{EventKind::Perforation, "perforation"},
+    KindName{EventKind::Blood, "blood"},
     KindName{EventKind::Removed, "removed"},
     KindName{EventKind::Seen, "seen"},
     KindName{EventKind::Residual, "residual"},

@@ -422,19 +422,25 @@ MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef d
                              [weak](const std::any&) {
                                  if (const auto impl = weak.lock()) impl->checkBack();
                              }});
-    const auto opened = [weak, &simulation](EventKind kind, const auto& event) {
+    const auto happened = [weak, &simulation](EventKind kind, double time, BodyId body, double amount) {
         const auto impl = weak.lock();
         if (!impl) return;
         std::string what;
         try {
-            what = nameOf(simulation, event.rupture.body);
+            what = nameOf(simulation, body);
         } catch (const Error&) { // removed meanwhile
         }
-        impl->add({event.time, kind, std::move(what), event.rupture.area});
+        impl->add({time, kind, std::move(what), amount});
+    };
+    const auto opened = [happened](EventKind kind, const auto& event) {
+        happened(kind, event.time, event.rupture.body, event.rupture.area);
     };
     impl_->observers = {
         simulation.on<runtime::TearEvent>([opened](const runtime::TearEvent& tear) { opened(EventKind::Tear, tear); }),
-        simulation.on<runtime::CutEvent>([opened](const runtime::CutEvent& cut) { opened(EventKind::Cut, cut); })};
+        simulation.on<runtime::CutEvent>([opened](const runtime::CutEvent& cut) { opened(EventKind::Cut, cut); }),
+        simulation.on<runtime::BleedingEvent>([happened](const runtime::BleedingEvent& blood) {
+            happened(EventKind::Blood, blood.time, blood.body, blood.balance.welled);
+        })};
 }
 
 MetricTracker::~MetricTracker() { close(); }

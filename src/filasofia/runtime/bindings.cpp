@@ -262,7 +262,7 @@ void Bindings::openInteriors()
             inside.interior = true;
             inside.opening = nullptr;
             inside.drawn = nullptr;
-            inside.film = nullptr;
+            inside.marks = {};
             inside.mapped = newest->second.interior;
             inside.nodes = mapping::nodesNeeded(inside.mapped->map);
             inside.def.material = skin.def.interior.value_or(interiorOf(skin.def.material, *visual_));
@@ -354,21 +354,22 @@ void Bindings::update(const frame::Frame& frame, const physics::PhysicsServer& p
     followers_.update(frame, physics);
 }
 
-void Bindings::setFilms(const std::map<BodyId, NodeFilm>& films)
+void Bindings::setFilms(const std::map<BodyId, NodeFilm>& blood, const std::map<BodyId, NodeFilm>& burns)
 {
-    for (const auto& [id, film] : films) films_[id] = film;
+    for (const auto& [id, film] : blood) marks_[id].blood = film;
+    for (const auto& [id, film] : burns) marks_[id].burn = film;
 }
 
 void Bindings::drawMarks(Binding& binding)
 {
-    const auto newest = films_.find(binding.id);
-    const NodeFilm film = binding.soft && newest != films_.end() ? newest->second : nullptr;
+    const auto newest = marks_.find(binding.id);
+    const NodeMarks marks = binding.soft && newest != marks_.end() ? newest->second : NodeMarks{};
     const bool painted = painted_.takeNew(binding.key).has_value();
-    if (!painted && film == binding.film) return;
-    binding.film = film;
+    if (!painted && marks == binding.marks) return;
+    binding.marks = marks;
     std::vector<visual::SurfaceState> states = painted_.states(binding.key);
     states.resize(binding.mapped->surface.vertices.size());
-    if (film) addFilm(binding.mapped->map, *film, states);
+    addMarks(binding.mapped->map, marks, states);
     binding.drawn->setSurfaceState(states);
 }
 
@@ -395,7 +396,7 @@ bool Bindings::place(Binding& binding, const frame::Frame& frame)
     mapping::apply(binding.mapped->map, *body, vertices_);
     if (ready) {
         binding.drawn->adopt(std::move(ready->mesh), vertices_);
-        binding.film = nullptr; // the new triangles do not have it yet
+        binding.marks = {}; // the new triangles do not have them yet
     } else
         binding.drawn->setVertices(vertices_);
     return true;
@@ -434,7 +435,7 @@ void Bindings::release()
     std::erase_if(shown_, [](const Binding& binding) { return binding.interior; }); // openInteriors() makes them again
     for (Binding& binding : shown_) {
         binding.drawn = nullptr;
-        binding.film = nullptr;
+        binding.marks = {};
         binding.seen = false;
         pending_.push_back(std::move(binding));
     }

@@ -37,7 +37,7 @@ public:
     /// Removes all paint. Any thread.
     void clearPaint() { painted_.clear(); }
     /// What lies on these bodies from now on, in addition to paint; drawn at the next update(). Main thread.
-    void setFilms(const std::map<BodyId, NodeFilm>& films);
+    void setFilms(const std::map<BodyId, NodeFilm>& blood, const std::map<BodyId, NodeFilm>& burns);
     /// Gives the body's boundary new triangles: `surface` at rest in the world, on the body's nodes, whose number only
     /// grows. The drawn boundary follows with its old triangles until the new ones are ready. `interior` is what cuts
     /// have opened, drawn in a material of its own; null if nothing is open. Other surfaces of the skin open as
@@ -86,7 +86,7 @@ private:
         bool boundary = false; ///< a soft body's own boundary is drawn
         bool interior = false; ///< the opened inside of that boundary is drawn
         std::shared_ptr<const mapping::OpeningSurface> opening = {}; ///< another surface of the body's skin is drawn
-        NodeFilm film = {};                                          ///< the one that is drawn
+        NodeMarks marks = {};                                        ///< those that are drawn
         bool seen = false;                                           ///< the body has been in a frame
         visual::VisualBody* drawn = nullptr;                         ///< nullptr while pending
     };
@@ -126,7 +126,7 @@ private:
 
     std::vector<Binding> shown_; // main thread only, like the members below
     std::vector<Vec3> vertices_;
-    std::map<BodyId, NodeFilm> films_; ///< the newest
+    std::map<BodyId, NodeMarks> marks_; ///< the newest
     Followers followers_;
     visual::VisualServer* visual_ = nullptr;
 

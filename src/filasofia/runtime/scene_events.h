@@ -49,9 +49,13 @@ struct SceneBled {
 };
 struct SceneTreated {
     BodyId body = {};
-    surface::BloodCommand command = {};
+    surface::Treatment command = {};
 };
-/// All paint and blood is removed.
+struct SceneBurnt {
+    BodyId body = {};
+    surface::BurningDef def = {};
+};
+/// All paint, blood, heat and burns are removed.
 struct SceneCleaned {};
 
 struct StageMaterial {
@@ -81,8 +85,9 @@ struct ScenePlaces {
     std::vector<StagePlace> lights = {};
 };
 
-using SceneEvent = std::variant<SceneBegan, SceneFile, SceneShown, SceneVisible, SceneMaterial, SceneUnshown,
-                                ScenePainted, SceneCleaned, SceneStage, ScenePlaces, SceneBled, SceneTreated>;
+using SceneEvent =
+    std::variant<SceneBegan, SceneFile, SceneShown, SceneVisible, SceneMaterial, SceneUnshown, ScenePainted,
+                 SceneCleaned, SceneStage, ScenePlaces, SceneBled, SceneTreated, SceneBurnt>;
 
 constexpr auto fields(const SceneBegan*)
 {
@@ -135,7 +140,12 @@ constexpr auto fields(const SceneTreated*)
 {
     using T = SceneTreated;
     return describe("SceneTreated", field("body", &T::body, "the body"),
-                    field("command", &T::command, "what was done to its blood"));
+                    field("command", &T::command, "what was done to its blood or heat"));
+}
+constexpr auto fields(const SceneBurnt*)
+{
+    using T = SceneBurnt;
+    return describe("SceneBurnt", field("body", &T::body, "the body"), field("def", &T::def, "how it burns"));
 }
 constexpr auto fields(const SceneCleaned*) { return describe("SceneCleaned"); }
 constexpr auto fields(const StageMaterial*)

@@ -34,6 +34,8 @@ bool ScenePlayer::knows(const SceneEvent& event) const
 {
     if (const auto* shown = std::get_if<SceneShown>(&event)) return impl_.physics.has(shown->body);
     if (const auto* bled = std::get_if<SceneBled>(&event)) return impl_.physics.has(bled->body);
+    if (const auto* burnt = std::get_if<SceneBurnt>(&event)) return impl_.physics.has(burnt->body);
+    if (const auto* treated = std::get_if<SceneTreated>(&event)) return impl_.physics.has(treated->body);
     if (const auto* painted = std::get_if<ScenePainted>(&event)) return impl_.physics.has(painted->body);
     return true;
 }
@@ -92,16 +94,22 @@ void ScenePlayer::apply(const SceneCleaned&)
 {
     impl_.bindings.clearPaint();
     impl_.bleedings.restart();
+    impl_.burnings.restart();
 }
 void ScenePlayer::apply(const SceneBled& bled)
 {
     impl_.bleedings.add(bled.body, bled.def, bled.gravity, impl_.physics);
 }
-void ScenePlayer::apply(const SceneTreated& treated) { impl_.bleedings.treat(treated.body, treated.command); }
+void ScenePlayer::apply(const SceneTreated& treated) { impl_.treat(treated.body, treated.command); }
+void ScenePlayer::apply(const SceneBurnt& burnt) { impl_.burnings.add(burnt.body, burnt.def, {}, impl_.physics); }
 
 void ScenePlayer::afterStep()
 {
-    if (drawing_) impl_.bleedings.afterStep(impl_.now.step(), impl_.now.seconds(), impl_.physics);
+    if (!drawing_) return;
+    const auto unheard = [](BodyId, const auto&, const auto&) { return true; };
+    impl_.burnings.afterStep(impl_.now.step(), impl_.now.seconds(), impl_.physics, unheard);
+    impl_.sealBurnt();
+    impl_.bleedings.afterStep(impl_.now.step(), impl_.now.seconds(), impl_.physics, unheard);
 }
 
 void ScenePlayer::apply(const SceneStage& stage)

@@ -16,7 +16,7 @@ public:
     void take(const std::vector<record::SceneRecord>& scene);
     /// Call it when the bodies of the step are known.
     void beforeStep();
-    /// After a step: lets the blood flow.
+    /// After a step: lets blood flow and heat spread.
     void afterStep();
     /// Draws the last step, once everything that happened after it is known.
     void draw();
@@ -34,6 +34,7 @@ private:
     void apply(const SceneCleaned&);
     void apply(const SceneBled& bled);
     void apply(const SceneTreated& treated);
+    void apply(const SceneBurnt& burnt);
     void apply(const SceneStage& stage);
     void apply(const ScenePlaces& places);
     [[nodiscard]] bool knows(const SceneEvent& event) const;

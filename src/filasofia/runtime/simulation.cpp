@@ -114,12 +114,18 @@ void Simulation::bleed(BodyId id, const surface::BleedingDef& def)
     impl_->bleedings.add(id, def, gravity, impl_->physics);
     impl_->recordScene(SceneBled{id, def, gravity});
 }
-void Simulation::treat(BodyId id, const surface::BloodCommand& command)
+void Simulation::burn(BodyId id, const surface::BurningDef& def)
 {
-    impl_->bleedings.treat(id, command);
-    impl_->recordScene(SceneTreated{id, command});
+    impl_->burnings.add(id, def, {}, impl_->physics);
+    impl_->recordScene(SceneBurnt{id, def});
+}
+void Simulation::treat(BodyId id, const surface::Treatment& treatment)
+{
+    impl_->treat(id, treatment);
+    impl_->recordScene(SceneTreated{id, treatment});
 }
 surface::BloodBalance Simulation::blood(BodyId id) const { return impl_->bleedings.balance(id); }
+surface::HeatBalance Simulation::heat(BodyId id) const { return impl_->burnings.balance(id); }
 void Simulation::follow(visual::Transform& transform, BodyId id, const FollowDef& def)
 {
     impl_->bindings.follow(transform, id, def, impl_->physics);

@@ -29,6 +29,7 @@ Simulation::Impl::Impl(const SimulationDef& asked, std::unique_ptr<physics::Phys
     : def(checked(asked)), physics(std::move(engine), {.gravity = asked.physics.gravity})
 {
     memories.add(bleedings.memory());
+    memories.add(burnings.memory());
 }
 
 std::unique_ptr<physics::PhysicsEngine> Simulation::Impl::engineFor(const SimulationDef& def)
@@ -78,9 +79,9 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     counters.count(report);
     feed.write(report);
     haptics.afterStep(report, physics);
-    bleedings.afterStep(report.step, report.time, physics);
     // Before the update event, so that its observers already know what happened in the step.
-    const std::uint32_t flags = postContactEvents(report) | postIntersectionEvents(report) | postRuptureEvents(report);
+    const std::uint32_t flags =
+        postContactEvents(report) | postIntersectionEvents(report) | postRuptureEvents(report) | stepSurfaces(report);
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
     now.stamp(*update);
     return flags | (events.tryPost(std::move(update)) ? 0u : kEventLost);
@@ -133,6 +134,41 @@ std::uint32_t Simulation::Impl::postRuptureEvents(const physics::StepReport& rep
     return all ? 0u : kEventLost;
 }
 
+std::uint32_t Simulation::Impl::stepSurfaces(const physics::StepReport& report)
+{
+    const auto burnt = [this](BodyId id, const surface::BurningDef& how, const surface::HeatBalance& balance) {
+        auto event = std::make_unique<BurnEvent>();
+        event->body = id;
+        event->injury = !how.target && balance.burnt > 0.0;
+        event->balance = balance;
+        now.stamp(*event);
+        return events.tryPost(std::move(event));
+    };
+    const auto bled = [this](BodyId id, const surface::BleedingDef&, const surface::BloodBalance& balance) {
+        auto event = std::make_unique<BleedingEvent>();
+        event->body = id;
+        event->balance = balance;
+        now.stamp(*event);
+        return events.tryPost(std::move(event));
+    };
+    const bool first = burnings.afterStep(report.step, report.time, physics, burnt);
+    sealBurnt();
+    const bool second = bleedings.afterStep(report.step, report.time, physics, bled);
+    return first && second ? 0u : kEventLost;
+}
+
+void Simulation::Impl::treat(BodyId id, const surface::Treatment& treatment)
+{
+    std::visit(
+        [&](const auto& each) {
+            if constexpr (std::is_same_v<std::decay_t<decltype(each)>, surface::Heat>)
+                burnings.treat(id, each);
+            else
+                bleedings.treat(id, each);
+        },
+        treatment);
+}
+
 void Simulation::Impl::dressScene(visual::VisualServer& visual)
 {
     for (const visual::GuiDef& gui : picture.guis) visual.add(gui);
@@ -156,7 +192,7 @@ void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
 {
     bindings.forgetRemoved(physics);
     bindings.addPending(visual);
-    bindings.setFilms(bleedings.takeFilms());
+    bindings.setFilms(bleedings.takeFilms(), burnings.takeFilms());
     if (const frame::FrameRef frame = physics.latest()) bindings.update(*frame, physics, visual);
     journal.observe(visual, now.step());
 }
@@ -180,6 +216,7 @@ void Simulation::Impl::reset()
     physics.reset();
     bindings.clearPaint();
     bleedings.restart();
+    burnings.restart();
     static const SceneEvent cleaned = SceneCleaned{}; // GCC 12 warns about a temporary as uninitialized
     recordScene(cleaned);
 }
@@ -199,6 +236,7 @@ void Simulation::Impl::fill(RunReport& report) const
     if (report.restless > 0) report.worstUnrestBody = nameOf(report.worstUnrest.body, physics);
     report.contacts = contacts.report(physics);
     bleedings.fill(report);
+    burnings.fill(report);
     report.bluntBlades = blades.lines();
     report.callbackProblems = everyStep.problems();
     files.fill(report);

@@ -2,7 +2,6 @@
 
 #include "filasofia/runtime/bindings.h"
 #include "filasofia/runtime/blade_watch.h"
-#include "filasofia/runtime/bleedings.h"
 #include "filasofia/runtime/camera_steering.h"
 #include "filasofia/runtime/clock.h"
 #include "filasofia/runtime/contact_watch.h"
@@ -18,6 +17,7 @@
 #include "filasofia/runtime/simulation_time.h"
 #include "filasofia/runtime/step_callbacks.h"
 #include "filasofia/runtime/step_feed.h"
+#include "filasofia/runtime/surface_layers.h"
 #include "filasofia/runtime/written_files.h"
 
 namespace filasofia::runtime {
@@ -37,6 +37,7 @@ struct Simulation::Impl {
     event::EventDispatcher events;
     Bindings bindings;
     Bleedings bleedings;
+    Burnings burnings;
     PictureSetup picture;
     CameraSteering steering;
     StepCallbacks everyStep;
@@ -81,6 +82,11 @@ struct Simulation::Impl {
     std::uint32_t postIntersectionEvents(const physics::StepReport& report);
     /// Posts an event for each cut and tear. Returns StepFlag bits if some were lost.
     std::uint32_t postRuptureEvents(const physics::StepReport& report);
+    /// Lets blood flow and heat spread, and posts their events. Returns StepFlag bits if some were lost.
+    std::uint32_t stepSurfaces(const physics::StepReport& report);
+    void treat(BodyId id, const surface::Treatment& treatment);
+    /// Burnt vessels do not bleed: between the steps of heat and blood.
+    void sealBurnt() { bleedings.close(burnings.takeBurnt()); }
     /// Makes the look of the Def, or calls the user's dress functions.
     void dressScene(visual::VisualServer& visual);
     /// Moves the drawn bodies to the newest frame.

@@ -122,6 +122,14 @@ std::string bloodLine(const BloodReport& report)
                 b.carriedOff > 0.0 ? text(", ", b.carriedOff * 1e6, " ml left with pieces").c_str() : "");
 }
 
+std::string heatLine(const HeatReport& report)
+{
+    const surface::HeatBalance& b = report.balance;
+    return line("heat of '%s': %.0f J, hottest %.0f C, burnt %.1f mm^2%s, charred %.1f mm^2",
+                oneLine(shortened(report.body)).c_str(), b.delivered, b.peak - 273.15, b.burnt * 1e6,
+                !report.target && b.burnt > 0.0 ? " (an injury: it is no target)" : "", b.charred * 1e6);
+}
+
 } // namespace
 
 std::string summary(const RunReport& report)
@@ -148,6 +156,7 @@ std::string summary(const RunReport& report)
     if (report.refused.steps > 0) out += refusedLine(report.refused);
     out += contactTable(report.contacts);
     for (const BloodReport& blood : report.blood) out += bloodLine(blood);
+    for (const HeatReport& heat : report.heat) out += heatLine(heat);
     for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
         out += line("pictures drawn %ld", report.visual.framesDrawn);

@@ -25,6 +25,7 @@ BodyId addBody(runtime::Simulation& simulation, const SceneBody& body, const std
     for (const runtime::ShowDef& each : body.show) simulation.show(id, each);
     for (const runtime::PaintDef& each : body.paint) simulation.paint(id, each);
     if (body.bleeding) simulation.bleed(id, *body.bleeding);
+    if (body.burning) simulation.burn(id, *body.burning);
     followMotions(simulation, id, body);
     return id;
 }

@@ -30,7 +30,7 @@ struct TargetOf {
     Target operator()(const physics::SetCutting& c) const { return {c.id, false}; }
     Target operator()(const physics::SetTissue& c) const { return {c.id, true}; }
     Target operator()(const SetMaterial& c) const { return {c.id, true}; }
-    Target operator()(const TreatBlood& c) const { return {c.id, true}; }
+    Target operator()(const Treat& c) const { return {c.id, true}; }
     Target operator()(const physics::SetPose& c) const { return {c.id, false}; }
     Target operator()(const physics::SetJoint& c) const { return {c.id, false}; }
     Target operator()(const physics::SetHaptic& c) const { return {c.id, false}; }
@@ -75,7 +75,7 @@ private:
         SceneNumbers(ids_, &past_.attachments).replaceIn(command);
         if constexpr (std::is_same_v<Command, SetMaterial>)
             server.setMaterial(command.id, command.material);
-        else if constexpr (std::is_same_v<Command, TreatBlood>)
+        else if constexpr (std::is_same_v<Command, Treat>)
             simulation_.treat(command.id, command.treatment);
         else if constexpr (std::is_same_v<Command, physics::Reset>)
             simulation_.reset(); // removes the paint, too

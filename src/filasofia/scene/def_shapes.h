@@ -93,9 +93,9 @@ template <class T> std::vector<std::string_view> required()
         return {"id", "target"};
     else if constexpr (std::is_same_v<T, SetMaterial>)
         return {"id", "material"};
-    else if constexpr (std::is_same_v<T, TreatBlood>)
+    else if constexpr (std::is_same_v<T, Treat>)
         return {"id", "treatment"};
-    else if constexpr (IsAnyOf<T, surface::Injure, surface::Seal, surface::Suck>)
+    else if constexpr (IsAnyOf<T, surface::Injure, surface::Seal, surface::Suck, surface::Heat>)
         return {"place"};
     else if constexpr (IsAnyOf<T, BoxShape, BlockShape>)
         return {"size"};

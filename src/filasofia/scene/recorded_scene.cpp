@@ -213,7 +213,8 @@ private:
     void noteLater(const runtime::ScenePainted&) { note("paint of the run is left out"); }
     void noteLater(const runtime::SceneCleaned&) {}
     void noteLater(const runtime::SceneBled&) { note("bodies that began to bleed during the run do not"); }
-    void noteLater(const runtime::SceneTreated&) { note("what was done to blood is left out"); }
+    void noteLater(const runtime::SceneBurnt&) { note("bodies that began to burn during the run do not"); }
+    void noteLater(const runtime::SceneTreated&) { note("what was done to blood and heat is left out"); }
     void noteLater(const runtime::SceneFile&) {}
     void noteLater(const runtime::SceneBegan& event) { show(event); }
     void noteLater(const runtime::SceneStage& stage)
@@ -262,7 +263,11 @@ private:
     {
         if (const BodyId number = numberOf(bled.body)) scene_.bodies[number.value - 1].bleeding = bled.def;
     }
-    void show(const runtime::SceneTreated&) { note("what was done to blood is left out"); }
+    void show(const runtime::SceneBurnt& burnt)
+    {
+        if (const BodyId number = numberOf(burnt.body)) scene_.bodies[number.value - 1].burning = burnt.def;
+    }
+    void show(const runtime::SceneTreated&) { note("what was done to blood and heat is left out"); }
     void show(const runtime::SceneCleaned&)
     {
         for (SceneBody& each : scene_.bodies) each.paint.clear();

@@ -46,12 +46,6 @@ template <class Visit> void forEachNear(std::span<const Vec3> places, Vec3 place
         if (distance(places[v], place) <= radius) visit(v);
 }
 
-void gather(const std::vector<int>& nodes, std::span<const Vec3> positions, std::vector<Vec3>& places)
-{
-    places.resize(nodes.size());
-    for (std::size_t v = 0; v < nodes.size(); ++v) places[v] = positions[static_cast<std::size_t>(nodes[v])];
-}
-
 } // namespace
 
 Bleeding::Bleeding(const BleedingDef& def, std::vector<geometry::Triangle> skin, const std::string& object)
@@ -76,73 +70,58 @@ void Bleeding::follow(const frame::Boundary& boundary)
 
 void Bleeding::set(std::vector<geometry::Triangle> triangles, std::vector<std::uint8_t> opened)
 {
-    const std::vector<int> before = std::move(nodes_);
-    nodes_.clear();
-    for (const geometry::Triangle& each : triangles) nodes_.insert(nodes_.end(), each.begin(), each.end());
-    std::ranges::sort(nodes_);
-    nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
-    std::vector<int> local(nodesNeeded(), -1);
-    for (std::size_t v = 0; v < nodes_.size(); ++v) local[nodes_[v]] = static_cast<int>(v);
-    for (geometry::Triangle& each : triangles)
-        for (int& node : each) node = local[node];
-
-    const std::vector<int> fresh = carry(before, local);
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-        for (const int v : triangles[t])
-            if (opened[t] != 0 && wound_[v] == kWhole) {
+    const BodySurface::Change change = surface_.set(std::move(triangles));
+    carry(change.now);
+    opened_ = std::move(opened);
+    untilLandings_ = 0.0;
+    const std::vector<geometry::Triangle>& local = surface_.topology().triangles;
+    for (std::size_t t = 0; t < local.size(); ++t)
+        for (const int v : local[t])
+            if (opened_[t] != 0 && wound_[v] == kWhole) {
                 wound_[v] = kOpened;
                 vessels_[v] = kNew;
             }
-    opened_ = std::move(opened);
-    untilLandings_ = 0.0;
-    topology_ = filmTopology(static_cast<int>(nodes_.size()), std::move(triangles));
-    if (!before.empty()) spread(fresh);
+    if (!change.now.empty()) spread(change.fresh);
 }
 
-/// What lies and bleeds on nodes stays with them. Returns the vertices whose nodes were not there before.
-std::vector<int> Bleeding::carry(const std::vector<int>& before, const std::vector<int>& local)
+/// What lies and bleeds on nodes stays with them.
+void Bleeding::carry(const std::vector<int>& now)
 {
     const FilmContent content = std::move(content_);
     const std::vector<std::uint8_t> wound = std::move(wound_);
     const std::vector<double> vessels = std::move(vessels_);
-    content_.volume.assign(nodes_.size(), 0.0);
-    content_.aged.assign(nodes_.size(), 0.0);
-    wound_.assign(nodes_.size(), kWhole);
-    vessels_.assign(nodes_.size(), 0.0);
-    std::vector<std::uint8_t> known(nodes_.size(), 0);
-    for (std::size_t v = 0; v < before.size(); ++v) {
-        const int now = before[v] < std::ssize(local) ? local[before[v]] : -1;
-        if (now < 0) { // its piece has gone, or it is inside the tissue
+    content_.volume.assign(surface_.vertices(), 0.0);
+    content_.aged.assign(surface_.vertices(), 0.0);
+    wound_.assign(surface_.vertices(), kWhole);
+    vessels_.assign(surface_.vertices(), 0.0);
+    for (std::size_t v = 0; v < now.size(); ++v) {
+        if (now[v] < 0) { // its piece has gone, or it is inside the tissue
             balance_.carriedOff += content.volume[v];
             continue;
         }
-        content_.volume[now] = content.volume[v];
-        content_.aged[now] = content.aged[v];
-        wound_[now] = wound[v];
-        vessels_[now] = vessels[v];
-        known[now] = 1;
+        content_.volume[now[v]] = content.volume[v];
+        content_.aged[now[v]] = content.aged[v];
+        wound_[now[v]] = wound[v];
+        vessels_[now[v]] = vessels[v];
     }
-    std::vector<int> fresh;
-    for (std::size_t v = 0; v < known.size(); ++v)
-        if (known[v] == 0) fresh.push_back(static_cast<int>(v));
-    return fresh;
 }
 
 /// A new vertex took its area from those around it, and takes a part of their blood: as much as makes its volume the
 /// mean of theirs, but from each at most a half.
 void Bleeding::spread(const std::vector<int>& fresh)
 {
+    const FilmTopology& topology = surface_.topology();
     for (const int v : fresh) {
         double sum = 0.0;
         int count = 0;
-        for (int e = topology_.first[v]; e < topology_.first[v + 1]; ++e) {
-            sum += content_.volume[topology_.next[e]];
+        for (int e = topology.first[v]; e < topology.first[v + 1]; ++e) {
+            sum += content_.volume[topology.next[e]];
             ++count;
         }
         if (sum <= 0.0) continue;
         const double share = std::min(0.5, 1.0 / (count + 1));
-        for (int e = topology_.first[v]; e < topology_.first[v + 1]; ++e) {
-            const int from = topology_.next[e];
+        for (int e = topology.first[v]; e < topology.first[v + 1]; ++e) {
+            const int from = topology.next[e];
             const double volume = share * content_.volume[from], aged = share * content_.aged[from];
             content_.volume[from] -= volume;
             content_.aged[from] -= aged;
@@ -152,9 +131,17 @@ void Bleeding::spread(const std::vector<int>& fresh)
     }
 }
 
+void Bleeding::close(std::span<const std::uint8_t> nodes)
+{
+    for (std::size_t v = 0; v < surface_.vertices(); ++v) {
+        const auto node = static_cast<std::size_t>(surface_.nodes()[v]);
+        if (node < nodes.size() && nodes[node] != 0) vessels_[v] = 0.0;
+    }
+}
+
 void Bleeding::apply(const BloodCommand& command, std::span<const Vec3> positions)
 {
-    gather(nodes_, positions, places_);
+    surface_.gather(positions, places_);
     if (const auto* perfuse = std::get_if<Perfuse>(&command)) perfusion_ = perfuse->share;
     if (const auto* suck = std::get_if<Suck>(&command))
         suction_ = suck->rate > 0.0 ? std::optional(*suck) : std::nullopt;
@@ -176,10 +163,10 @@ void Bleeding::step(std::span<const Vec3> positions, Vec3 gravity, double dt)
 {
     balance_.rate = 0.0;
     if (dt <= 0.0 || idle()) return;
-    gather(nodes_, positions, places_);
-    measure(topology_, places_, gravity, geometry_);
+    surface_.gather(positions, places_);
+    measure(surface_.topology(), places_, gravity, geometry_);
     if (untilLandings_ <= 0.0) {
-        findLandings(topology_, places_, gravity, content_, geometry_);
+        findLandings(surface_.topology(), places_, gravity, content_, geometry_);
         untilLandings_ = kLandings;
     }
     untilLandings_ -= dt;
@@ -190,20 +177,21 @@ void Bleeding::step(std::span<const Vec3> positions, Vec3 gravity, double dt)
                             .density = def_.density,
                             .surfaceTension = def_.surfaceTension,
                             .clinging = def_.clinging};
-    balance_.dripped += flow(topology_, geometry_, liquid, dt, content_, order_);
+    balance_.dripped += flow(surface_.topology(), geometry_, liquid, dt, content_, order_);
 }
 
 void Bleeding::measureWounds()
 {
-    woundArea_.assign(nodes_.size(), 0.0);
-    for (std::size_t t = 0; t < topology_.triangles.size(); ++t) {
-        const auto& [a, b, c] = topology_.triangles[t];
+    woundArea_.assign(surface_.vertices(), 0.0);
+    const std::vector<geometry::Triangle>& triangles = surface_.topology().triangles;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        const auto& [a, b, c] = triangles[t];
         const double third = length(cross(places_[b] - places_[a], places_[c] - places_[a])) / 6.0;
         for (const int v : {a, b, c})
             if (wound_[v] == kInjured || (wound_[v] == kOpened && opened_[t] != 0)) woundArea_[v] += third;
     }
-    for (std::size_t v = 0; v < nodes_.size(); ++v)
-        if (vessels_[v] < 0.0) vessels_[v] = unevenness(def_.vesselDensity * woundArea_[v], drawn(nodes_[v]));
+    for (std::size_t v = 0; v < surface_.vertices(); ++v)
+        if (vessels_[v] < 0.0) vessels_[v] = unevenness(def_.vesselDensity * woundArea_[v], drawn(surface_.nodes()[v]));
 }
 
 void Bleeding::well(double dt)
@@ -212,7 +200,7 @@ void Bleeding::well(double dt)
     // The integral of the flux over the step, while it falls exponentially.
     const double lasting = -def_.clottingTime * std::expm1(-dt / def_.clottingTime);
     const double left = std::exp(-dt / def_.clottingTime);
-    for (std::size_t v = 0; v < nodes_.size(); ++v) {
+    for (std::size_t v = 0; v < surface_.vertices(); ++v) {
         if (vessels_[v] == 0.0) continue;
         const double flux = def_.flux * perfusion_ * vessels_[v] * woundArea_[v];
         if (std::isfinite(flux)) {
@@ -255,13 +243,10 @@ BloodBalance Bleeding::balance() const
 
 std::vector<float> Bleeding::thickness() const
 {
-    std::vector<float> out(static_cast<std::size_t>(nodesNeeded()), -1.0F);
-    for (std::size_t v = 0; v < nodes_.size(); ++v) {
-        const bool covered = v < geometry_.area.size() && geometry_.area[v] > 0.0;
-        out[static_cast<std::size_t>(nodes_[v])] =
-            covered ? static_cast<float>(content_.volume[v] / geometry_.area[v]) : 0.0F;
-    }
-    return out;
+    std::vector<double> out(surface_.vertices(), 0.0);
+    for (std::size_t v = 0; v < out.size(); ++v)
+        if (v < geometry_.area.size() && geometry_.area[v] > 0.0) out[v] = content_.volume[v] / geometry_.area[v];
+    return surface_.byNode(out);
 }
 
 } // namespace filasofia::surface

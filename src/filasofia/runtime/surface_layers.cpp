@@ -1,0 +1,252 @@
+#include "filasofia/runtime/surface_layers.h"
+
+#include "filasofia/core/validate.h"
+#include "filasofia/runtime/surfaces.h"
+
+#include <cmath>
+
+namespace filasofia::runtime {
+namespace {
+
+constexpr double kTelling = 1.0; ///< [s] between two events of a body
+
+/// What differs between the layers.
+template <class Layer> struct Kind;
+template <> struct Kind<surface::Bleeding> {
+    static constexpr const char *kDoing = "bleeding", *kDoes = "bleeds", *kOf = "blood", *kDo = "bleed";
+    static double told(const surface::BloodBalance& balance) { return balance.welled; }
+    static std::vector<float> film(const surface::Bleeding& layer) { return layer.thickness(); }
+    static auto& reports(RunReport& report) { return report.blood; }
+    static BloodReport report(const std::string& name, const surface::Bleeding& layer)
+    {
+        return {name, layer.balance()};
+    }
+};
+template <> struct Kind<surface::Burning> {
+    static constexpr const char *kDoing = "burning", *kDoes = "burns", *kOf = "heat", *kDo = "burn";
+    static double told(const surface::HeatBalance& balance) { return balance.burnt; }
+    static std::vector<float> film(const surface::Burning& layer) { return layer.marks(); }
+    static auto& reports(RunReport& report) { return report.heat; }
+    static HeatReport report(const std::string& name, const surface::Burning& layer)
+    {
+        return {name, layer.def().target, layer.balance()};
+    }
+};
+
+/// The triangles of a soft body by its nodes, before it is cut.
+std::vector<geometry::Triangle> skinOf(const physics::SoftBodyDef& body, const std::string& object)
+{
+    mapping::MappedSurface skin = mapSoft(body, nullptr, object);
+    const auto& nodes = std::get<mapping::IdentityMap>(skin.map).nodes;
+    for (geometry::Triangle& each : skin.surface.triangles)
+        for (int& corner : each) corner = nodes[static_cast<std::size_t>(corner)];
+    return std::move(skin.surface.triangles);
+}
+
+} // namespace
+
+template <class Layer> void SurfaceLayers<Layer>::Turn::run()
+{
+    if (boundary) layer.follow(*boundary);
+    if constexpr (requires { layer.close({}); })
+        if (closed) layer.close(*closed);
+    if (layer.nodesNeeded() <= std::ssize(positions)) {
+        for (const Command& each : commands) layer.apply(each, positions);
+        layer.step(positions, gravity, dt);
+    }
+    film = std::make_shared<const std::vector<float>>(Kind<Layer>::film(layer));
+    if constexpr (requires { layer.burnt(); }) burnt = std::make_shared<const std::vector<std::uint8_t>>(layer.burnt());
+}
+
+template <class Layer>
+void SurfaceLayers<Layer>::add(BodyId id, const Def& def, Vec3 gravity, const physics::PhysicsServer& physics)
+{
+    const auto body = physics.def(id);
+    const std::string object = text(Kind<Layer>::kDoing, " of ", physics::describeBody(*body));
+    const auto* soft = std::get_if<physics::SoftBodyDef>(&*body);
+    if (soft == nullptr) fail(object, ": needs a soft body with a surface");
+    auto start = std::make_shared<const Layer>(def, skinOf(*soft, object), object);
+    const std::lock_guard lock(mutex_);
+    if (patients_.contains(id)) fail(object, ": it ", Kind<Layer>::kDoes, " already");
+    patients_[id] = {
+        .name = soft->name, .gravity = gravity, .start = start, .turn = std::make_shared<Turn>(Turn{.layer = *start})};
+    any_ = true;
+}
+
+template <class Layer> auto SurfaceLayers<Layer>::patient(BodyId id) const -> const Patient&
+{
+    const auto found = patients_.find(id);
+    if (found == patients_.end())
+        fail(Kind<Layer>::kOf, ": body ", id.value, " does not ", Kind<Layer>::kDo, "; ", Kind<Layer>::kDo,
+             "() makes it");
+    return found->second;
+}
+
+template <class Layer> void SurfaceLayers<Layer>::treat(BodyId id, const Command& command)
+{
+    const std::lock_guard lock(mutex_);
+    const std::string object = text(Kind<Layer>::kOf, " of '", patient(id).name, "'");
+    if constexpr (requires { std::visit([](const auto&) {}, command); })
+        std::visit([&](const auto& each) { validate(each, object); }, command);
+    else
+        validate(command, object);
+    patients_.at(id).waiting.push_back(command);
+}
+
+template <class Layer> auto SurfaceLayers<Layer>::balance(BodyId id) const -> Balance
+{
+    const std::lock_guard lock(mutex_);
+    return patient(id).balance;
+}
+
+template <class Layer> void SurfaceLayers<Layer>::restart()
+{
+    const std::lock_guard lock(mutex_);
+    for (auto& [id, each] : patients_) {
+        each.restart = true;
+        each.waiting.clear();
+    }
+}
+
+template <class Layer> void SurfaceLayers<Layer>::finish(Patient& patient)
+{
+    if (!patient.job) return;
+    patient.job->finish();
+    patient.job = nullptr;
+}
+
+template <class Layer> void SurfaceLayers<Layer>::begin(Patient& patient, const frame::SoftBodyFrame& body, double time)
+{
+    Turn& turn = *patient.turn;
+    if (std::exchange(patient.restart, false)) {
+        turn.layer = *patient.start;
+        patient.told.reset(); // the next event says from where it counts again
+        patient.tellFrom = 0.0;
+        patient.closed = nullptr;
+    }
+    turn.commands = std::exchange(patient.waiting, {});
+    turn.positions = body.positions;
+    turn.boundary = body.boundary;
+    turn.gravity = patient.gravity;
+    turn.closed = patient.closed;
+    turn.dt = patient.last < 0.0 ? 0.0 : time - patient.last;
+    patient.last = time;
+    patient.job = std::make_shared<BackgroundJob>([turn = patient.turn] { turn->run(); });
+    thread_.submit(patient.job);
+}
+
+template <class Layer> bool SurfaceLayers<Layer>::tell(BodyId id, double time, Patient& patient, const Post& post)
+{
+    if (patient.restart) patient.tellFrom = 0.0; // what was before a reset is told before it is gone
+    const double now = Kind<Layer>::told(patient.balance);
+    if (patient.told == now || time < patient.tellFrom) return true;
+    patient.told = now;
+    patient.tellFrom = std::floor(time / kTelling + 1e-6) * kTelling + kTelling;
+    return post(id, patient.start->def(), patient.balance);
+}
+
+template <class Layer>
+bool SurfaceLayers<Layer>::takeResults(BodyId id, double time, Patient& patient, const Post& post)
+{
+    finish(patient);
+    if (!patient.turn->film) return true; // it had no turn yet
+    patient.balance = patient.turn->layer.balance();
+    patient.film = patient.turn->film;
+    patient.fresh = true;
+    patient.burnt = patient.restart ? nullptr : patient.turn->burnt; // a reset heals
+    return tell(id, time, patient, post);
+}
+
+template <class Layer>
+bool SurfaceLayers<Layer>::afterStep(std::uint64_t step, double time, physics::PhysicsServer& physics, const Post& post)
+{
+    if (!any_) return true;
+    bool all = true;
+    const std::lock_guard lock(mutex_);
+    for (auto& [id, each] : patients_) {
+        if (time < each.next - 1e-9) continue;
+        const frame::FrameRef frame = physics.latest();
+        if (!frame || frame->step != step) return all; // readers hold all frames: the next step has one
+        const frame::SoftBodyFrame* body = frame->softBody(id);
+        if (body == nullptr) continue; // not there yet, or removed
+        all = takeResults(id, time, each, post) && all;
+        begin(each, *body, time);
+        const double rate = each.start->def().rate;
+        each.next = (std::floor(time * rate + 1e-6) + 1.0) / rate;
+    }
+    return all;
+}
+
+template <class Layer> void SurfaceLayers<Layer>::close(const std::map<BodyId, NodeFlags>& closed)
+{
+    if (closed.empty() || !any_) return;
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, nodes] : closed)
+        if (const auto found = patients_.find(id); found != patients_.end()) found->second.closed = nodes;
+}
+
+template <class Layer> std::map<BodyId, NodeFlags> SurfaceLayers<Layer>::takeBurnt()
+{
+    std::map<BodyId, NodeFlags> out;
+    if (!any_) return out;
+    const std::lock_guard lock(mutex_);
+    for (auto& [id, each] : patients_)
+        if (NodeFlags burnt = std::exchange(each.burnt, nullptr)) out[id] = std::move(burnt);
+    return out;
+}
+
+template <class Layer> std::map<BodyId, NodeFilm> SurfaceLayers<Layer>::takeFilms()
+{
+    std::map<BodyId, NodeFilm> out;
+    if (!any_) return out;
+    const std::lock_guard lock(mutex_);
+    for (auto& [id, each] : patients_)
+        if (std::exchange(each.fresh, false)) out[id] = each.film;
+    return out;
+}
+
+template <class Layer> void SurfaceLayers<Layer>::fill(RunReport& report) const
+{
+    const std::lock_guard lock(mutex_);
+    auto& reports = Kind<Layer>::reports(report);
+    reports.clear();
+    for (const auto& [id, each] : patients_) {
+        if (each.job) each.job->finish(); // the layer's last step counts
+        reports.push_back(Kind<Layer>::report(each.name, each.turn->layer));
+    }
+}
+
+template <class Layer> auto SurfaceLayers<Layer>::copy() const -> Patients
+{
+    Patients out = patients_;
+    for (auto& [id, each] : out) {
+        finish(each);
+        each.turn = std::make_shared<Turn>(*each.turn);
+    }
+    return out;
+}
+
+template <class Layer> Memory SurfaceLayers<Layer>::memory()
+{
+    return {.of = text("the ", Kind<Layer>::kOf),
+            .save =
+                [this] {
+                    const std::lock_guard lock(mutex_);
+                    return patients_.empty() ? std::any() : std::any(copy());
+                },
+            .restore =
+                [this](const std::any& saved) {
+                    const std::lock_guard lock(mutex_);
+                    for (auto& [id, each] : patients_) finish(each);
+                    patients_ = std::any_cast<const Patients&>(saved);
+                    for (auto& [id, each] : patients_) {
+                        each.turn = std::make_shared<Turn>(*each.turn); // the saved one stays as it is
+                        each.fresh = each.film != nullptr;
+                    }
+                }};
+}
+
+template class SurfaceLayers<surface::Bleeding>;
+template class SurfaceLayers<surface::Burning>;
+
+} // namespace filasofia::runtime

@@ -1,0 +1,201 @@
+#include "filasofia/surface/burning.h"
+
+#include "filasofia/core/validate.h"
+#include "filasofia/surface/heat.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace filasofia::surface {
+namespace {
+
+constexpr double kBoiling = 373.15;     ///< [K]
+constexpr double kLatentHeat = 2.257e6; ///< [J/kg], of water at its boiling point
+constexpr double kHarmless = 316.15;    ///< [K], 43 degrees Celsius: below it nothing is damaged within hours
+constexpr double kCool = 1e-3;          ///< [K] above rest, from which on nothing is computed
+constexpr double kMostDamage = 1e9;     ///< [-], keeps the number finite
+constexpr double kBlanched = 0.35;      ///< mark of tissue that is damaged, but not dry
+
+} // namespace
+
+Burning::Burning(const BurningDef& def, std::vector<geometry::Triangle> skin, const std::string& object)
+    : def_(def), skin_(std::move(skin))
+{
+    validate(def_, object);
+    if (skin_.empty()) fail(object, ": needs a surface of triangles, got none");
+    balance_.peak = def_.temperature;
+    set(skin_, {});
+}
+
+void Burning::follow(const frame::Boundary& boundary)
+{
+    if (boundary.revision == revision_) return;
+    if (boundary.revision < revision_) *this = Burning(def_, skin_, "burning"); // the body was put back to its start
+    revision_ = boundary.revision;
+    if (boundary.revision > 0) set(boundary.triangles, boundary.rest);
+}
+
+/// Temperature, water and damage stay with the nodes. A new node is as those around it; where none is known it comes
+/// from inside, which is at rest.
+void Burning::set(std::vector<geometry::Triangle> triangles, std::span<const Vec3> rest)
+{
+    const double before = stored();
+    const BodySurface::Change change = surface_.set(std::move(triangles));
+    std::vector<std::uint8_t> known(surface_.vertices(), 0);
+    for (const int v : change.now)
+        if (v >= 0) known[v] = 1;
+    const FilmTopology& topology = surface_.topology();
+    const auto carry = [&](std::vector<double>& values, double fresh, double most) {
+        const std::vector<double> old = std::move(values);
+        values.assign(surface_.vertices(), fresh);
+        for (std::size_t v = 0; v < change.now.size(); ++v)
+            if (change.now[v] >= 0) values[change.now[v]] = old[v];
+        for (const int v : change.fresh) {
+            double sum = 0.0;
+            int count = 0;
+            for (int e = topology.first[v]; e < topology.first[v + 1]; ++e)
+                if (known[topology.next[e]] != 0) {
+                    sum += std::min(values[topology.next[e]], most);
+                    ++count;
+                }
+            if (count > 0) values[v] = sum / count;
+        }
+    };
+    carry(warmth_, 0.0, std::numeric_limits<double>::infinity());
+    carry(water_, 1.0, 1.0);
+    carry(damage_, 0.0, 1.0); // char beside it is as one that is damaged: the new node is not, unless all around it are
+    area_.clear();
+    if (rest.empty()) return;
+    measureRest(rest);
+    balance_.carriedOff += before - stored();
+}
+
+/// Heat flows as in the tissue at rest, so that stretching it changes neither its mass nor its temperature.
+void Burning::measureRest(std::span<const Vec3> positions)
+{
+    surface_.gather(positions, places_);
+    FilmGeometry geometry;
+    measure(surface_.topology(), places_, {0, -1, 0}, geometry); // gravity does not matter here
+    area_ = std::move(geometry.area);
+    capacity_.resize(area_.size());
+    for (std::size_t v = 0; v < area_.size(); ++v)
+        capacity_[v] = def_.density * def_.heatCapacity * def_.depth * area_[v];
+    conductance_ = std::move(geometry.conductance);
+    for (double& each : conductance_) each *= def_.conductivity * def_.depth;
+}
+
+void Burning::apply(const Heat& command, std::span<const Vec3>)
+{
+    if (command.power > 0.0)
+        sources_[command.source] = command;
+    else
+        sources_.erase(command.source);
+}
+
+void Burning::step(std::span<const Vec3> positions, Vec3, double dt)
+{
+    if (dt <= 0.0 || idle()) return;
+    if (area_.empty()) measureRest(positions);
+    surface_.gather(positions, places_);
+    before_ = warmth_;
+    conduct(surface_.topology(), conductance_, capacity_, dt, warmth_);
+    takeSources();
+    warm(dt);
+    hurt(dt);
+}
+
+void Burning::takeSources()
+{
+    power_.assign(surface_.vertices(), 0.0);
+    limit_.assign(surface_.vertices(), 0.0);
+    std::vector<HeatShare> shares;
+    for (const auto& [number, heat] : sources_) {
+        divideSource(surface_.topology(), places_, heat.place, heat.radius, shares);
+        for (const HeatShare& each : shares) {
+            power_[each.vertex] += each.share * heat.power;
+            limit_[each.vertex] = std::max(limit_[each.vertex], heat.limit - def_.temperature);
+        }
+    }
+}
+
+/// Pennes' equation at each vertex: power, perfusion, loss; and water that boils. Damaged tissue is not perfused.
+void Burning::warm(double dt)
+{
+    const double wet = def_.density * def_.depth * def_.water * kLatentHeat;      // [J/m^2]
+    const double perfused = def_.perfusion * def_.bloodHeatCapacity * def_.depth; // [W/(m^2 K)]
+    for (std::size_t v = 0; v < warmth_.size(); ++v) {
+        if (!(capacity_[v] > 0.0)) continue;
+        const double flowing = perfused * std::exp(-damage_[v]), loss = flowing + def_.loss;
+        const HeatedStep now = heatVertex({.capacity = capacity_[v],
+                                           .loss = loss * area_[v],
+                                           .latent = wet * area_[v] * water_[v],
+                                           .boiling = kBoiling - def_.temperature,
+                                           .limit = limit_[v]},
+                                          warmth_[v], power_[v], dt);
+        warmth_[v] = now.warmth;
+        balance_.delivered += now.delivered;
+        balance_.boiled += now.boiled;
+        if (loss > 0.0) {
+            balance_.perfused += now.lost * flowing / loss;
+            balance_.lost += now.lost * def_.loss / loss;
+        }
+        const double gone = now.boiled > 0.0 ? now.boiled / (wet * area_[v]) : 0.0;
+        water_[v] = water_[v] - gone > 1e-12 ? water_[v] - gone : 0.0;
+    }
+}
+
+void Burning::hurt(double dt)
+{
+    for (std::size_t v = 0; v < warmth_.size(); ++v) {
+        const double from = def_.temperature + before_[v], to = def_.temperature + warmth_[v];
+        const double more = damageOver(from, to, dt, def_.frequencyFactor, def_.activationEnergy);
+        damage_[v] = std::min(damage_[v] + more, kMostDamage);
+        balance_.peak = std::max(balance_.peak, to);
+    }
+}
+
+double Burning::stored() const
+{
+    double sum = 0.0;
+    for (std::size_t v = 0; v < area_.size(); ++v) sum += capacity_[v] * warmth_[v];
+    return sum;
+}
+
+bool Burning::idle() const
+{
+    return sources_.empty() && def_.temperature <= kHarmless &&
+           std::ranges::all_of(warmth_, [](double each) { return std::abs(each) < kCool; });
+}
+
+HeatBalance Burning::balance() const
+{
+    HeatBalance now = balance_;
+    now.stored = stored();
+    now.hottest = def_.temperature + std::ranges::max(warmth_);
+    for (std::size_t v = 0; v < area_.size(); ++v) {
+        if (damage_[v] >= 1.0) now.burnt += area_[v];
+        if (water_[v] == 0.0) now.charred += area_[v];
+    }
+    return now;
+}
+
+std::vector<float> Burning::marks() const
+{
+    std::vector<double> out(surface_.vertices());
+    for (std::size_t v = 0; v < out.size(); ++v) {
+        const double dry = 1.0 - water_[v];
+        out[v] = kBlanched * std::min(damage_[v], 1.0) + (1.0 - kBlanched) * dry * dry;
+    }
+    return surface_.byNode(out);
+}
+
+std::vector<std::uint8_t> Burning::burnt() const
+{
+    std::vector<std::uint8_t> out(static_cast<std::size_t>(nodesNeeded()), 0);
+    for (std::size_t v = 0; v < damage_.size(); ++v)
+        if (damage_[v] >= 1.0) out[static_cast<std::size_t>(surface_.nodes()[v])] = 1;
+    return out;
+}
+
+} // namespace filasofia::surface
