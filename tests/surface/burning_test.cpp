@@ -80,7 +80,7 @@ TEST_CASE("heat spreads from a disc as theory says, whatever the size of the tri
         Plate plate(def, edge);
         plate.heat.apply({.radius = kRadius, .power = kPower, .limit = 1000.0}, {});
         plate.run(kTime);
-        const double bound = edge < 2e-3 ? 0.03 : 0.08; // of the size of the source, they are too coarse
+        const double bound = edge < 2e-3 ? 0.03 : 0.08; // triangles that are too coarse for the source
         for (const double x : {0.0, 2e-3, 4e-3}) {
             const auto [warmth, r] = plate.near({x, 0, 0});
             INFO("edge " << edge << ", r " << r);

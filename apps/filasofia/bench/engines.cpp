@@ -78,7 +78,7 @@ struct EngineCell {
     int tets = 0;
     std::string engine = {}, way = {};
     double error = 0.0; ///< [-] against the engine's own converged solution
-    double apart = 0.0; ///< [-] of the engine's converged solution from the native one
+    double apart = 0.0; ///< [-] between the engine's converged solution and the native one
     Fall run = {};
 };
 
