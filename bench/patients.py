@@ -143,10 +143,10 @@ def at_random(first, count):
     """Each seed: a mesh that the engine accepts, with no angle below 10 degrees and volumes within 1 %, or what was said."""
     fine, said, far = 0, [], []
     for seed in range(first, first + count):
+        map_ = ph.random_anatomy(seed)
         if seed > first and (seed - first) % 25 == 0:
             print(f"{fine} of {seed - first}", flush=True)
         try:
-            map_ = ph.random_anatomy(seed)
             made = anatomy.mesh_labels(map_, size=anatomy.fitting_size(map_, 2000, 30_000))
             made.mesh()
             organs = [made.quality(name) for name in made.names.values()]

@@ -4,6 +4,7 @@
 #include "filasofia/runtime/replay.h"
 #include "filasofia/runtime/stepped_run.h"
 #include "filasofia/visual/image.h"
+#include "runtime/cut_block.h"
 #include "shown_stage.h"
 #include "skip.h"
 
@@ -18,28 +19,12 @@ using namespace filasofia::runtime;
 
 namespace {
 
-/// A block that an edge cuts from above within 0.2 s; it bleeds.
-struct Wound {
-    Simulation sim;
-    BodyId tissue, knife;
-
-    explicit Wound(int threads = 1, bool bleeds = true)
-        : sim(SimulationDef{.physics = {.rate = 500, .threads = threads}})
+/// The block bleeds.
+struct Wound : CutBlock {
+    explicit Wound(int threads = 1, bool bleeds = true) : CutBlock(threads, {10, 3, 8})
     {
-        tissue = sim.add(SoftBodyDef{.name = "tissue",
-                                     .mesh = shapes::block({40_mm, 12_mm, 30_mm}, {10, 3, 8}),
-                                     .attachments = {{.box = Box{{-1, -1, -1}, {1, -5.9_mm, 1}}}},
-                                     .dynamicTopology = true});
-        RigidBodyDef def{.name = "knife"};
-        def.collision = {{.mesh = shapes::sheet(20_mm, 20_mm, {1, 1}), .cutting = true}};
-        def.elements = {{{0, 40_mm, 0}, upright()}};
-        knife = sim.add(def);
-        sim.everyStep([this](double time) {
-            sim.physics().setPose(knife, {{0, 40_mm - std::min(0.2, time) * 165_mm, 0}, upright()});
-        });
         if (bleeds) sim.bleed(tissue, {.flux = 1e-3, .clottingTime = 20.0});
     }
-    static Quat upright() { return axisAngle({1, 0, 0}, 90_deg); }
 };
 
 } // namespace

@@ -3,6 +3,7 @@
 #include "filasofia/runtime/replay.h"
 #include "filasofia/runtime/stepped_run.h"
 #include "filasofia/visual/image.h"
+#include "runtime/cut_block.h"
 #include "shown_stage.h"
 #include "skip.h"
 
@@ -17,30 +18,14 @@ using namespace filasofia::runtime;
 
 namespace {
 
-/// A block that a source on its upper side heats from the first step on, while a knife cuts it.
-struct Ward {
-    Simulation sim;
-    BodyId tissue, knife;
-
-    explicit Ward(int threads = 1, bool burns = true, BurningDef def = {})
-        : sim(SimulationDef{.physics = {.rate = 500, .threads = threads}})
+/// A source heats the block's upper side from the first step on.
+struct Ward : CutBlock {
+    explicit Ward(int threads = 1, bool burns = true, BurningDef def = {}) : CutBlock(threads, {16, 4, 12})
     {
-        tissue = sim.add(SoftBodyDef{.name = "tissue",
-                                     .mesh = shapes::block({40_mm, 12_mm, 30_mm}, {16, 4, 12}),
-                                     .attachments = {{.box = Box{{-1, -1, -1}, {1, -5.9_mm, 1}}}},
-                                     .dynamicTopology = true});
-        RigidBodyDef blade{.name = "knife"};
-        blade.collision = {{.mesh = shapes::sheet(20_mm, 20_mm, {1, 1}), .cutting = true}};
-        blade.elements = {{{0, 40_mm, 0}, upright()}};
-        knife = sim.add(blade);
-        sim.everyStep([this](double time) {
-            sim.physics().setPose(knife, {{0, 40_mm - std::min(0.2, time) * 165_mm, 0}, upright()});
-        });
         if (!burns) return;
         sim.burn(tissue, def);
         sim.treat(tissue, Heat{.place = {0, 6_mm, 0}, .radius = 3_mm, .power = 60.0});
     }
-    static Quat upright() { return axisAngle({1, 0, 0}, 90_deg); }
 };
 
 double error(const HeatBalance& b) { return b.delivered - b.stored - b.perfused - b.lost - b.boiled - b.carriedOff; }

@@ -90,12 +90,7 @@ void ScenePlayer::apply(const SceneUnshown& unshown)
 }
 
 void ScenePlayer::apply(const ScenePainted& painted) { impl_.bindings.paint(painted.body, painted.def, impl_.physics); }
-void ScenePlayer::apply(const SceneCleaned&)
-{
-    impl_.bindings.clearPaint();
-    impl_.bleedings.restart();
-    impl_.burnings.restart();
-}
+void ScenePlayer::apply(const SceneCleaned&) { impl_.cleanSurfaces(); }
 void ScenePlayer::apply(const SceneBled& bled)
 {
     impl_.bleedings.add(bled.body, bled.def, bled.gravity, impl_.physics);
@@ -107,9 +102,7 @@ void ScenePlayer::afterStep()
 {
     if (!drawing_) return;
     const auto unheard = [](BodyId, const auto&, const auto&) { return true; };
-    impl_.burnings.afterStep(impl_.now.step(), impl_.now.seconds(), impl_.physics, unheard);
-    impl_.sealBurnt();
-    impl_.bleedings.afterStep(impl_.now.step(), impl_.now.seconds(), impl_.physics, unheard);
+    impl_.stepSurfaces(impl_.now.step(), impl_.now.seconds(), unheard, unheard);
 }
 
 void ScenePlayer::apply(const SceneStage& stage)

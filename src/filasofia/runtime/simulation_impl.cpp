@@ -151,10 +151,23 @@ std::uint32_t Simulation::Impl::stepSurfaces(const physics::StepReport& report)
         now.stamp(*event);
         return events.tryPost(std::move(event));
     };
-    const bool first = burnings.afterStep(report.step, report.time, physics, burnt);
-    sealBurnt();
-    const bool second = bleedings.afterStep(report.step, report.time, physics, bled);
-    return first && second ? 0u : kEventLost;
+    return stepSurfaces(report.step, report.time, burnt, bled) ? 0u : kEventLost;
+}
+
+bool Simulation::Impl::stepSurfaces(std::uint64_t step, double time, const SurfaceLayers<surface::Burning>::Post& burnt,
+                                    const SurfaceLayers<surface::Bleeding>::Post& bled)
+{
+    const bool first = burnings.afterStep(step, time, physics, burnt);
+    bleedings.close(burnings.takeBurnt());
+    const bool second = bleedings.afterStep(step, time, physics, bled);
+    return first && second;
+}
+
+void Simulation::Impl::cleanSurfaces()
+{
+    bindings.clearPaint();
+    bleedings.restart();
+    burnings.restart();
 }
 
 void Simulation::Impl::treat(BodyId id, const surface::Treatment& treatment)
@@ -214,9 +227,7 @@ void Simulation::Impl::takePicture(visual::VisualServer& visual, const std::stri
 void Simulation::Impl::reset()
 {
     physics.reset();
-    bindings.clearPaint();
-    bleedings.restart();
-    burnings.restart();
+    cleanSurfaces();
     static const SceneEvent cleaned = SceneCleaned{}; // GCC 12 warns about a temporary as uninitialized
     recordScene(cleaned);
 }

@@ -84,9 +84,13 @@ struct Simulation::Impl {
     std::uint32_t postRuptureEvents(const physics::StepReport& report);
     /// Lets blood flow and heat spread, and posts their events. Returns StepFlag bits if some were lost.
     std::uint32_t stepSurfaces(const physics::StepReport& report);
+    /// The same for any receivers of what is told. Heat comes first: burnt vessels do not bleed. Returns false if an
+    /// event is lost.
+    bool stepSurfaces(std::uint64_t step, double time, const SurfaceLayers<surface::Burning>::Post& burnt,
+                      const SurfaceLayers<surface::Bleeding>::Post& bled);
     void treat(BodyId id, const surface::Treatment& treatment);
-    /// Burnt vessels do not bleed: between the steps of heat and blood.
-    void sealBurnt() { bleedings.close(burnings.takeBurnt()); }
+    /// Removes all paint, blood, heat and burns.
+    void cleanSurfaces();
     /// Makes the look of the Def, or calls the user's dress functions.
     void dressScene(visual::VisualServer& visual);
     /// Moves the drawn bodies to the newest frame.

@@ -42,9 +42,8 @@ void Burning::set(std::vector<geometry::Triangle> triangles, std::span<const Vec
 {
     const double before = stored();
     const BodySurface::Change change = surface_.set(std::move(triangles));
-    std::vector<std::uint8_t> known(surface_.vertices(), 0);
-    for (const int v : change.now)
-        if (v >= 0) known[v] = 1;
+    std::vector<std::uint8_t> known(surface_.vertices(), 1);
+    for (const int v : change.fresh) known[v] = 0;
     const FilmTopology& topology = surface_.topology();
     const auto carry = [&](std::vector<double>& values, double fresh, double most) {
         const std::vector<double> old = std::move(values);

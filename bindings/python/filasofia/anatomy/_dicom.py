@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io as _io
 import typing as _typing
 
 import numpy as np
@@ -19,11 +20,11 @@ def is_segmentation(data: bytes) -> bool:
     return data[128:132] == b"DICM" and any(uid in data[:1024] for uid in _SEGMENTATIONS)
 
 
-def read_segmentation(file: str, most_bytes: int) -> tuple[Array, Array, dict[int, str]]:
+def read_segmentation(data: bytes, file: str, most_bytes: int) -> tuple[Array, Array, dict[int, str]]:
     """Array, affine [m] in the patient's axes of DICOM (left, back, head), and the segments' names."""
     dicom = need("highdicom", "highdicom", f"{file}: a DICOM-SEG")
     try:
-        segmentation = dicom.seg.segread(file)
+        segmentation = dicom.seg.segread(_io.BytesIO(data))
         geometry = segmentation.get_volume_geometry()
         if geometry is None:
             raise Error(f"{file}: its frames are no regular stack of slices; export it as a label map")

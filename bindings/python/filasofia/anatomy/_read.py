@@ -335,8 +335,8 @@ def read_labels(file: str, names: _typing.Optional[_typing.Mapping[int, str]] = 
         array, affine, known = parse_nrrd(read_bytes(file), file)
     elif lower.endswith((".mha", ".mhd")):
         array, affine = parse_meta(read_bytes(file), file)
-    elif is_segmentation(read_bytes(file)):
-        array, affine, known = read_segmentation(file, MOST_BYTES)
+    elif is_segmentation(data := read_bytes(file)):
+        array, affine, known = read_segmentation(data, file, MOST_BYTES)
         affine = _TO_RAS @ affine
     else:
         array, affine = _with_simpleitk(file)
