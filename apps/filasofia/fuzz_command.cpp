@@ -20,19 +20,24 @@ namespace {
 
 using nlohmann::json;
 
+constexpr int kNotGiven = -1;
+
 struct FuzzCommandOptions {
     std::string what;
     std::string file;
     int seed = 1;
-    int cuts = 2000;
-    int perBody = 4;
-    int scenes = 200;
+    int cuts = kNotGiven;
+    int perBody = kNotGiven;
+    int scenes = kNotGiven;
     double seconds = std::numeric_limits<double>::quiet_NaN(); ///< [s] knots only; NaN if not given
-    int first = 0;
+    int first = kNotGiven;
     bool twice = false;
 };
 
 constexpr double kKnotSeconds = 60.0; ///< [s]
+constexpr int kCuts = 2000, kPerBody = 4, kScenes = 200;
+
+int given(int value, int standard) { return value == kNotGiven ? standard : value; }
 
 constexpr int kExamples = 10; ///< number of example faults that are printed
 
@@ -52,7 +57,7 @@ json toJson(const FuzzCommandOptions& options, const testing::CutFuzzReport& r)
     return {{"fuzz", options.what},
             {"seed", options.seed},
             {"cuts", r.cuts},
-            {"cuts_per_body", options.perBody},
+            {"cuts_per_body", given(options.perBody, kPerBody)},
             {"bodies", r.bodies},
             {"steps", r.steps},
             {"edits", r.edits},
@@ -108,7 +113,7 @@ json toJson(const FuzzCommandOptions& options, const testing::KnotFuzzReport& r)
                          {"not_converged", kind.notConverged}});
     return {{"fuzz", options.what},
             {"seed", options.seed},
-            {"first", options.first},
+            {"first", given(options.first, 0)},
             {"seconds", r.seconds},
             {"scenes", r.scenes},
             {"steps", r.steps},
@@ -127,7 +132,14 @@ json toJson(const FuzzCommandOptions& options, const testing::KnotFuzzReport& r)
             {"hash", hexadecimal(r.hash)}};
 }
 
-void print(const testing::KnotFuzzReport& r)
+void printHash(std::uint64_t hash, long differing, bool twice)
+{
+    std::printf("hash %s", hexadecimal(hash).c_str());
+    if (twice) std::printf("; %ld scenes differed when they ran a second time", differing);
+    std::printf("\n");
+}
+
+void print(const testing::KnotFuzzReport& r, bool twice)
 {
     std::printf("%.1f simulated seconds in %ld scenes, %ld steps\n", r.seconds, r.scenes, r.steps);
     std::printf("\n%-16s %8s %8s %8s %14s\n", "kind", "scenes", "steps", "passes", "not converged");
@@ -141,8 +153,7 @@ void print(const testing::KnotFuzzReport& r)
                 r.percentile99, r.most, r.notConverged);
     std::printf("at most %ld contacts; deepest overlap %.3f diameters\n", r.mostContacts, r.deepest);
     for (const std::string& example : r.examples) std::printf("  %s\n", example.c_str());
-    std::printf("hash %s; %ld scenes differed when they ran a second time\n", hexadecimal(r.hash).c_str(),
-                r.hashesThatDiffer);
+    printHash(r.hash, r.hashesThatDiffer, twice);
 }
 
 json toJson(const FuzzCommandOptions& options, const testing::ContactFuzzReport& r)
@@ -159,7 +170,7 @@ json toJson(const FuzzCommandOptions& options, const testing::ContactFuzzReport&
                          {"restless", kind.restless}});
     return {{"fuzz", options.what},
             {"seed", options.seed},
-            {"first", options.first},
+            {"first", given(options.first, 0)},
             {"seconds", r.seconds},
             {"scenes", r.scenes},
             {"steps", r.steps},
@@ -176,10 +187,10 @@ json toJson(const FuzzCommandOptions& options, const testing::ContactFuzzReport&
             {"hash", hexadecimal(r.hash)}};
 }
 
-void print(const testing::ContactFuzzReport& r)
+void print(const testing::ContactFuzzReport& r, bool twice)
 {
     std::printf("%.1f simulated seconds in %ld scenes, %ld steps\n", r.seconds, r.scenes, r.steps);
-    std::printf("\n%-10s %7s %9s %12s %10s %12s %9s %9s\n", "kind", "scenes", "steps", "overlapping", "at the end",
+    std::printf("\n%-10s %7s %9s %12s %10s %12s %9s %9s\n", "kind", "scenes", "steps", "overlapping", "to the end",
                 "inside out", "restless", "capped");
     for (const testing::ContactFuzzKind& kind : r.kinds)
         std::printf("%-10s %7ld %9ld %12ld %10ld %12ld %9ld %9ld\n", kind.name.c_str(), kind.scenes, kind.steps,
@@ -192,18 +203,17 @@ void print(const testing::ContactFuzzReport& r)
                 1e2 * r.mostGained, 1e3 * r.deepest);
     std::printf("iterations of a step: median %d, 99th percentile %d, most %d\n", r.median, r.percentile99, r.most);
     for (const std::string& example : r.examples) std::printf("  %s\n", example.c_str());
-    std::printf("hash %s; %ld scenes differed when they ran a second time\n", hexadecimal(r.hash).c_str(),
-                r.hashesThatDiffer);
+    printHash(r.hash, r.hashesThatDiffer, twice);
 }
 
 int fuzzContacts(const FuzzCommandOptions& options)
 {
     JsonFile file(options.file);
     const testing::ContactFuzzReport report = testing::fuzzContacts({.seed = static_cast<std::uint64_t>(options.seed),
-                                                                     .scenes = options.scenes,
-                                                                     .first = options.first,
+                                                                     .scenes = given(options.scenes, kScenes),
+                                                                     .first = given(options.first, 0),
                                                                      .twice = options.twice});
-    print(report);
+    print(report, options.twice);
     file.write(toJson(options, report));
     return report.sound() ? 0 : kFailed;
 }
@@ -214,9 +224,9 @@ int fuzzKnots(const FuzzCommandOptions& options)
     const testing::KnotFuzzReport report =
         testing::fuzzKnots({.seed = static_cast<std::uint64_t>(options.seed),
                             .seconds = std::isnan(options.seconds) ? kKnotSeconds : options.seconds,
-                            .first = options.first,
+                            .first = given(options.first, 0),
                             .twice = options.twice});
-    print(report);
+    print(report, options.twice);
     file.write(toJson(options, report));
     return report.sound() ? 0 : kFailed;
 }
@@ -226,9 +236,9 @@ int fuzzCuts(const FuzzCommandOptions& options)
     JsonFile file(options.file);
     const bool shells = options.what == "shells";
     testing::CutFuzzDef def{.seed = static_cast<std::uint64_t>(options.seed),
-                            .cuts = options.cuts,
+                            .cuts = given(options.cuts, kCuts),
                             .meshes = shells ? testing::shellFuzzShapes() : testing::cutFuzzShapes(),
-                            .cutsPerBody = options.perBody};
+                            .cutsPerBody = given(options.perBody, kPerBody)};
     for (const char* size : {"756", "1492"})
         if (!shells)
             def.meshes.push_back(
@@ -241,13 +251,21 @@ int fuzzCuts(const FuzzCommandOptions& options)
 
 int fuzz(const FuzzCommandOptions& options)
 {
-    if (options.what == "knots") return fuzzKnots(options);
-    if (!std::isnan(options.seconds)) fail("fuzz: --seconds applies to knots only");
-    if (options.what == "contact") return fuzzContacts(options);
-    if (options.what != "cut" && options.what != "shells")
+    const bool contact = options.what == "contact", knots = options.what == "knots";
+    const bool cuts = options.what == "cut" || options.what == "shells";
+    if (!contact && !knots && !cuts)
         fail("fuzz: unknown subject '", shortened(options.what), "'; known are contact, cut, shells and knots");
-    if (options.twice) fail("fuzz: --twice applies to contact and knots only; cut and shells cut each body twice");
-    return fuzzCuts(options);
+    const auto only = [](bool applies, bool isGiven, const char* option, const char* to) {
+        if (isGiven && !applies) fail("fuzz: ", option, " applies to ", to, " only");
+    };
+    only(cuts, options.cuts != kNotGiven, "--cuts", "cut and shells");
+    only(cuts, options.perBody != kNotGiven, "--per-body", "cut and shells");
+    only(contact, options.scenes != kNotGiven, "--scenes", "contact");
+    only(knots, !std::isnan(options.seconds), "--seconds", "knots");
+    only(!cuts, options.first != kNotGiven, "--first", "contact and knots");
+    if (options.twice && cuts)
+        fail("fuzz: --twice applies to contact and knots only; cut and shells cut each body twice");
+    return knots ? fuzzKnots(options) : contact ? fuzzContacts(options) : fuzzCuts(options);
 }
 
 } // namespace
@@ -276,17 +294,20 @@ Command fuzzCommand()
               .target = &options.cuts,
               .meaning = "cut and shells only: number of cuts, including tears",
               .type = "N",
-              .bound = {closed(1, 100000000), "-"}},
+              .bound = {closed(1, 100000000), "-"},
+              .standard = text(kCuts)},
              {.name = "--per-body",
               .target = &options.perBody,
               .meaning = "cut and shells only: cuts made one after another in the same body",
               .type = "N",
-              .bound = {closed(1, 1000), "-"}},
+              .bound = {closed(1, 1000), "-"},
+              .standard = text(kPerBody)},
              {.name = "--scenes",
               .target = &options.scenes,
               .meaning = "contact only: number of scenes",
               .type = "N",
-              .bound = {closed(1, 100000000), "-"}},
+              .bound = {closed(1, 100000000), "-"},
+              .standard = text(kScenes)},
              {.name = "--seconds",
               .target = &options.seconds,
               .meaning = "knots only: simulated time",
@@ -297,7 +318,8 @@ Command fuzzCommand()
               .target = &options.first,
               .meaning = "contact and knots only: number of the first scene, to see one again",
               .type = "N",
-              .bound = {closed(0, 100000000), "-"}},
+              .bound = {closed(0, 100000000), "-"},
+              .standard = "0"},
              {"--twice", &options.twice, "contact and knots only: run every scene a second time and compare"},
              {"--json", &options.file, "Write every figure to this file", "FILE"}},
         .run = [] { return fuzz(options); }};

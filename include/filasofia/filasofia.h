@@ -60,6 +60,8 @@ using physics::AtInterface;
 using physics::AttachmentDef;
 using physics::AttachMode;
 using physics::Ball;
+using physics::CavityDef;
+using physics::CavityFill;
 using physics::Cholesky;
 using physics::CollisionDef;
 using physics::ConjugateGradient;

@@ -970,6 +970,8 @@ class Fuzz(Program):
     def test_unknown_subjects_and_illegal_values_are_refused(self):
         self.refused("fuzz", "cat", says=["'cat'", "known are contact, cut, shells and knots"])
         self.refused("fuzz", "cut", "--seconds", "1", says=["--seconds applies to knots only"])
+        self.refused("fuzz", "contact", "--cuts", "5", says=["--cuts applies to cut and shells only"])
+        self.refused("fuzz", "knots", "--scenes", "5", says=["--scenes applies to contact only"])
         self.refused("fuzz", "cut", "--twice", says=["--twice applies to contact and knots only"])
         self.refused("fuzz", "knots", "--seconds", "0", says=["--seconds must be in (0, 1000000] s"])
         self.refused("fuzz", "cut", "--cuts", "0", says=["--cuts must be a whole number in [1, 100000000]", "got 0"])

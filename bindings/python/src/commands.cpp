@@ -29,7 +29,7 @@ template <class Command> nb::object give(HeldSimulation& held, const Command& co
 }
 
 using Applied = std::variant<RemoveBody, SetPose, SetGravity, SetForces, SetPressure, SetWrench, Release, RemovePiece,
-                             Pause, SetJoint, SetHaptic, SetTissue, SetFibreStress, SetCurvature, SetCutting,
+                             Pause, SetJoint, SetHaptic, SetTissue, SetFibreStress, SetCurvature, SetCutting, SetCavity,
                              SetMaterial, Attach, AttachRigid, Grasp, physics::Reset>;
 
 /// Reads the alternative whose class the object is of: SetMaterial cannot be copied, so this is no Convert<variant>.
@@ -188,6 +188,19 @@ void addLoads(nb::class_<HeldSimulation>& sim)
         nb::arg("body").none(), nb::arg("pressure").none(),
         nb::sig("def set_pressure(self, body: filasofia.BodyId, pressure: float) -> None"),
         "[Pa] on the whole surface, positive inwards.");
+    sim.def(
+        "set_cavity",
+        [](HeldSimulation& self, nb::handle id, nb::handle cavity, nb::handle pressure, nb::handle inflow) {
+            server(self, "set_cavity")
+                .setCavity({.id = body(id, "set_cavity"),
+                            .cavity = readArgument<int>(cavity, "set_cavity", "cavity"),
+                            .pressure = readArgument<std::optional<double>>(pressure, "set_cavity", "pressure"),
+                            .inflow = readArgument<std::optional<double>>(inflow, "set_cavity", "inflow")});
+        },
+        nb::arg("body").none(), nb::arg("cavity") = 0, nb::arg("pressure") = nb::none(), nb::arg("inflow") = nb::none(),
+        nb::sig("def set_cavity(self, body: filasofia.BodyId, cavity: int = 0, pressure: float | None = None, "
+                "inflow: float | None = None) -> None"),
+        "What a cavity of a soft body holds: filled to a `pressure` [Pa] at once; `inflow` [m^3/s] from now on.");
     sim.def(
         "remove_piece",
         [](HeldSimulation& self, nb::handle id, nb::handle piece) {

@@ -19,7 +19,7 @@ const DefTable& table()
         // Every command but AddBody, which is Simulation.add(), and Tune, which needs C++.
         out.add<std::variant<RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, SetWrench, Attach,
                              AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, SetJoint, SetHaptic, SetTissue,
-                             SetFibreStress, SetCurvature, SetCutting>>();
+                             SetFibreStress, SetCurvature, SetCutting, SetCavity>>();
         out.add<runtime::PhysicsDef>();
         out.add<runtime::LookDef>();
         out.add<runtime::ShowDef>();

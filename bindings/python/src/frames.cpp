@@ -11,6 +11,7 @@ namespace filasofia::python {
 namespace {
 
 using frame::Attachment;
+using frame::Cavity;
 using frame::Channel;
 using frame::Contact;
 using frame::Frame;
@@ -69,6 +70,15 @@ nb::handle channelType()
         {"through", "?", offsetof(Channel, through)},    {"force", "3f8", offsetof(Channel, force)},
         {"friction", "f8", offsetof(Channel, friction)}, {"tip", "f8", offsetof(Channel, tip)}};
     return typeOf<Channel>(columns);
+}
+nb::handle cavityType()
+{
+    static constexpr Column columns[] = {
+        {"body", "u4", offsetof(Cavity, body)},       {"cavity", "i4", offsetof(Cavity, cavity)},
+        {"volume", "f8", offsetof(Cavity, volume)},   {"pressure", "f8", offsetof(Cavity, pressure)},
+        {"open", "?", offsetof(Cavity, open)},        {"opening", "f8", offsetof(Cavity, opening)},
+        {"outflow", "f8", offsetof(Cavity, outflow)}, {"lost", "f8", offsetof(Cavity, lost)}};
+    return typeOf<Cavity>(columns);
 }
 nb::handle jointType()
 {
@@ -199,6 +209,11 @@ void bindFrame(nb::module_& module)
         nb::for_getter(nb::sig("def channels(self) -> numpy.typing.NDArray[numpy.void]")),
         "One row per channel of a needle: tissue, needle, inside, entry, end, length, through, force (on the tissue), "
         "friction, tip.");
+    whole.def_prop_ro(
+        "cavities",
+        [](nb::handle self) { return recordsOf(nb::cast<const HeldFrame&>(self).get().cavities, cavityType(), self); },
+        nb::for_getter(nb::sig("def cavities(self) -> numpy.typing.NDArray[numpy.void]")),
+        "One row per cavity of a soft body: body, cavity, volume, pressure, open, opening, outflow, lost.");
     whole.def(
         "copy", [](const HeldFrame& self) { return HeldFrame{.copy = std::make_shared<const Frame>(self.get())}; },
         "A frame of its own, which may be kept as long as you like: the engine has eight, and six may be held at "

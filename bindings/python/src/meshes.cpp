@@ -272,6 +272,17 @@ void bindFlatAndSolidShapes(nb::module_& module)
                 "TetMesh"),
         "A solid box of tetrahedra, six per cell.");
     module.def(
+        "bladder",
+        [](nb::handle halfAxes, double wall, std::array<int, 2> cells) {
+            return Tetrahedra{
+                geometry::shapes::bladder(readArgument<Vec3>(halfAxes, "bladder", "half_axes"), wall, cells)};
+        },
+        nb::arg("half_axes").none(), nb::arg("wall"), nb::arg("cells") = std::array<int, 2>{8, 2},
+        nb::sig("def bladder(half_axes: collections.abc.Sequence[float], wall: float, "
+                "cells: collections.abc.Sequence[int] = (8, 2)) -> TetMesh"),
+        "A closed hollow ellipsoid of tetrahedra: `half_axes` [m] of the space inside, around that its `wall` [m]; "
+        "`cells` along a quarter of a circle and through its wall.");
+    module.def(
         "vessel",
         [](nb::handle points, double radius, double wall, std::array<int, 2> cells) {
             return Tetrahedra{geometry::shapes::vessel(readArgument<std::vector<Vec3>>(points, "vessel", "points"),

@@ -104,7 +104,8 @@ void bindRuptures(nb::module_& module)
         .def_ro("area", &Rupture::area, "[m^2] at rest, of one side")
         .def_ro("nodes", &Rupture::nodes)
         .def_ro("elements", &Rupture::elements)
-        .def_ro("detached", &Rupture::detached);
+        .def_ro("detached", &Rupture::detached)
+        .def_ro("cavities", &Rupture::cavities);
     addId(rupture, "body", &Rupture::body);
     addVector(rupture, "place", &Rupture::place, "[m]");
 

@@ -2,6 +2,7 @@
 
 #include "filasofia/frame/attachment.h"
 #include "filasofia/frame/boundary.h"
+#include "filasofia/frame/cavity.h"
 #include "filasofia/frame/channel.h"
 #include "filasofia/frame/contact.h"
 #include "filasofia/frame/joint.h"
@@ -45,6 +46,7 @@ struct Frame {
     std::vector<Contact> contacts = {};           ///< the contacts of the step with their forces
     std::vector<Attachment> attachments = {};     ///< in the order of their ids
     std::vector<Channel> channels = {};           ///< needles in tissue, in the order in which they began
+    std::vector<Cavity> cavities = {};            ///< of all soft bodies, in the order of their ids
 
     [[nodiscard]] const SoftBodyFrame* softBody(BodyId id) const;   ///< nullptr if there is none
     [[nodiscard]] const RigidBodyFrame* rigidBody(BodyId id) const; ///< nullptr if there is none

@@ -48,6 +48,11 @@ std::shared_ptr<const TetMesh> block(Vec3 size, std::array<int, 3> cells = {4, 4
 std::shared_ptr<const TetMesh> vessel(const std::vector<Vec3>& points, double radius, double wall,
                                       std::array<int, 2> cells = {12, 2});
 
+/// A hollow ellipsoid around the origin, closed on all sides, as a bladder is: `halfAxes` [m] of the space inside, each
+/// > 0, and around that a `wall` [m], > 0. Its `cells` are those along a quarter of a circle around it, in [1, 100],
+/// and through its wall, in [1, 100].
+std::shared_ptr<const TetMesh> bladder(Vec3 halfAxes, double wall, std::array<int, 2> cells = {8, 2});
+
 /// Points on a circle of `radius` [m], > 0, about the z axis, from one angle [rad] against the x axis to another, with
 /// `edges` in [1, 100000] between them: the line of a curved needle, for a tube or a vessel.
 std::vector<Vec3> arc(double radius, double from, double to, int edges = 16);

@@ -286,6 +286,6 @@ constexpr auto fields(const Tune*) { return describe("Tune"); } // a function ca
 
 using Command = std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, SetWrench,
                              Attach, AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, Tune, SetJoint, SetHaptic,
-                             SetTissue, SetFibreStress, SetCurvature, SetCutting>;
+                             SetTissue, SetFibreStress, SetCurvature, SetCutting, SetCavity>;
 
 } // namespace filasofia::physics

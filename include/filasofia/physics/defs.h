@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/physics/cavity_def.h"
 #include "filasofia/physics/fem_material.h"
 #include "filasofia/physics/needle_def.h"
 #include "filasofia/physics/node_def.h"
@@ -68,8 +69,8 @@ struct SoftBodyDef {
     Solver solver = ConjugateGradient{};
     std::vector<AttachmentDef> attachments = {};
     std::vector<NodalForce> forces = {}; ///< until changed by a command
-    /// [Pa], on the whole surface, positive pushes inwards; on a shell against its normals, until a cut opens a closed
-    /// one
+    /// [Pa], on the whole surface but for the walls of its cavities, positive pushes inwards; on a shell against its
+    /// normals, until a cut opens a closed one
     double pressure = 0.0;
     std::vector<CollisionDef> collision = {}; ///< its collision models; none: it collides with nothing
     double friction = 0.3; ///< [-], >= 0, Coulomb's mu; a pair of bodies uses the square root of the product of both
@@ -77,6 +78,8 @@ struct SoftBodyDef {
     /// collision model that has `cutting` set.
     bool dynamicTopology = false;
     std::optional<PunctureDef> puncture = {}; ///< how it resists needles; none: they cannot pierce it
+    /// Spaces that its surface encloses, and what fills them; ImplicitEuler and the default solver only
+    std::vector<CavityDef> cavities = {};
 };
 
 using BodyDef = std::variant<SoftBodyDef, RigidBodyDef, RodBodyDef>;
@@ -128,7 +131,8 @@ constexpr auto fields(const SoftBodyDef*)
                     field("collision", &T::collision, "its collision models"),
                     field("friction", &T::friction, "-", nonNegative(), "friction coefficient mu of Coulomb's law"),
                     field("dynamicTopology", &T::dynamicTopology, "whether it may be cut and may tear"),
-                    field("puncture", &T::puncture, "how it resists needles; none: they cannot pierce it"));
+                    field("puncture", &T::puncture, "how it resists needles; none: they cannot pierce it"),
+                    field("cavities", &T::cavities, "spaces that its surface encloses, and what fills them"));
 }
 /// The body's kind and name as errors begin: "soft body 'uterus'".
 std::string describeBody(const BodyDef& def);

@@ -9,8 +9,8 @@ namespace filasofia::physics {
 /// The commands that can be copied, as data of a program. In one that makes an attachment, its `id` means nothing: the
 /// server gives it.
 using GivenCommand = std::variant<RemoveBody, SetPose, SetWrench, SetJoint, SetHaptic, SetGravity, SetTissue,
-                                  SetFibreStress, SetCurvature, SetCutting, SetForces, SetPressure, Attach, AttachRigid,
-                                  Grasp, Release, RemovePiece, Pause>;
+                                  SetFibreStress, SetCurvature, SetCutting, SetCavity, SetForces, SetPressure, Attach,
+                                  AttachRigid, Grasp, Release, RemovePiece, Pause>;
 
 /// Gives a command to a server, by the function of its name. Returns the id of the attachment that it makes, or none.
 /// Throws an Error as that function does.

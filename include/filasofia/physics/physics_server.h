@@ -91,6 +91,7 @@ public:
     void setCutting(BodyId rigid, bool cutting); ///< from the next step on: see SetCutting
     void setForces(BodyId soft, std::vector<NodalForce> forces);
     void setPressure(BodyId soft, double pressure); ///< [Pa]
+    void setCavity(const SetCavity& command);       ///< what a cavity of a soft body holds
     void pause(bool paused);
     void reset();
     /// Runs `change` once between two steps with access to the engine; marks the recording as not replayable.

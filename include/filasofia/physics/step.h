@@ -123,6 +123,7 @@ struct Rupture {
     int nodes = 0;                         ///< [-] number of nodes added
     int elements = 0;                      ///< [-] number of elements added
     std::vector<LoosePiece> detached = {}; ///< pieces that were detached
+    std::vector<int> cavities = {};        ///< cavities of the body that were opened, as their indices
 };
 
 /// Statistics of the mesh edits of a step: all bodies, cuts and tears. Edits are atomic: a refused edit leaves its body

@@ -70,10 +70,11 @@ struct ContactPairReport {
 
 /// What was opened in a run.
 struct OpenedSurfaces {
-    std::uint64_t steps = 0;  ///< [-], steps that opened something
-    double cut = 0.0;         ///< [m^2], area that blades opened, at rest, of one of the two sides
-    double torn = 0.0;        ///< [m^2], the same for tears
-    std::uint64_t pieces = 0; ///< [-], pieces that came off
+    std::uint64_t steps = 0;    ///< [-], steps that opened something
+    double cut = 0.0;           ///< [m^2], area that blades opened, at rest, of one of the two sides
+    double torn = 0.0;          ///< [m^2], the same for tears
+    std::uint64_t pieces = 0;   ///< [-], pieces that came off
+    std::uint64_t cavities = 0; ///< [-], cavities of bodies that were opened
 };
 
 /// Blades that were not used in a run (physics::TopologyReport).

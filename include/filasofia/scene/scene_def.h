@@ -144,11 +144,12 @@ constexpr auto fields(const Treat*)
 }
 
 /// What a scene may command.
-using SceneCommand = std::variant<physics::Attach, physics::AttachRigid, physics::Grasp, physics::Release,
-                                  physics::RemovePiece, physics::RemoveBody, physics::SetForces, physics::SetWrench,
-                                  physics::SetPressure, physics::SetFibreStress, physics::SetCurvature,
-                                  physics::SetCutting, physics::SetTissue, physics::SetGravity, SetMaterial, Treat,
-                                  physics::SetPose, physics::SetJoint, physics::SetHaptic, physics::Reset>;
+using SceneCommand =
+    std::variant<physics::Attach, physics::AttachRigid, physics::Grasp, physics::Release, physics::RemovePiece,
+                 physics::RemoveBody, physics::SetForces, physics::SetWrench, physics::SetPressure,
+                 physics::SetFibreStress, physics::SetCavity, physics::SetCurvature, physics::SetCutting,
+                 physics::SetTissue, physics::SetGravity, SetMaterial, Treat, physics::SetPose, physics::SetJoint,
+                 physics::SetHaptic, physics::Reset>;
 
 /// A command that physics gets once, in the step that ends at its time. An AttachmentId{n} in it means an attachment of
 /// the scene: the first ones are those of the bodies' Defs, in their order; the command that makes another one says its

@@ -12,6 +12,7 @@
 #include "filasofia/engine/step/advance.h"
 #include "filasofia/engine/step/apply_commands.h"
 #include "filasofia/engine/step/assemble.h"
+#include "filasofia/engine/step/fill_cavities.h"
 #include "filasofia/engine/step/flow_tissue.h"
 #include "filasofia/engine/step/steer_rods.h"
 
@@ -75,7 +76,7 @@ physics::StepReport World::step(const physics::StepInput& in)
 
     planRigid(scene_, in.dt, coupling_.rigid); // 2 how rigid bodies would move without constraints
     planArticulations(scene_, in.dt, coupling_.rigid, coupling_.articulations);
-    followSheaths(scene_, report.topology);        //   blades that are switched off and still in tissue
+    followSheaths(in.dt, scene_, report.topology); //   blades that are switched off and still in tissue
     findContacts(context, scene_, coupling_);      //   constraints: contacts
     partLines(scene_);                             //   threads that were released follow no needle
     leaveToChannels(scene_, coupling_);            //   contacts, but not of needles with the tissue that they are in
@@ -94,6 +95,7 @@ physics::StepReport World::step(const physics::StepInput& in)
     keepChannels(in.dt, coupling_, scene_); //   needles slide and cut on
     puncture(in.dt, coupling_, scene_);     //   and pierce new surfaces
     keepJoints(in.dt, coupling_, scene_);
+    fillCavities(in.dt, scene_); //   what flows into cavities, and out of open ones
     report.times.advance = watch.lap();
 
     flowTissue(context, scene_);                          // 5 tissue that yields gets a new shape at rest
@@ -126,6 +128,7 @@ void World::capture(frame::Frame& out) const
     out.contacts = scene_.contactReports;
     out.attachments = scene_.attachmentReports;
     out.channels = scene_.channelReports;
+    out.cavities = scene_.cavityReports;
     out.rigidBodies.resize(scene_.rigid.size());
     for (std::size_t b = 0; b < scene_.rigid.size(); ++b) {
         const RigidState& state = scene_.rigid[b].state;

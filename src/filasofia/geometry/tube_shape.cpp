@@ -2,6 +2,7 @@
 #include "filasofia/geometry/kuhn.h"
 #include "filasofia/geometry/shape_checks.h"
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/geometry/split_solid.h"
 
 #include <cmath>
 #include <numbers>
@@ -111,6 +112,36 @@ std::shared_ptr<const TetMesh> vessel(const std::vector<Vec3>& points, double ra
                         fail("vessel: the line turns too sharply at points[", i, "] or points[", i + 1,
                              "] for a vessel that is ", radius + wall, " m in radius");
             }
+    return std::make_shared<const TetMesh>(std::move(mesh));
+}
+
+std::shared_ptr<const TetMesh> bladder(Vec3 halfAxes, double wall, std::array<int, 2> cells)
+{
+    for (const auto& [name, value] :
+         {std::pair("halfAxes.x", halfAxes.x), {"halfAxes.y", halfAxes.y}, {"halfAxes.z", halfAxes.z}})
+        checkLength("bladder", name, value);
+    checkLength("bladder", "wall", wall);
+    checkCount("bladder", "cells[0]", cells[0], 1, 100);
+    checkCount("bladder", "cells[1]", cells[1], 1, 100);
+    const auto [quarter, layers] = cells;
+    const std::shared_ptr<const TriangleMesh> ball = sphere(1.0, quarter);
+    const auto count = static_cast<std::int64_t>(ball->vertices.size());
+    TetMesh mesh;
+    for (int layer = 0; layer <= layers; ++layer) {
+        const double out = wall * layer / layers;
+        for (const Vec3& p : ball->vertices)
+            mesh.nodes.push_back({(halfAxes.x + out) * p.x, (halfAxes.y + out) * p.y, (halfAxes.z + out) * p.z});
+    }
+    for (int layer = 0; layer < layers; ++layer)
+        for (const Triangle& t : ball->triangles) {
+            std::vector<std::int64_t> prism;
+            for (const std::int64_t base : {layer * count, (layer + 1) * count})
+                for (int node : t) prism.push_back(base + node);
+            splitSolid(Solid::Prism, prism, [&](const std::array<std::int64_t, 4>& part) {
+                Tetrahedron& each = mesh.tetrahedra.emplace_back();
+                for (std::size_t k = 0; k < 4; ++k) each[k] = static_cast<int>(part[k]);
+            });
+        }
     return std::make_shared<const TetMesh>(std::move(mesh));
 }
 

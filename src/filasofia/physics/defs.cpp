@@ -63,6 +63,17 @@ void checkKind(const SoftBodyDef& def, const std::string& object)
              "block has tetrahedra, and only a ShellMaterial has triangles");
 }
 
+/// What fills cavities is part of the step's matrix, which only the default solver can do.
+void checkCavities(const SoftBodyDef& def, const std::string& object)
+{
+    if (def.cavities.empty()) return;
+    if (!std::holds_alternative<ImplicitEuler>(def.integrator))
+        fail(object, ": cavities need integrator ImplicitEuler, got ExplicitEuler");
+    const auto* cg = std::get_if<ConjugateGradient>(&def.solver);
+    if (!cg || cg->assembled)
+        fail(object, ": cavities need the default solver, got ", cg ? "an assembled ConjugateGradient" : "Cholesky");
+}
+
 constexpr const char* kTouchesNothing = "a needle that touches nothing pierces nothing";
 
 void check(const PunctureDef& def, const SoftBodyDef& body, const std::string& object)
@@ -98,6 +109,7 @@ void check(const SoftBodyDef& def)
     const std::string object = text("soft body '", def.name, "'");
     checkKind(def, object);
     if (def.puncture) check(*def.puncture, def, object);
+    checkCavities(def, object);
     for (std::size_t i = 0; i < def.collision.size(); ++i)
         if (def.collision[i].element != 0)
             fail(object, ": collision[", i, "].element must be 0 for a soft body, got ", def.collision[i].element);

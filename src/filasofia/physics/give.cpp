@@ -28,6 +28,7 @@ private:
     void set(const SetFibreStress& c) { server_.setFibreStress(c.id, c.family, c.stress); }
     void set(const SetCurvature& c) { server_.setCurvature(c.id, c.sections, c.rate); }
     void set(const SetCutting& c) { server_.setCutting(c.id, c.cutting); }
+    void set(const SetCavity& c) { server_.setCavity(c); }
     void set(const SetForces& c) { server_.setForces(c.id, c.forces); }
     void set(const SetPressure& c) { server_.setPressure(c.id, c.pressure); }
     void set(const Release& c) { server_.release(c.id); }

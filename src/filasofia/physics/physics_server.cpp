@@ -446,6 +446,8 @@ void PhysicsServer::setForces(BodyId id, std::vector<NodalForce> forces)
     impl_->post(SetForces{id, std::move(forces)});
 }
 void PhysicsServer::setPressure(BodyId id, double pressure) { impl_->post(SetPressure{id, pressure}); }
+
+void PhysicsServer::setCavity(const SetCavity& command) { impl_->post(SetCavity(command)); }
 void PhysicsServer::setWrench(BodyId id, Vec3 force, Vec3 torque, int element)
 {
     impl_->post(SetWrench{id, element, force, torque});

@@ -154,6 +154,19 @@ struct Registry::Check {
             fail(object, ": family must be in [0, ", body.families, "), the number of its families of fibres, got ",
                  set.family);
     }
+    void operator()(const SetCavity& set) const
+    {
+        const Body& body = find<SoftBodyDef>(set.id, "must be a soft body to have a cavity filled");
+        const std::string object = describeBody(*body.def);
+        validate(set, object);
+        const auto& cavities = std::get<SoftBodyDef>(*body.def).cavities;
+        const auto count = static_cast<int>(cavities.size());
+        if (set.cavity < 0 || set.cavity >= count)
+            fail(object, ": cavity must be in [0, ", count, "), the number of its cavities, got ", set.cavity);
+        if (set.inflow && cavities[static_cast<std::size_t>(set.cavity)].fill == CavityFill::Source)
+            fail(object, ": inflow cannot be set for cavities[", set.cavity, "]: its pressure is that of a source");
+        if (!set.pressure && !set.inflow) fail(object, ": SetCavity must give a pressure or an inflow");
+    }
     void operator()(const SetCurvature& set) const
     {
         const Body& body = find<RodBodyDef>(set.id, "must be a rod to have its curvature commanded");

@@ -46,6 +46,7 @@ public:
         for (const physics::Rupture& each : report.topology.ruptures) {
             (each.kind == physics::Rupture::Kind::Cut ? opened_.cut : opened_.torn) += each.area;
             opened_.pieces += each.detached.size();
+            opened_.cavities += each.cavities.size();
         }
         const physics::TopologyReport& blades = report.topology;
         refused_.steps += blades.bladesRefused() > 0;

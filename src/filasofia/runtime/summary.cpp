@@ -99,9 +99,10 @@ std::string unrestLine(const RunReport& report)
 
 std::string openedLine(const OpenedSurfaces& opened)
 {
-    return line("cut %.1f mm^2, torn %.1f mm^2, in %llu %s; pieces that came off: %llu", opened.cut * 1e6,
+    const std::string cavities = opened.cavities > 0 ? text("; cavities opened: ", opened.cavities) : std::string();
+    return line("cut %.1f mm^2, torn %.1f mm^2, in %llu %s; pieces that came off: %llu%s", opened.cut * 1e6,
                 opened.torn * 1e6, static_cast<unsigned long long>(opened.steps), opened.steps == 1 ? "step" : "steps",
-                static_cast<unsigned long long>(opened.pieces));
+                static_cast<unsigned long long>(opened.pieces), cavities.c_str());
 }
 
 /// A blade that has no path through the tissue, or is off, has cut nothing where it went.

@@ -28,6 +28,7 @@ struct TargetOf {
     Target operator()(const physics::SetFibreStress& c) const { return {c.id, true}; }
     Target operator()(const physics::SetCurvature& c) const { return {c.id, true}; }
     Target operator()(const physics::SetCutting& c) const { return {c.id, false}; }
+    Target operator()(const physics::SetCavity& c) const { return {c.id, true}; }
     Target operator()(const physics::SetTissue& c) const { return {c.id, true}; }
     Target operator()(const SetMaterial& c) const { return {c.id, true}; }
     Target operator()(const Treat& c) const { return {c.id, true}; }

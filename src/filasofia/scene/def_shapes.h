@@ -80,8 +80,8 @@ template <class T> std::vector<std::string_view> required()
     else if constexpr (std::is_same_v<T, physics::Grasp>)
         return {"rigid", "target"};
     else if constexpr (IsAnyOf<T, physics::SetForces, physics::SetWrench, physics::SetPressure, physics::SetFibreStress,
-                               physics::SetTissue, physics::SetCurvature, physics::SetCutting, physics::Release,
-                               physics::RemovePiece, physics::RemoveBody>)
+                               physics::SetTissue, physics::SetCurvature, physics::SetCutting, physics::SetCavity,
+                               physics::Release, physics::RemovePiece, physics::RemoveBody>)
         return {"id"};
     else if constexpr (std::is_same_v<T, physics::RodSection>)
         return {"curvature"};
@@ -101,6 +101,8 @@ template <class T> std::vector<std::string_view> required()
         return {"size"};
     else if constexpr (std::is_same_v<T, SphereShape>)
         return {"radius"};
+    else if constexpr (std::is_same_v<T, BladderShape>)
+        return {"halfAxes", "wall"};
     else if constexpr (std::is_same_v<T, EllipsoidShape>)
         return {"halfAxes"};
     else if constexpr (IsAnyOf<T, CapsuleShape, CylinderShape>)

@@ -69,6 +69,12 @@ struct VesselShape {
     std::array<int, 2> cells = {12, 2};
     [[nodiscard]] TetPtr make() const { return geometry::shapes::vessel(points, radius, wall, cells); }
 };
+struct BladderShape {
+    Vec3 halfAxes = {};
+    double wall = 0.0;
+    std::array<int, 2> cells = {8, 2};
+    [[nodiscard]] TetPtr make() const { return geometry::shapes::bladder(halfAxes, wall, cells); }
+};
 /// A surface file in another unit than metres.
 struct ScaledSurface {
     std::string file = {};
@@ -91,8 +97,8 @@ struct ScaledTetrahedra {
 /// What a surface may be made of, and what a soft body may.
 using SurfaceShape = std::variant<BoxShape, SphereShape, EllipsoidShape, CapsuleShape, CylinderShape, TubeShape,
                                   SheetShape, ScaledSurface>;
-using SoftShape = std::variant<BlockShape, VesselShape, ScaledTetrahedra, SheetShape, BoxShape, SphereShape,
-                               EllipsoidShape, CapsuleShape, CylinderShape, TubeShape, ScaledSurface>;
+using SoftShape = std::variant<BlockShape, VesselShape, BladderShape, ScaledTetrahedra, SheetShape, BoxShape,
+                               SphereShape, EllipsoidShape, CapsuleShape, CylinderShape, TubeShape, ScaledSurface>;
 
 constexpr auto fields(const BoxShape*)
 {
@@ -152,6 +158,14 @@ constexpr auto fields(const VesselShape*)
                     field("radius", &T::radius, "m", positive(), "radius inside"),
                     field("wall", &T::wall, "m", positive(), "thickness of its wall"),
                     field("cells", &T::cells, "-", closed(1, 500), "cells around it, an even number, and through it"));
+}
+constexpr auto fields(const BladderShape*)
+{
+    using T = BladderShape;
+    return describe(
+        "bladder", field("halfAxes", &T::halfAxes, "m", positive(), "half axes of the space inside"),
+        field("wall", &T::wall, "m", positive(), "thickness of its wall"),
+        field("cells", &T::cells, "-", closed(1, 100), "cells per quarter of a circle, and through its wall"));
 }
 constexpr auto fields(const ScaledSurface*)
 {

@@ -110,6 +110,7 @@ struct Missing {
     const char* operator()(const physics::SetHaptic&) const { return "SetHaptic"; }
     const char* operator()(const physics::SetTissue&) const { return "SetTissue"; }
     const char* operator()(const physics::SetFibreStress&) const { return "SetFibreStress"; }
+    const char* operator()(const physics::SetCavity&) const { return "SetCavity"; }
     const char* operator()(const physics::SetCurvature&) const { return "SetCurvature"; }
     const char* operator()(const physics::SetCutting&) const { return "SetCutting"; }
     const char* operator()(const physics::AttachRigid&) const { return "AttachRigid"; }

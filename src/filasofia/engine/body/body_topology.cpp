@@ -77,6 +77,12 @@ BodyTopology makeTopology(const SoftModel& model)
         topology.boundaryFaces.push_back({element, face});
     }
     topology.opened.resize(model.surface.size());
+    if (model.cavities.empty()) return topology;
+    topology.wallOf.assign(data.tetrahedra.size(), {-1, -1, -1, -1});
+    for (std::size_t t = 0; t < model.wallOf.size(); ++t) {
+        const auto [element, face] = topology.boundaryFaces[t];
+        topology.wallOf[static_cast<std::size_t>(element)][static_cast<std::size_t>(face)] = model.wallOf[t];
+    }
     return topology;
 }
 

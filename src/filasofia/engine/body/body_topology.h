@@ -51,8 +51,10 @@ struct BodyTopology {
     std::vector<int> vertices;                      ///< per node: its vertex of the surface; -1: not on the surface
     int vertexCount = 0;
     std::vector<std::uint8_t> opened; ///< per triangle of the boundary: 1 if a cut or a tear made it
-    std::uint64_t revision = 0;       ///< number of edits; 0: the mesh is as it was given
-    std::uint64_t history = 0;        ///< hash of these edits
+    /// Per element and face: the cavity whose wall it is; -1: none. Empty without cavities.
+    std::vector<std::array<int, 4>> wallOf;
+    std::uint64_t revision = 0; ///< number of edits; 0: the mesh is as it was given
+    std::uint64_t history = 0;  ///< hash of these edits
     /// The boundary that boundaryOf() last returned; null if it is outdated.
     mutable std::shared_ptr<const frame::Boundary> published;
     std::optional<Pieces> pieces;

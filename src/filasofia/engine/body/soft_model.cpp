@@ -120,6 +120,7 @@ SoftState stateAtRest(const SoftModel& model)
     state.rotations.resize(static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(model.elements.size()))));
     restartRelaxation(model, state);
     state.rod = stateAtStart(model.rod);
+    state.cavities = cavitiesAtRest(model);
     return state;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/core/body_id.h"
+#include "filasofia/engine/body/cavity.h"
 #include "filasofia/engine/body/channel.h"
 #include "filasofia/engine/body/collision_model.h"
 #include "filasofia/engine/body/pins.h"
@@ -46,6 +47,9 @@ struct SoftModel {
     /// Nodes of the boundary, outwards: pressure acts there. For a shell, all triangles in the order of its mesh; none
     /// for a rod
     std::vector<geometry::Triangle> surface;
+    std::vector<Cavity> cavities;
+    std::vector<int>
+        wallOf; ///< per triangle of `surface`: the cavity whose wall it is; -1: none. Empty without cavities
     Pins pins;
     physics::Rayleigh rayleigh;
     physics::Integrator integrator;
@@ -100,7 +104,8 @@ struct SoftState {
     std::vector<Vec3> residual; ///< [N s] the residual impulse of the last solve that the next step takes over
     std::vector<Vec3> forces;   ///< [N] set by the user
     double pressure = 0.0;      ///< [Pa] set by the user
-    RodState rod;               ///< rods only
+    std::vector<CavityState> cavities;
+    RodState rod; ///< rods only
 };
 
 /// The rotation of one element.

@@ -237,6 +237,7 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     model.dynamicTopology = def.dynamicTopology;
     if (def.puncture) model.puncture = punctureOf(def);
     physics::isShell(def) ? makeSheet(def, object, model) : makeSolid(def, object, model);
+    addCavities(def.cavities, object, model);
     finish(def, object, built->body);
     built->body.state.pressure = def.pressure;
     check(model, built->body.state);

@@ -1,6 +1,7 @@
 #include "filasofia/engine/contact/sheathed_blades.h"
 
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/scene/step_context.h"
 #include "filasofia/geometry/box.h"
 
 #include <algorithm>
@@ -101,8 +102,9 @@ int elementsAtBlades(const Scene& scene, const RigidBody& body)
     return count;
 }
 
-void followSheaths(Scene& scene, physics::TopologyReport& report)
+void followSheaths(double dt, Scene& scene, physics::TopologyReport& report)
 {
+    if (!isWatchDue(scene.time, dt)) return;
     for (RigidBody& body : scene.rigid) {
         if (body.state.sheath == 0) continue;
         const int now = elementsAtBlades(scene, body);

@@ -10,6 +10,7 @@
 #include "filasofia/engine/constraint/tied_coarse.h"
 #include "filasofia/engine/soft/soft_system.h"
 #include "filasofia/frame/attachment.h"
+#include "filasofia/frame/cavity.h"
 #include "filasofia/frame/channel.h"
 #include "filasofia/frame/contact.h"
 
@@ -72,6 +73,7 @@ struct SceneState {
 
     std::vector<Channel> channels;              ///< needles in tissue, in the order in which they began
     std::vector<frame::Channel> channelReports; ///< the channels of the last step, as frames carry them
+    std::vector<frame::Cavity> cavityReports;   ///< the same of cavities
 };
 
 /// The whole state of the engine.

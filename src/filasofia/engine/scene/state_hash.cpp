@@ -50,6 +50,13 @@ void addCouplings(Hasher& hash, const RigidState& body)
     }
 }
 
+// A body without cavities does not change the hash.
+void addCavities(Hasher& hash, const SoftState& body)
+{
+    for (const CavityState& cavity : body.cavities)
+        for (double each : {cavity.content, cavity.pressure, cavity.inflow, cavity.lost}) hash.add(each);
+}
+
 void addContacts(Hasher& hash, const Scene& scene)
 {
     addCount(hash, scene.contacts.size());
@@ -200,6 +207,7 @@ std::uint64_t hashOf(const Scene& scene)
         hash.addAll(std::span<const Vec3>(body.state.x));
         hash.addAll(std::span<const Vec3>(body.state.v));
         hash.add(body.state.pressure);
+        addCavities(hash, body.state);
         add(hash, body.state.rod);
     }
     for (const SoftBody& body : scene.soft) add(hash, body.topology, body.model);
@@ -229,6 +237,7 @@ std::uint64_t hashOfDrive(const Scene& scene)
         if (std::ranges::any_of(body.state.forces, [](Vec3 f) { return f != Vec3{}; }))
             hash.addAll(std::span<const Vec3>(body.state.forces));
         hash.add(body.state.pressure);
+        addCavities(hash, body.state); // what leaks moves the wall
         for (const RodSteering& each : body.state.rod.steering)
             for (double axis : {each.now[0], each.now[1], each.target[0], each.target[1]}) hash.add(axis);
     }

@@ -140,9 +140,16 @@ double MatrixFreeSystem::multiply(const NodeArray& p, NodeArray& q, WorkerPool& 
         multiplySprings(springMatrices_, p, corners.subspan(kElementCorners * elements_.size()), springs[part]);
     });
     shell_.multiply(p, corners.last(64 * shell_.groups()), pool);
-    return linalg::sumOfParts(pool, linalg::nodeParts(freeBlocks_), sums_, [&](linalg::Blocks blocks) {
-        return gatherAndAdd({gather_, corners, asFloat(massWeight_), masses_, diagonal_}, p, q, blocks);
-    });
+    const double curvature =
+        linalg::sumOfParts(pool, linalg::nodeParts(freeBlocks_), sums_, [&](linalg::Blocks blocks) {
+            return gatherAndAdd({gather_, corners, asFloat(massWeight_), masses_, diagonal_}, p, q, blocks);
+        });
+    return curvature + cavities_.multiply(p, q);
+}
+
+void MatrixFreeSystem::setCavities(std::span<const CavityStiffness> cavities)
+{
+    cavities_.set(cavities, slotOf_, freeNodes_, scale_);
 }
 
 double MatrixFreeSystem::precondition(const NodeArray& r, NodeArray& z, WorkerPool& pool)
@@ -266,8 +273,9 @@ double MatrixFreeSystem::heldBack(WorkerPool& pool)
         store(vectorAt(v_, slot) + vectorAt(dv_, slot) - rigid.at(vectorAt(x_, slot)), scratch_[slot]);
     const linalg::StepWork inner = workOf(scratch_, zeros_);
     const double inertia = multiply(scratch_, product_, pool); // w . A w
-    const double elastic = std::max(0.0, inertia - massWeight_ * inner.motion);
-    const double lost = 0.5 * whole.change + (massWeight_ - 1.0) * inner.motion + elasticLoss_ * elastic;
+    const double cavities = cavities_.curvature(scratch_);     // no damping is part of it
+    const double elastic = std::max(0.0, inertia - cavities - massWeight_ * inner.motion);
+    const double lost = 0.5 * (whole.change + cavities) + (massWeight_ - 1.0) * inner.motion + elasticLoss_ * elastic;
     return inner.work >= -lost ? 0.0 : std::min(1.0, -inner.work / inertia);
 }
 

@@ -5,6 +5,7 @@
 #include "filasofia/engine/elastic/element_blocks.h"
 #include "filasofia/engine/elastic/spring_blocks.h"
 #include "filasofia/engine/integration/euler.h"
+#include "filasofia/engine/soft/cavity_system.h"
 #include "filasofia/engine/soft/mesh_edit.h"
 #include "filasofia/engine/soft/nodal_volumes.h"
 #include "filasofia/engine/soft/rigid_motion.h"
@@ -79,6 +80,9 @@ public:
     /// Called once per step, after the edits. If an edit has parted tissue, the coarse level is rebuilt in the
     /// background from the present mesh, and taken over some steps later.
     void followParting(const SoftModel& model, BackgroundThread& meanwhile);
+
+    /// What the cavities add to the matrix, from the next assemble() on.
+    void setCavities(std::span<const CavityStiffness> cavities);
 
     double multiply(const linalg::NodeArray& p, linalg::NodeArray& q, WorkerPool& pool) override;
 
@@ -172,6 +176,7 @@ private:
     std::vector<SpringBlock> springs_;
     std::vector<SpringMatrixBlock> springMatrices_;
     ShellSystem shell_;
+    CavitySystem cavities_;
     linalg::Gather gather_; ///< the corners of elements, springs and triangles around each free slot
     linalg::Gather turns_;  ///< some of the elements or triangles, for the rotations of nodes
     /// Contributions of elements, springs and triangles to their nodes, in blocks of sixteen.

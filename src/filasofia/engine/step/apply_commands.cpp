@@ -110,6 +110,17 @@ struct ApplyCommand {
         if (set.cutting != body.state.cutting) body.state.sheath = set.cutting ? 0 : elementsAtBlades(scene, body);
         body.state.cutting = set.cutting;
     }
+    void operator()(const physics::SetCavity& set) const
+    {
+        SoftBody& body = soft(set.id);
+        const auto c = static_cast<std::size_t>(set.cavity);
+        const Cavity& cavity = body.model.cavities[c];
+        CavityState& state = body.state.cavities[c];
+        if (set.inflow) state.inflow = *set.inflow;
+        if (!set.pressure) return;
+        state.pressure = *set.pressure;
+        state.content = contentAt(cavity, *set.pressure, volumeOf(cavity, body.state.x));
+    }
     void operator()(const physics::SetForces& set) const { setForces(set.forces, soft(set.id).state); }
     void operator()(const physics::SetPressure& set) const { soft(set.id).state.pressure = set.pressure; }
     void operator()(const physics::Attach& command) const

@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/scene/each_body.h"
+#include "filasofia/engine/step/fill_cavities.h"
 #include "filasofia/math/svd.h"
 
 #include <algorithm>
@@ -18,7 +19,9 @@ void addExternalForces(const SoftModel& model, Vec3 gravity, const SoftState& st
         forces[i] = state.forces[i] + (model.gravity ? model.masses[i] * gravity : Vec3{});
     addPinForces(model.pins, state.x, forces);
     if (state.pressure == 0.0 || model.leaks) return;
-    for (const geometry::Triangle& t : model.surface) {
+    for (std::size_t i = 0; i < model.surface.size(); ++i) {
+        if (!isShell(model) && !model.wallOf.empty() && model.wallOf[i] >= 0) continue; // inside
+        const geometry::Triangle& t = model.surface[i];
         const Vec3 area = 0.5 * cross(state.x[t[1]] - state.x[t[0]], state.x[t[2]] - state.x[t[0]]); // outwards
         for (int node : t) forces[node] -= state.pressure / 3.0 * area;
     }
@@ -125,11 +128,13 @@ void assembleBody(const Assembly& how, SoftBody& body, WorkerPool& pool)
 {
     SoftSystem& system = body.system;
     addExternalForces(body.model, how.gravity, body.state, system.forces);
+    addCavityForces({how.gravity, how.dt}, body.model, body.state, system.forces, system.cavities);
     if (system.rod)
         system.rod->assemble(body.model, system.forces, how.dt, how.inertia, body.state);
-    else if (system.matrixFree)
+    else if (system.matrixFree) {
+        system.matrixFree->setCavities(system.cavities);
         system.matrixFree->assemble(body.model, system.forces, how.dt, how.inertia, body.state, pool);
-    else
+    } else
         assembleMatrix(body.model, system.forces, how.dt, how.inertia, body.state, *system.assembled);
 }
 

@@ -69,6 +69,10 @@ void resetScene(Scene& scene)
         SoftState fresh = stateAtRest(body.model);
         fresh.forces = std::move(body.state.forces);
         fresh.pressure = body.state.pressure;
+        for (std::size_t c = 0; c < fresh.cavities.size(); ++c) {
+            fresh.cavities[c].inflow = body.state.cavities[c].inflow;
+            fresh.cavities[c].pressure = body.state.cavities[c].pressure;
+        }
         fresh.rod.steering = std::move(body.state.rod.steering);
         fresh.rod.steeringRate = body.state.rod.steeringRate;
         for (RodSteering& each : fresh.rod.steering) each.now = {};
@@ -91,6 +95,7 @@ void resetScene(Scene& scene)
     scene.ties = {}; // made anew in the next step, as in the first one
     scene.channels.clear();
     scene.channelReports.clear();
+    scene.cavityReports.clear();
 }
 
 } // namespace filasofia::engine

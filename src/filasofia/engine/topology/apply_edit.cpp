@@ -241,6 +241,20 @@ MeshEdit meshEdit(const TopologyEdit& edit, const MeshTopology& mesh, const Soft
     return out;
 }
 
+/// The faces of a divided element are those of its parent; the faces between the two halves are no wall.
+void followWalls(const TopologyEdit& edit, BodyTopology& topology)
+{
+    if (topology.wallOf.empty()) return;
+    for (const frame::TopologyOp& op : edit.ops) {
+        const auto* split = std::get_if<frame::TetSplit>(&op);
+        if (!split) continue;
+        const auto parent = static_cast<std::size_t>(split->parent);
+        topology.wallOf.push_back(std::array(topology.wallOf[parent]));
+        topology.wallOf[parent][static_cast<std::size_t>(split->ia)] = -1;
+        topology.wallOf.back()[static_cast<std::size_t>(split->ib)] = -1;
+    }
+}
+
 void followSystem(const MeshEdit& edit, double period, const SoftModel& model, SoftSystem& system)
 {
     if (!system.matrixFree) { // rebuild the matrix
@@ -285,6 +299,7 @@ OwnSurfaceEdit applyEdit(const TopologyEdit& edit, double period, SoftBody& body
     followState(edit, mesh, model, state);
     followElements(edit, changed, mesh, model, state);
     topology.springs = {};
+    followWalls(edit, topology);
     OwnSurfaceEdit surface = followSurface(edit, topology, model);
     followSystem(changed, period, model, system);
     keepMomentum(momentum, changed.reached, model, state);

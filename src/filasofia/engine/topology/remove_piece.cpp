@@ -93,6 +93,7 @@ bool removePiece(int piece, SoftBody& body, Scene& scene)
     topology.mesh->remove(elements);
     forget(gone, body, scene);
     editOwnCollision(takeOffSurface(goes, topology, model), model, scene);
+    followCavities(topology, model);
     const auto lost = [&](const NodeWeight& each) { return gone[static_cast<std::size_t>(each.node)]; };
     for (Channel& each : scene.channels) {
         if (each.tissue != model.id) continue;

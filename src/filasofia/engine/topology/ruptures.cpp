@@ -267,6 +267,7 @@ void applyEditsOf(SoftBody& body, double period, Scene& scene, physics::Topology
     measure(model, body.state, loose);
     if (edit.boundary.empty()) return;
     editOwnCollision(surface, model, scene);
+    std::vector<int> cavities = followCavities(topology, model);
 
     std::vector<Rupture>& reported = report.ruptures;
     const std::size_t before = reported.size();
@@ -276,6 +277,7 @@ void applyEditsOf(SoftBody& body, double period, Scene& scene, physics::Topology
     reported[before].nodes = edit.nodes - nodes;
     reported[before].elements = edit.tetrahedra - elements;
     reported.back().detached = std::move(loose);
+    reported.back().cavities = std::move(cavities);
 }
 
 } // namespace

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "filasofia/linalg/node_array.h"
+#include "filasofia/math/vec3.h"
+
+#include <span>
+#include <vector>
+
+namespace filasofia::engine {
+
+/// What a cavity adds to the matrix of a step: weight times g g^T, where g is the gradient of its volume. Its fill
+/// resists every change of the volume, and nothing else.
+struct CavityStiffness {
+    std::vector<int> nodes;     ///< those around it, ascending
+    std::vector<Vec3> gradient; ///< [m^2] per node
+    double weight = 0.0;        ///< [kg/m^4], h^2 times the fall of pressure per volume
+};
+
+/// The same for the default solver, in its scaling and on its slots.
+class CavitySystem {
+public:
+    /// `slotOf`: per node; slots from `freeNodes` on are pinned. `scale` [1/kg].
+    void set(std::span<const CavityStiffness> cavities, std::span<const int> slotOf, int freeNodes, double scale);
+    /// q += W p; returns p . W p.
+    double multiply(const linalg::NodeArray& p, linalg::NodeArray& q) const;
+    [[nodiscard]] double curvature(const linalg::NodeArray& p) const; ///< p . W p
+
+private:
+    struct Entry {
+        int slot = 0;
+        Vec3 gradient;
+    };
+    struct Row {
+        std::vector<Entry> entries;
+        double weight = 0.0;
+    };
+    std::vector<Row> rows_;
+};
+
+} // namespace filasofia::engine
