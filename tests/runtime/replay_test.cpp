@@ -114,7 +114,14 @@ TEST_CASE("every event of a scene comes back from its recording")
     CHECK((stage.cameras.size() == 1 && stage.lights.size() == 2 && stage.views.size() == 1));
     CHECK(stage.views[0].def.effects == view.effects);
     CHECK(roundTrip(ScenePlaces{{{}, {Pose{{1, 2, 3}, {}}, false}}, {}}).cameras[1].pose.position == Vec3{1, 2, 3});
-    STATIC_REQUIRE(std::variant_size_v<SceneEvent> == 13);
+    const auto electrode = roundTrip(SceneElectrode{
+        BodyId{4},
+        {.mode = EnergyMode::Bipolar, .power = 7.0, .other = ElectrodeTip{.element = 2, .body = BodyId{5}}}});
+    CHECK((electrode.body == BodyId{4} && electrode.def.mode == EnergyMode::Bipolar && electrode.def.power == 7.0));
+    CHECK((electrode.def.other && electrode.def.other->element == 2 && electrode.def.other->body == BodyId{5}));
+    const auto activated = roundTrip(SceneActivated{BodyId{4}, 1, true});
+    CHECK((activated.body == BodyId{4} && activated.electrode == 1 && activated.on));
+    STATIC_REQUIRE(std::variant_size_v<SceneEvent> == 15);
 }
 
 TEST_CASE("fields that materials got later are in a recording if they are set, and may be missing")

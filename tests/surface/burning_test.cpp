@@ -242,10 +242,9 @@ TEST_CASE("the burnt area does not depend on the size of the triangles")
 TEST_CASE("a source is divided evenly over what it reaches, and one that touches nothing gives nothing")
 {
     const auto mesh = geometry::shapes::sheet(0.04, 0.04, {5, 5});
-    const FilmTopology topology = filmTopology(static_cast<int>(mesh->vertices.size()), mesh->triangles);
     std::vector<HeatShare> shares;
     for (const double radius : {0.1e-3, 1e-3, 5e-3, kEverywhere}) { // triangles of 8 mm
-        divideSource(topology, mesh->vertices, {3e-3, 0, 2e-3}, radius, shares);
+        divideSource(mesh->triangles, mesh->vertices, {.corners = {{{3e-3, 0, 2e-3}}}, .radius = radius}, shares);
         double sum = 0.0;
         Vec3 centre;
         for (const HeatShare& each : shares) {
@@ -255,13 +254,92 @@ TEST_CASE("a source is divided evenly over what it reaches, and one that touches
         CHECK(sum == Approx(1.0));
         if (radius < 1.0) CHECK(distance(centre, {3e-3, 0, 2e-3}) < 0.1 * radius + 1e-4);
     }
-    divideSource(topology, mesh->vertices, {0, 2e-3, 0}, 1e-3, shares);
+    divideSource(mesh->triangles, mesh->vertices, {.corners = {{{0, 2e-3, 0}}}, .radius = 1e-3}, shares);
     CHECK(shares.empty());
 
     Plate plate({}, 2e-3);
     plate.heat.apply({.place = {0, 5e-3, 0}, .radius = 1e-3, .power = 10.0}, {});
     plate.run(1.0);
     CHECK(plate.heat.balance().delivered == 0.0);
+}
+
+TEST_CASE("a source along a line or between two heats what is within its reach, evenly")
+{
+    const auto mesh = geometry::shapes::sheet(0.04, 0.04, {40, 40});
+    std::vector<HeatShare> shares;
+    const auto centre = [&] {
+        Vec3 sum;
+        double all = 0.0;
+        for (const HeatShare& each : shares) {
+            sum = sum + each.share * mesh->vertices[each.vertex];
+            all += each.share;
+        }
+        CHECK(all == Approx(1.0));
+        return sum;
+    };
+    constexpr double kRadius = 2e-3, kLength = 10e-3, kWidth = 6e-3;
+    const Vec3 a{-3e-3, 0, 1e-3}, b = a + Vec3{kLength, 0, 0};
+    const HeatReach line{.corners = {{a, b}}, .count = 2, .radius = kRadius};
+    const double area = divideSource(mesh->triangles, mesh->vertices, line, shares);
+    CHECK(area == Approx(2.0 * kRadius * kLength + pi * kRadius * kRadius).epsilon(0.02));
+    CHECK(distance(centre(), 0.5 * (a + b)) < 0.1e-3);
+
+    const Vec3 across{0, 0, kWidth};
+    const HeatReach band{.corners = {{a, b, b + across, a + across}}, .count = 4, .radius = kRadius};
+    const double wide = divideSource(mesh->triangles, mesh->vertices, band, shares);
+    CHECK(wide ==
+          Approx((kLength + 2 * kRadius) * (kWidth + 2 * kRadius) - (4 - pi) * kRadius * kRadius).epsilon(0.02));
+    CHECK(distance(centre(), 0.5 * (a + b + across)) < 0.1e-3);
+
+    // Above the surface it reaches less of it, and only grazes it in the end.
+    HeatReach above = line;
+    for (Vec3& each : above.corners) each.y = 1.2e-3;
+    CHECK(divideSource(mesh->triangles, mesh->vertices, above, shares) ==
+          Approx(2.0 * 1.6e-3 * kLength + pi * 1.6e-3 * 1.6e-3).epsilon(0.05));
+    for (Vec3& each : above.corners) each.y = kRadius - 1e-9;
+    CHECK(divideSource(mesh->triangles, mesh->vertices, above, shares) == 0.0);
+    CHECK(std::abs(centre().z - a.z) < 1e-3);
+    for (Vec3& each : above.corners) each.y = kRadius + 1e-9;
+    CHECK(divideSource(mesh->triangles, mesh->vertices, above, shares) == 0.0);
+    CHECK(shares.empty());
+}
+
+TEST_CASE("a tip that is held still heats as a disc source, and what it gave is known")
+{
+    const BurningDef def = conducting();
+    constexpr double kPower = 0.2, kRadius = 3e-3, kTime = 20.0;
+    Plate plate(def, 1e-3);
+    std::vector<HeatShare> shares;
+    divideSource(plate.mesh->triangles, plate.mesh->vertices, {.radius = kRadius}, shares);
+    for (int i = 0; i < std::lround(kTime / kStep); ++i) {
+        plate.heat.touch({{.electrode = 7, .energy = kPower * kStep, .limit = 1000.0, .shares = shares}});
+        plate.run(kStep);
+    }
+    for (const double x : {0.0, 2e-3, 4e-3}) {
+        const auto [warmth, r] = plate.near({x, 0, 0});
+        CHECK(warmth == Approx(fromDisc(def, kPower, kRadius, r, kTime)).epsilon(0.03));
+    }
+    CHECK(plate.heat.balance().delivered == Approx(kPower * kTime).epsilon(1e-9));
+    CHECK(plate.heat.taken().at(7) == Approx(kPower * kTime).epsilon(1e-9));
+    CHECK(std::abs(error(plate.heat.balance())) < 1e-9 * kPower * kTime);
+    plate.run(1.0); // it has gone
+    CHECK(plate.heat.balance().delivered == Approx(kPower * kTime).epsilon(1e-9));
+}
+
+TEST_CASE("tissue that takes less than two tips offer takes from each in proportion")
+{
+    Plate plate({.perfusion = 0.0, .loss = 0.0, .water = 0.0}, 5e-3);
+    std::vector<HeatShare> shares;
+    divideSource(plate.mesh->triangles, plate.mesh->vertices, {.radius = kEverywhere}, shares);
+    const double room = 1060.0 * 3540.0 * 0.002 * plate.area() * 50.0; // [J] to 50 K above rest
+    for (int i = 0; i < 10; ++i) {
+        plate.heat.touch({{.electrode = 0, .energy = 0.3 * room, .limit = 360.15, .shares = shares},
+                          {.electrode = 1, .energy = 0.1 * room, .limit = 360.15, .shares = shares}});
+        plate.run(kStep);
+    }
+    CHECK(plate.heat.balance().delivered == Approx(room).epsilon(1e-6));
+    CHECK(plate.heat.taken().at(0) == Approx(0.75 * room).epsilon(1e-6));
+    CHECK(plate.heat.taken().at(1) == Approx(0.25 * room).epsilon(1e-6));
 }
 
 TEST_CASE("sources of different numbers heat together, and a cut keeps the burn and accounts for the heat")

@@ -27,6 +27,7 @@ enum class EventType : std::uint8_t {
     Intersection,
     Bleeding,
     Burn,
+    Energy,
     FileFailed,
     Device,
     Controller,
@@ -35,7 +36,7 @@ enum class EventType : std::uint8_t {
     Custom3,
     Custom4,
 };
-inline constexpr std::size_t kEventTypes = 21;
+inline constexpr std::size_t kEventTypes = 22;
 
 /// The enumerator's name, such as "PhysicsUpdate".
 std::string_view name(EventType type);

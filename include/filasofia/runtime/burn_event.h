@@ -14,6 +14,7 @@ public:
     BurnEvent() : Event(kType) {}
 
     BodyId body = {};
+    bool target = true;                ///< BurningDef::target
     bool injury = false;               ///< it is burnt, and is no target (BurningDef::target)
     surface::HeatBalance balance = {}; ///< since the body was added or reset
 };

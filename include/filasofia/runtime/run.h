@@ -3,6 +3,7 @@
 #include "filasofia/core/fields.h"
 #include "filasofia/physics/step.h"
 #include "filasofia/runtime/timing.h"
+#include "filasofia/surface/electrode_def.h"
 #include "filasofia/surface/treatment.h"
 #include "filasofia/visual/visual_server.h"
 
@@ -98,6 +99,14 @@ struct HeatReport {
     surface::HeatBalance balance = {};
 };
 
+/// What an electrode has done.
+struct EnergyReport {
+    std::string body = {}; ///< its name
+    int electrode = 0;     ///< [-], index among those of the body
+    surface::EnergyMode mode = surface::EnergyMode::Cut;
+    surface::EnergyBalance balance = {};
+};
+
 /// How a run went.
 struct RunReport {
     RunTiming timing;
@@ -131,6 +140,7 @@ struct RunReport {
     std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
     std::vector<BloodReport> blood;          ///< one per body that bleeds, ascending by their ids
     std::vector<HeatReport> heat;            ///< one per body that burns, ascending by their ids
+    std::vector<EnergyReport> energy;        ///< one per electrode, in the order in which they were added
     std::vector<std::string> bluntBlades;    ///< one line per blade that touched a soft body without dynamicTopology
     /// why functions of everyStep() are no longer called, in this run or an earlier one: scripts that ended early
     std::vector<std::string> callbackProblems;

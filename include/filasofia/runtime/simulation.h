@@ -8,6 +8,7 @@
 #include "filasofia/runtime/burn_event.h"
 #include "filasofia/runtime/contact_event.h"
 #include "filasofia/runtime/device_event.h"
+#include "filasofia/runtime/energy_event.h"
 #include "filasofia/runtime/file_failed_event.h"
 #include "filasofia/runtime/follow.h"
 #include "filasofia/runtime/intersection_event.h"
@@ -135,6 +136,15 @@ public:
     /// Presses, injures, seals, sucks or rinses a body that bleeds, or heats one that burns, from the next step of its
     /// blood or heat on.
     void treat(BodyId id, const surface::Treatment& treatment);
+    /// Makes a rigid body, or a part of it, an electrode; returns its index among those of the body. It is off. The
+    /// blades of a body with an electrode that cuts no longer do unless it is active. Error if it is no rigid body, if
+    /// there is no such element, if one that cuts has no blade, or if a field is wrong.
+    int addElectrode(BodyId id, const surface::ElectrodeDef& def);
+    /// Presses its pedal or releases it, from the next step on. Error if there is no such electrode.
+    void activate(BodyId id, bool on, int electrode = 0);
+    /// What an electrode has done, up to the last step of the heat that has ended.
+    [[nodiscard]] surface::EnergyBalance energy(BodyId id, int electrode = 0) const;
+    [[nodiscard]] int electrodes(BodyId id) const; ///< [-], how many a body has
     /// What has become of its blood, up to the last step of the film that has ended.
     [[nodiscard]] surface::BloodBalance blood(BodyId id) const;
     /// What has become of its heat, and how much of it is burnt, up to the last step of the heat that has ended.
@@ -158,7 +168,8 @@ public:
     [[nodiscard]] bool paused() const; ///< in the last step
     /// Makes one step if the simulation is paused.
     void singleStep();
-    /// Puts the bodies back to their start at the next step, and removes all paint, blood, heat and burns.
+    /// Puts the bodies back to their start at the next step, removes all paint, blood, heat and burns, and releases all
+    /// pedals.
     void reset();
 
     /// The function is called on the main thread as soon as there is a visual server, in place of the look of the Def;

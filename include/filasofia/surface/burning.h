@@ -3,11 +3,20 @@
 #include "filasofia/frame/boundary.h"
 #include "filasofia/surface/body_surface.h"
 #include "filasofia/surface/burning_def.h"
+#include "filasofia/surface/heat.h"
 
 #include <map>
 #include <string>
 
 namespace filasofia::surface {
+
+/// What the tip of an electrode gives to a body within one step.
+struct TipHeat {
+    int electrode = 0;                  ///< its number
+    double energy = 0.0;                ///< [J], > 0, in the whole step
+    double limit = 573.15;              ///< [K], what is as hot takes no more
+    std::vector<HeatShare> shares = {}; ///< by the body's nodes
+};
 
 /// The heat in the surface of one soft body, and what it does there. A plain value that a copy saves; the same calls
 /// give the same bits. It knows no clock and no thread.
@@ -26,11 +35,17 @@ public:
     void follow(const frame::Boundary& boundary);
     /// Takes effect at once.
     void apply(const Heat& command, std::span<const Vec3> positions);
+    /// For the next step, beside the sources. Nodes without a surface take none.
+    void touch(std::vector<TipHeat> tips) { tips_ = std::move(tips); }
     /// `dt` [s], >= 0; `positions` [m] of the body's nodes. Error-free; nothing happens as long as nothing is warm.
     /// Gravity does nothing.
     void step(std::span<const Vec3> positions, Vec3 gravity, double dt);
 
     [[nodiscard]] HeatBalance balance() const;
+    /// [J], taken from each electrode that has touched it, by their numbers.
+    [[nodiscard]] const std::map<int, double>& taken() const { return taken_; }
+    /// The triangles of the body before it is cut.
+    [[nodiscard]] const std::vector<geometry::Triangle>& skin() const { return skin_; }
     /// Per vertex of the surface.
     [[nodiscard]] double temperature(std::size_t vertex) const { return def_.temperature + warmth_[vertex]; } ///< [K]
     [[nodiscard]] double damage(std::size_t vertex) const { return damage_[vertex]; } ///< [-], omega
@@ -46,7 +61,9 @@ public:
 private:
     void set(std::vector<geometry::Triangle> triangles, std::span<const Vec3> rest);
     void measureRest(std::span<const Vec3> positions);
-    void takeSources();
+    void takeSources(double dt);
+    void take(std::span<const HeatShare> shares, double power, double limit);
+    void countTips(double dt);
     void warm(double dt);
     void hurt(double dt);
     [[nodiscard]] double stored() const;
@@ -63,9 +80,11 @@ private:
     std::vector<double> water_;       ///< [-] per vertex, in [0, 1], share that has not boiled away
     std::vector<double> damage_;      ///< [-] per vertex, omega
     std::map<int, Heat> sources_;     ///< by their numbers
+    std::vector<TipHeat> tips_;       ///< of the next step, and by vertices within it
+    std::map<int, double> taken_;     ///< [J]
     HeatBalance balance_;             ///< without what balance() adds
     std::vector<Vec3> places_;        ///< working memory, like those below
-    std::vector<double> power_, limit_, before_;
+    std::vector<double> power_, limit_, before_, used_;
 };
 
 } // namespace filasofia::surface

@@ -13,12 +13,20 @@ double damageOver(double from, double to, double dt, double frequencyFactor, dou
 
 /// Where a round source heats, and how much: shares that sum to 1, or none if it touches nothing.
 struct HeatShare {
-    int vertex = 0;
+    int vertex = 0;     ///< by the numbers of the triangles
     double share = 0.0; ///< [-], in (0, 1]
 };
-/// Divides a source evenly over the surface within `radius` [m] of `place` [m], whatever the size of its triangles.
-void divideSource(const FilmTopology& topology, std::span<const Vec3> positions, Vec3 place, double radius,
-                  std::vector<HeatShare>& out);
+/// What a source reaches: all within `radius` [m] of a point (count 1), a straight line (2), or a quadrilateral of two
+/// triangles (4, in order around it). Its corners are in the world [m], and may coincide.
+struct HeatReach {
+    std::array<Vec3, 4> corners = {};
+    int count = 1; ///< [-], 1, 2 or 4
+    double radius = 0.0;
+};
+/// Divides a source evenly over the surface within its reach, whatever the size of the triangles. Returns the area
+/// reached [m^2]: 0 if it only grazes the surface, whose nearest point then takes all.
+double divideSource(std::span<const geometry::Triangle> triangles, std::span<const Vec3> positions,
+                    const HeatReach& reach, std::vector<HeatShare>& out);
 
 /// Lets heat pass between neighbours for `dt` [s]. `warmth` [K] above rest and `capacity` [J/K] are per vertex,
 /// `conductance` [W/K] per neighbour. Each pair exchanges by its exact law, forwards and then backwards, so heat is

@@ -35,6 +35,8 @@ std::string_view name(EventType type)
         return "Bleeding";
     case EventType::Burn:
         return "Burn";
+    case EventType::Energy:
+        return "Energy";
     case EventType::FileFailed:
         return "FileFailed";
     case EventType::Device:

@@ -55,7 +55,16 @@ struct SceneBurnt {
     BodyId body = {};
     surface::BurningDef def = {};
 };
-/// All paint, blood, heat and burns are removed.
+struct SceneElectrode {
+    BodyId body = {};
+    surface::ElectrodeDef def = {};
+};
+struct SceneActivated {
+    BodyId body = {};
+    int electrode = 0;
+    bool on = false;
+};
+/// All paint, blood, heat and burns are removed, and all pedals released.
 struct SceneCleaned {};
 
 struct StageMaterial {
@@ -85,9 +94,9 @@ struct ScenePlaces {
     std::vector<StagePlace> lights = {};
 };
 
-using SceneEvent =
-    std::variant<SceneBegan, SceneFile, SceneShown, SceneVisible, SceneMaterial, SceneUnshown, ScenePainted,
-                 SceneCleaned, SceneStage, ScenePlaces, SceneBled, SceneTreated, SceneBurnt>;
+using SceneEvent = std::variant<SceneBegan, SceneFile, SceneShown, SceneVisible, SceneMaterial, SceneUnshown,
+                                ScenePainted, SceneCleaned, SceneStage, ScenePlaces, SceneBled, SceneTreated,
+                                SceneBurnt, SceneElectrode, SceneActivated>;
 
 constexpr auto fields(const SceneBegan*)
 {
@@ -146,6 +155,18 @@ constexpr auto fields(const SceneBurnt*)
 {
     using T = SceneBurnt;
     return describe("SceneBurnt", field("body", &T::body, "the body"), field("def", &T::def, "how it burns"));
+}
+constexpr auto fields(const SceneElectrode*)
+{
+    using T = SceneElectrode;
+    return describe("SceneElectrode", field("body", &T::body, "the body"), field("def", &T::def, "its electrode"));
+}
+constexpr auto fields(const SceneActivated*)
+{
+    using T = SceneActivated;
+    return describe("SceneActivated", field("body", &T::body, "the body"),
+                    field("electrode", &T::electrode, "-", nonNegative(), "index among those of the body"),
+                    field("on", &T::on, "whether its pedal is pressed"));
 }
 constexpr auto fields(const SceneCleaned*) { return describe("SceneCleaned"); }
 constexpr auto fields(const StageMaterial*)

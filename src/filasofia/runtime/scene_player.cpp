@@ -36,6 +36,8 @@ bool ScenePlayer::knows(const SceneEvent& event) const
     if (const auto* bled = std::get_if<SceneBled>(&event)) return impl_.physics.has(bled->body);
     if (const auto* burnt = std::get_if<SceneBurnt>(&event)) return impl_.physics.has(burnt->body);
     if (const auto* treated = std::get_if<SceneTreated>(&event)) return impl_.physics.has(treated->body);
+    if (const auto* electrode = std::get_if<SceneElectrode>(&event)) return impl_.physics.has(electrode->body);
+    if (const auto* activated = std::get_if<SceneActivated>(&event)) return impl_.physics.has(activated->body);
     if (const auto* painted = std::get_if<ScenePainted>(&event)) return impl_.physics.has(painted->body);
     return true;
 }
@@ -98,11 +100,21 @@ void ScenePlayer::apply(const SceneBled& bled)
 void ScenePlayer::apply(const SceneTreated& treated) { impl_.treat(treated.body, treated.command); }
 void ScenePlayer::apply(const SceneBurnt& burnt) { impl_.burnings.add(burnt.body, burnt.def, {}, impl_.physics); }
 
+// The recording of physics has what they do to blades.
+void ScenePlayer::apply(const SceneElectrode& electrode)
+{
+    impl_.electrodes.add(electrode.body, electrode.def, impl_.physics);
+}
+void ScenePlayer::apply(const SceneActivated& activated)
+{
+    impl_.electrodes.activate(activated.body, activated.on, activated.electrode);
+}
+
 void ScenePlayer::afterStep()
 {
     if (!drawing_) return;
-    const auto unheard = [](BodyId, const auto&, const auto&) { return true; };
-    impl_.stepSurfaces(impl_.now.step(), impl_.now.seconds(), unheard, unheard);
+    const auto unheard = [](BodyId, const auto&...) { return true; };
+    impl_.stepSurfaces(impl_.now.step(), impl_.now.seconds(), unheard, unheard, unheard);
 }
 
 void ScenePlayer::apply(const SceneStage& stage)

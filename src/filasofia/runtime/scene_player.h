@@ -35,6 +35,8 @@ private:
     void apply(const SceneBled& bled);
     void apply(const SceneTreated& treated);
     void apply(const SceneBurnt& burnt);
+    void apply(const SceneElectrode& electrode);
+    void apply(const SceneActivated& activated);
     void apply(const SceneStage& stage);
     void apply(const ScenePlaces& places);
     [[nodiscard]] bool knows(const SceneEvent& event) const;

@@ -124,6 +124,24 @@ void Simulation::treat(BodyId id, const surface::Treatment& treatment)
     impl_->treat(id, treatment);
     impl_->recordScene(SceneTreated{id, treatment});
 }
+int Simulation::addElectrode(BodyId id, const surface::ElectrodeDef& def)
+{
+    const int index = impl_->electrodes.add(id, def, impl_->physics);
+    if (def.mode == surface::EnergyMode::Cut) impl_->physics.setCutting(id, false);
+    impl_->recordScene(SceneElectrode{id, def});
+    return index;
+}
+void Simulation::activate(BodyId id, bool on, int electrode)
+{
+    static_cast<void>(impl_->physics.def(id)); // an Error if it was removed
+    if (const auto cuts = impl_->electrodes.activate(id, on, electrode)) impl_->physics.setCutting(id, *cuts);
+    impl_->recordScene(SceneActivated{id, electrode, on});
+}
+surface::EnergyBalance Simulation::energy(BodyId id, int electrode) const
+{
+    return impl_->electrodes.balance(id, electrode);
+}
+int Simulation::electrodes(BodyId id) const { return impl_->electrodes.count(id); }
 surface::BloodBalance Simulation::blood(BodyId id) const { return impl_->bleedings.balance(id); }
 surface::HeatBalance Simulation::heat(BodyId id) const { return impl_->burnings.balance(id); }
 void Simulation::follow(visual::Transform& transform, BodyId id, const FollowDef& def)

@@ -30,6 +30,7 @@ Simulation::Impl::Impl(const SimulationDef& asked, std::unique_ptr<physics::Phys
 {
     memories.add(bleedings.memory());
     memories.add(burnings.memory());
+    memories.add(electrodes.memory());
 }
 
 std::unique_ptr<physics::PhysicsEngine> Simulation::Impl::engineFor(const SimulationDef& def)
@@ -139,6 +140,7 @@ std::uint32_t Simulation::Impl::stepSurfaces(const physics::StepReport& report)
     const auto burnt = [this](BodyId id, const surface::BurningDef& how, const surface::HeatBalance& balance) {
         auto event = std::make_unique<BurnEvent>();
         event->body = id;
+        event->target = how.target;
         event->injury = !how.target && balance.burnt > 0.0;
         event->balance = balance;
         now.stamp(*event);
@@ -151,16 +153,26 @@ std::uint32_t Simulation::Impl::stepSurfaces(const physics::StepReport& report)
         now.stamp(*event);
         return events.tryPost(std::move(event));
     };
-    return stepSurfaces(report.step, report.time, burnt, bled) ? 0u : kEventLost;
+    const auto given = [this](BodyId id, int electrode, bool active, const surface::EnergyBalance& balance) {
+        auto event = std::make_unique<EnergyEvent>();
+        event->body = id;
+        event->electrode = electrode;
+        event->active = active;
+        event->balance = balance;
+        now.stamp(*event);
+        return events.tryPost(std::move(event));
+    };
+    return stepSurfaces(report.step, report.time, burnt, bled, given) ? 0u : kEventLost;
 }
 
 bool Simulation::Impl::stepSurfaces(std::uint64_t step, double time, const SurfaceLayers<surface::Burning>::Post& burnt,
-                                    const SurfaceLayers<surface::Bleeding>::Post& bled)
+                                    const SurfaceLayers<surface::Bleeding>::Post& bled, const Electrodes::Post& given)
 {
+    const bool told = electrodes.afterStep(step, time, physics, burnings, given);
     const bool first = burnings.afterStep(step, time, physics, burnt);
     bleedings.close(burnings.takeBurnt());
     const bool second = bleedings.afterStep(step, time, physics, bled);
-    return first && second;
+    return told && first && second;
 }
 
 void Simulation::Impl::cleanSurfaces()
@@ -168,6 +180,7 @@ void Simulation::Impl::cleanSurfaces()
     bindings.clearPaint();
     bleedings.restart();
     burnings.restart();
+    electrodes.restart();
 }
 
 void Simulation::Impl::treat(BodyId id, const surface::Treatment& treatment)
@@ -227,6 +240,8 @@ void Simulation::Impl::takePicture(visual::VisualServer& visual, const std::stri
 void Simulation::Impl::reset()
 {
     physics.reset();
+    for (const BodyId each : electrodes.cutting())
+        if (physics.has(each)) physics.setCutting(each, false);
     cleanSurfaces();
     static const SceneEvent cleaned = SceneCleaned{}; // GCC 12 warns about a temporary as uninitialized
     recordScene(cleaned);
@@ -248,6 +263,7 @@ void Simulation::Impl::fill(RunReport& report) const
     report.contacts = contacts.report(physics);
     bleedings.fill(report);
     burnings.fill(report);
+    electrodes.fill(report, burnings);
     report.bluntBlades = blades.lines();
     report.callbackProblems = everyStep.problems();
     files.fill(report);

@@ -5,6 +5,7 @@
 #include "filasofia/runtime/camera_steering.h"
 #include "filasofia/runtime/clock.h"
 #include "filasofia/runtime/contact_watch.h"
+#include "filasofia/runtime/electrodes.h"
 #include "filasofia/runtime/haptics.h"
 #include "filasofia/runtime/intersection_watch.h"
 #include "filasofia/runtime/memory_list.h"
@@ -38,6 +39,7 @@ struct Simulation::Impl {
     Bindings bindings;
     Bleedings bleedings;
     Burnings burnings;
+    Electrodes electrodes;
     PictureSetup picture;
     CameraSteering steering;
     StepCallbacks everyStep;
@@ -87,9 +89,9 @@ struct Simulation::Impl {
     /// The same for any receivers of what is told. Heat comes first: burnt vessels do not bleed. Returns false if an
     /// event is lost.
     bool stepSurfaces(std::uint64_t step, double time, const SurfaceLayers<surface::Burning>::Post& burnt,
-                      const SurfaceLayers<surface::Bleeding>::Post& bled);
+                      const SurfaceLayers<surface::Bleeding>::Post& bled, const Electrodes::Post& given);
     void treat(BodyId id, const surface::Treatment& treatment);
-    /// Removes all paint, blood, heat and burns.
+    /// Removes all paint, blood, heat and burns, and releases all pedals.
     void cleanSurfaces();
     /// Makes the look of the Def, or calls the user's dress functions.
     void dressScene(visual::VisualServer& visual);

@@ -131,6 +131,15 @@ std::string heatLine(const HeatReport& report)
                 !report.target && b.burnt > 0.0 ? " (an injury: it is no target)" : "", b.charred * 1e6);
 }
 
+std::string energyLine(const EnergyReport& report)
+{
+    const surface::EnergyBalance& b = report.balance;
+    return line("energy of '%s' (%s): %.0f J in %.2f s of activation, %.2f s of them in air",
+                oneLine(shortened(report.body)).c_str(),
+                std::string(names(&report.mode)[static_cast<std::size_t>(report.mode)]).c_str(), b.delivered, b.active,
+                b.inAir);
+}
+
 } // namespace
 
 std::string summary(const RunReport& report)
@@ -158,6 +167,7 @@ std::string summary(const RunReport& report)
     out += contactTable(report.contacts);
     for (const BloodReport& blood : report.blood) out += bloodLine(blood);
     for (const HeatReport& heat : report.heat) out += heatLine(heat);
+    for (const EnergyReport& energy : report.energy) out += energyLine(energy);
     for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
         out += line("pictures drawn %ld", report.visual.framesDrawn);

@@ -52,6 +52,7 @@ template <class Layer> void SurfaceLayers<Layer>::Turn::run()
         if (closed) layer.close(*closed);
     if (layer.nodesNeeded() <= std::ssize(positions)) {
         for (const Command& each : commands) layer.apply(each, positions);
+        if constexpr (requires { layer.touch({}); }) layer.touch(std::move(tips));
         layer.step(positions, gravity, dt);
     }
     film = std::make_shared<const std::vector<float>>(Kind<Layer>::film(layer));
@@ -105,6 +106,7 @@ template <class Layer> void SurfaceLayers<Layer>::restart()
     for (auto& [id, each] : patients_) {
         each.restart = true;
         each.waiting.clear();
+        each.taken.clear();
     }
 }
 
@@ -129,6 +131,7 @@ template <class Layer> void SurfaceLayers<Layer>::begin(Patient& patient, const 
     turn.boundary = body.boundary;
     turn.gravity = patient.gravity;
     turn.closed = patient.closed;
+    turn.tips = std::exchange(patient.tips, {});
     turn.dt = patient.last < 0.0 ? 0.0 : time - patient.last;
     patient.last = time;
     patient.job = std::make_shared<BackgroundJob>([turn = patient.turn] { turn->run(); });
@@ -153,6 +156,8 @@ bool SurfaceLayers<Layer>::takeResults(BodyId id, double time, Patient& patient,
     patient.balance = patient.turn->layer.balance();
     patient.film = patient.turn->film;
     patient.fresh = true;
+    if constexpr (requires { patient.turn->layer.taken(); })
+        patient.taken = patient.restart ? std::map<int, double>() : patient.turn->layer.taken();
     patient.burnt = patient.restart ? nullptr : patient.turn->burnt; // a reset heals
     return tell(id, time, patient, post);
 }
@@ -193,6 +198,38 @@ template <class Layer> std::map<BodyId, NodeFlags> SurfaceLayers<Layer>::takeBur
     for (auto& [id, each] : patients_)
         if (NodeFlags burnt = std::exchange(each.burnt, nullptr)) out[id] = std::move(burnt);
     return out;
+}
+
+template <class Layer> auto SurfaceLayers<Layer>::surfaces(double time) const -> std::vector<Surface>
+{
+    std::vector<Surface> out;
+    if (!any_) return out;
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, each] : patients_) {
+        [[maybe_unused]] const bool begins = each.last >= 0.0 && time >= each.next - 1e-9;
+        if constexpr (requires { each.start->skin(); })
+            out.push_back({id, each.start->skin(), begins ? time - each.last : 0.0});
+    }
+    return out;
+}
+
+template <class Layer> void SurfaceLayers<Layer>::touch(BodyId id, surface::TipHeat tip)
+{
+    const std::lock_guard lock(mutex_);
+    if (const auto found = patients_.find(id); found != patients_.end()) found->second.tips.push_back(std::move(tip));
+}
+
+template <class Layer> double SurfaceLayers<Layer>::taken(int electrode, bool toTheEnd) const
+{
+    const std::lock_guard lock(mutex_);
+    double sum = 0.0;
+    for (const auto& [id, each] : patients_) {
+        const std::map<int, double>* taken = &each.taken;
+        if constexpr (requires { each.start->taken(); })
+            if (toTheEnd) taken = &each.turn->layer.taken();
+        if (const auto found = taken->find(electrode); found != taken->end()) sum += found->second;
+    }
+    return sum;
 }
 
 template <class Layer> std::map<BodyId, NodeFilm> SurfaceLayers<Layer>::takeFilms()

@@ -46,6 +46,20 @@ public:
     /// The stepping thread. Nodes that were found burnt since the last call.
     [[nodiscard]] std::map<BodyId, NodeFlags> takeBurnt();
 
+    /// A surface that electrodes may touch.
+    struct Surface {
+        BodyId body = {};
+        std::span<const geometry::Triangle> skin = {}; ///< before it is cut; as long as its layer
+        double dt = 0.0; ///< [s], of the step that the layer begins in afterStep() of this time; 0: it begins none
+    };
+    /// The stepping thread.
+    [[nodiscard]] std::vector<Surface> surfaces(double time) const;
+    /// What tips give in that step. The stepping thread.
+    void touch(BodyId id, surface::TipHeat tip);
+    /// [J], taken from an electrode by all bodies, in the steps whose results are known; `toTheEnd`: in all, after
+    /// fill(). Any thread.
+    [[nodiscard]] double taken(int electrode, bool toTheEnd = false) const;
+
     /// The newest film of each body that has a newer one than at the last call.
     [[nodiscard]] std::map<BodyId, NodeFilm> takeFilms();
     void fill(RunReport& report) const;
@@ -62,6 +76,7 @@ private:
         Vec3 gravity = {};
         double dt = 0.0;
         NodeFlags closed = {};
+        std::vector<surface::TipHeat> tips = {};
         NodeFlags burnt = {}; ///< found by the step
         NodeFilm film = {};   ///< the same
         void run();
@@ -80,7 +95,9 @@ private:
         std::optional<double> told = {}; ///< what the last event said
         double tellFrom = 0.0;           ///< [s], no event before
         NodeFlags closed = {};
-        NodeFlags burnt = {}; ///< takeBurnt() does not have it yet
+        std::vector<surface::TipHeat> tips = {}; ///< of the step that begins
+        std::map<int, double> taken = {};        ///< [J], by electrodes
+        NodeFlags burnt = {};                    ///< takeBurnt() does not have it yet
         NodeFilm film = {};
         bool fresh = false; ///< takeFilms() does not have this film yet
     };

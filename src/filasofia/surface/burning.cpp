@@ -1,11 +1,11 @@
 #include "filasofia/surface/burning.h"
 
 #include "filasofia/core/validate.h"
-#include "filasofia/surface/heat.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace filasofia::surface {
 namespace {
@@ -99,23 +99,47 @@ void Burning::step(std::span<const Vec3> positions, Vec3, double dt)
     surface_.gather(positions, places_);
     before_ = warmth_;
     conduct(surface_.topology(), conductance_, capacity_, dt, warmth_);
-    takeSources();
+    takeSources(dt);
     warm(dt);
+    countTips(dt);
     hurt(dt);
 }
 
-void Burning::takeSources()
+void Burning::take(std::span<const HeatShare> shares, double power, double limit)
+{
+    for (const HeatShare& each : shares) {
+        if (!(each.share > 0.0)) continue;
+        power_[each.vertex] += each.share * power;
+        limit_[each.vertex] = std::max(limit_[each.vertex], limit - def_.temperature);
+    }
+}
+
+void Burning::takeSources(double dt)
 {
     power_.assign(surface_.vertices(), 0.0);
     limit_.assign(surface_.vertices(), 0.0);
     std::vector<HeatShare> shares;
     for (const auto& [number, heat] : sources_) {
-        divideSource(surface_.topology(), places_, heat.place, heat.radius, shares);
-        for (const HeatShare& each : shares) {
-            power_[each.vertex] += each.share * heat.power;
-            limit_[each.vertex] = std::max(limit_[each.vertex], heat.limit - def_.temperature);
-        }
+        divideSource(surface_.topology().triangles, places_, {.corners = {heat.place}, .radius = heat.radius}, shares);
+        take(shares, heat.power, heat.limit);
     }
+    for (TipHeat& tip : tips_) {
+        for (HeatShare& each : tip.shares) { // from nodes to vertices
+            const auto found = std::ranges::lower_bound(surface_.nodes(), each.vertex);
+            const bool here = found != surface_.nodes().end() && *found == each.vertex;
+            each = here ? HeatShare{static_cast<int>(found - surface_.nodes().begin()), each.share} : HeatShare{};
+        }
+        take(tip.shares, tip.energy / dt, tip.limit);
+    }
+}
+
+/// What each tip gave: tissue that takes less than it is offered takes less of each.
+void Burning::countTips(double dt)
+{
+    for (const TipHeat& tip : std::exchange(tips_, {}))
+        for (const HeatShare& each : tip.shares)
+            if (each.share > 0.0)
+                taken_[tip.electrode] += each.share * tip.energy * used_[each.vertex] / (power_[each.vertex] * dt);
 }
 
 /// Pennes' equation at each vertex: power, perfusion, loss; and water that boils. Damaged tissue is not perfused.
@@ -123,6 +147,7 @@ void Burning::warm(double dt)
 {
     const double wet = def_.density * def_.depth * def_.water * kLatentHeat;      // [J/m^2]
     const double perfused = def_.perfusion * def_.bloodHeatCapacity * def_.depth; // [W/(m^2 K)]
+    used_.assign(warmth_.size(), 0.0);
     for (std::size_t v = 0; v < warmth_.size(); ++v) {
         if (!(capacity_[v] > 0.0)) continue;
         const double flowing = perfused * std::exp(-damage_[v]), loss = flowing + def_.loss;
@@ -133,6 +158,7 @@ void Burning::warm(double dt)
                                            .limit = limit_[v]},
                                           warmth_[v], power_[v], dt);
         warmth_[v] = now.warmth;
+        used_[v] = now.delivered;
         balance_.delivered += now.delivered;
         balance_.boiled += now.boiled;
         if (loss > 0.0) {
@@ -163,7 +189,7 @@ double Burning::stored() const
 
 bool Burning::idle() const
 {
-    return sources_.empty() && def_.temperature <= kHarmless &&
+    return sources_.empty() && tips_.empty() && def_.temperature <= kHarmless &&
            std::ranges::all_of(warmth_, [](double each) { return std::abs(each) < kCool; });
 }
 

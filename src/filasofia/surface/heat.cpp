@@ -1,5 +1,6 @@
 #include "filasofia/surface/heat.h"
 
+#include "filasofia/geometry/box.h"
 #include "filasofia/geometry/distance.h"
 
 #include <algorithm>
@@ -10,6 +11,36 @@ namespace {
 
 constexpr double kGasConstant = 8.314462618; ///< [J/(mol K)]
 
+double distanceTo(const HeatReach& reach, Vec3 p)
+{
+    const auto& [a, b, c, d] = reach.corners;
+    if (reach.count == 1) return distance(p, a);
+    if (reach.count == 2) return std::sqrt(geometry::nearestOnSegment(p, a, b).squaredDistance);
+    return std::sqrt(std::min(geometry::nearestOnTriangle(p, a, b, c).squaredDistance,
+                              geometry::nearestOnTriangle(p, a, c, d).squaredDistance));
+}
+
+/// Points of a reach without its radius, at most half of that apart, as far as the most points go.
+std::vector<Vec3> pointsOf(const HeatReach& reach)
+{
+    constexpr int kMost = 16;
+    const auto& [a, b, c, d] = reach.corners;
+    if (reach.count == 1) return {a};
+    const auto steps = [&](double length) {
+        return std::clamp(static_cast<int>(std::ceil(std::min(2.0 * length / reach.radius, 1.0 * kMost))), 1, kMost);
+    };
+    const bool line = reach.count == 2;
+    const int along = steps(line ? distance(a, b) : std::max(distance(a, b), distance(d, c)));
+    const int across = line ? 0 : steps(std::max(distance(a, d), distance(b, c)));
+    std::vector<Vec3> points;
+    for (int j = 0; j <= across; ++j)
+        for (int i = 0; i <= along; ++i) {
+            const double u = 1.0 * i / along, v = line ? 0.0 : 1.0 * j / across;
+            points.push_back((1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * d + u * c));
+        }
+    return points;
+}
+
 /// The part of a source that falls on one triangle, by samples a quarter of its radius apart.
 class SourceOnTriangle {
 public:
@@ -17,34 +48,41 @@ public:
         : a_(positions[corners[0]]), b_(positions[corners[1]]), c_(positions[corners[2]])
     {
     }
-    [[nodiscard]] bool mayReach(Vec3 place, double radius) const
+    [[nodiscard]] bool mayReach(const HeatReach& reach, const geometry::Box& around) const
     {
+        if (!overlap(geometry::merged(geometry::merged({a_, a_}, b_), c_), around)) return false;
         const Vec3 middle = (a_ + b_ + c_) / 3.0;
         const double size = std::max({distance(a_, middle), distance(b_, middle), distance(c_, middle)});
-        return distance(place, middle) <= radius + size;
+        return distanceTo(reach, middle) <= reach.radius + size;
     }
     /// [m^2] per corner.
-    [[nodiscard]] std::array<double, 3> areas(Vec3 place, double radius) const
+    [[nodiscard]] std::array<double, 3> areas(const HeatReach& reach) const
     {
         constexpr int kMost = 16;
         std::array<double, 3> out{};
         const double edge = std::max({distance(a_, b_), distance(b_, c_), distance(c_, a_)});
-        const int n = std::clamp(static_cast<int>(std::ceil(std::min(4.0 * edge / radius, 1.0 * kMost))), 1, kMost);
+        const double across = std::ceil(std::min(4.0 * edge / reach.radius, 1.0 * kMost));
+        const int n = std::clamp(static_cast<int>(across), 1, kMost);
         const double area = 0.5 * length(cross(b_ - a_, c_ - a_)) / (n * n);
         for (int i = 0; i < n; ++i) // n * n triangles of the same size; two for each pair but the last
             for (int j = 0; i + j < n; ++j)
                 for (int k = 1; k <= (i + j + 1 < n ? 2 : 1); ++k) {
                     const double u = (i + k / 3.0) / n, v = (j + k / 3.0) / n, w = 1.0 - u - v;
-                    if (!(distance(w * a_ + u * b_ + v * c_, place) <= radius)) continue;
+                    if (!(distanceTo(reach, w * a_ + u * b_ + v * c_) <= reach.radius)) continue;
                     out[0] += w * area;
                     out[1] += u * area;
                     out[2] += v * area;
                 }
         return out;
     }
-    [[nodiscard]] geometry::Nearest<3> nearest(Vec3 place) const
+    [[nodiscard]] geometry::Nearest<3> nearest(const std::vector<Vec3>& points) const
     {
-        return geometry::nearestOnTriangle(place, a_, b_, c_);
+        geometry::Nearest<3> best = geometry::nearestOnTriangle(points.front(), a_, b_, c_);
+        for (const Vec3& point : points)
+            if (const auto here = geometry::nearestOnTriangle(point, a_, b_, c_);
+                here.squaredDistance < best.squaredDistance)
+                best = here;
+        return best;
     }
 
 private:
@@ -78,22 +116,24 @@ double damageOver(double from, double to, double dt, double frequencyFactor, dou
     return dt * (b - a) / ratio;
 }
 
-void divideSource(const FilmTopology& topology, std::span<const Vec3> positions, Vec3 place, double radius,
-                  std::vector<HeatShare>& out)
+double divideSource(std::span<const geometry::Triangle> triangles, std::span<const Vec3> positions,
+                    const HeatReach& reach, std::vector<HeatShare>& out)
 {
     out.clear();
+    const std::vector<Vec3> points = pointsOf(reach);
+    const geometry::Box around = geometry::grown(geometry::boxAround(points), reach.radius);
     std::vector<HeatShare> nearest; // where samples miss a surface that is touched: its nearest point
-    double all = 0.0, closest = radius * radius;
-    for (const geometry::Triangle& corners : topology.triangles) {
+    double all = 0.0, closest = reach.radius * reach.radius;
+    for (const geometry::Triangle& corners : triangles) {
         const SourceOnTriangle triangle(positions, corners);
-        if (!triangle.mayReach(place, radius)) continue;
-        const std::array<double, 3> areas = triangle.areas(place, radius);
+        if (!triangle.mayReach(reach, around)) continue;
+        const std::array<double, 3> areas = triangle.areas(reach);
         for (int k = 0; k < 3; ++k) {
             if (areas[k] > 0.0) out.push_back({corners[k], areas[k]});
             all += areas[k];
         }
         if (all > 0.0) continue;
-        const geometry::Nearest<3> at = triangle.nearest(place);
+        const geometry::Nearest<3> at = triangle.nearest(points);
         if (!(at.squaredDistance <= closest)) continue;
         closest = at.squaredDistance;
         nearest.clear();
@@ -102,6 +142,7 @@ void divideSource(const FilmTopology& topology, std::span<const Vec3> positions,
     }
     for (HeatShare& each : out) each.share /= all;
     if (out.empty()) out = std::move(nearest);
+    return all;
 }
 
 void conduct(const FilmTopology& topology, std::span<const double> conductance, std::span<const double> capacity,

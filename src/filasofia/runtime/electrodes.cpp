@@ -1,0 +1,262 @@
+#include "filasofia/runtime/electrodes.h"
+
+#include "filasofia/core/validate.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace filasofia::runtime {
+namespace {
+
+using surface::ElectrodeDef;
+using surface::ElectrodeTip;
+using surface::EnergyMode;
+
+constexpr double kTelling = 1.0; ///< [s] between two events of an electrode whose pedal does not move
+
+const physics::RigidBodyDef& rigidBody(const physics::BodyDef& body, const std::string& object)
+{
+    const auto* rigid = std::get_if<physics::RigidBodyDef>(&body);
+    if (rigid == nullptr) fail(object, ": needs a rigid body, got ", physics::describeBody(body));
+    return *rigid;
+}
+
+void checkTip(const ElectrodeTip& tip, const physics::RigidBodyDef& rigid, const std::string& path)
+{
+    const auto count = static_cast<int>(physics::elementCount(rigid));
+    if (tip.element >= count) fail(path, ".element must be in [0, ", count, "), got ", tip.element);
+}
+
+void check(const ElectrodeDef& def, const physics::RigidBodyDef& rigid, const physics::PhysicsServer& physics,
+           const std::string& object)
+{
+    validate(def, object);
+    checkTip(def.tip, rigid, object + ": tip");
+    if (def.tip.body) fail(object, ": tip.body must not be given: it is that of the electrode");
+    const bool bipolar = def.mode == EnergyMode::Bipolar;
+    if (bipolar != def.other.has_value())
+        fail(object, bipolar ? ": other must be given if mode is bipolar" : ": other needs the mode bipolar");
+    if (def.mode == EnergyMode::Cut && std::ranges::none_of(rigid.collision, &physics::CollisionDef::cutting))
+        fail(object, ": mode cut needs a blade: none of its ", rigid.collision.size(),
+             " collision models has cutting set");
+    if (!bipolar) return;
+    const std::string path = object + ": other";
+    if (!def.other->body) return checkTip(*def.other, rigid, path);
+    const auto body = physics.def(def.other->body);
+    checkTip(*def.other, rigidBody(*body, path + ".body"), path);
+}
+
+/// The ends of a tip now; nothing if its body is gone.
+std::optional<std::array<Vec3, 2>> endsOf(const ElectrodeTip& tip, BodyId owner, const frame::Frame& frame)
+{
+    const frame::RigidBodyFrame* body = frame.rigidBody(tip.body ? tip.body : owner);
+    if (body == nullptr || tip.element >= std::ssize(body->poses)) return std::nullopt;
+    const Pose& pose = body->poses[static_cast<std::size_t>(tip.element)];
+    return std::array{transform(pose, tip.from), transform(pose, tip.to)};
+}
+
+surface::HeatReach lineReach(const std::array<Vec3, 2>& ends, double radius)
+{
+    return {.corners = {ends[0], ends[1]}, .count = ends[0] == ends[1] ? 1 : 2, .radius = radius};
+}
+
+/// What a tip reaches of one body.
+struct Reached {
+    const Burnings::Surface* surface = nullptr;
+    double weight = 0.0; ///< [m^2]
+    std::vector<surface::HeatShare> shares = {};
+};
+
+std::vector<Reached> reached(const surface::HeatReach& reach, const frame::Frame& frame,
+                             const std::vector<Burnings::Surface>& surfaces)
+{
+    std::vector<Reached> out;
+    double all = 0.0;
+    for (const Burnings::Surface& each : surfaces) {
+        const frame::SoftBodyFrame* body = frame.softBody(each.body);
+        if (body == nullptr) continue;
+        const bool cut = body->boundary && body->boundary->revision > 0;
+        Reached here{.surface = &each};
+        here.weight = surface::divideSource(cut ? std::span(body->boundary->triangles) : each.skin, body->positions,
+                                            reach, here.shares);
+        all += here.weight;
+        if (!here.shares.empty()) out.push_back(std::move(here));
+    }
+    if (all == 0.0) // it only grazes them
+        for (Reached& each : out) each.weight = 1.0;
+    return out;
+}
+
+std::vector<Reached> reached(const ElectrodeDef& def, BodyId owner, const frame::Frame& frame,
+                             const std::vector<Burnings::Surface>& surfaces)
+{
+    const auto one = endsOf(def.tip, owner, frame);
+    if (!one) return {};
+    std::vector<Reached> at = reached(lineReach(*one, def.radius), frame, surfaces);
+    if (def.mode != EnergyMode::Bipolar || at.empty()) return at;
+    const auto two = endsOf(*def.other, owner, frame);
+    if (!two || reached(lineReach(*two, def.radius), frame, surfaces).empty()) return {};
+    // Around the four ends without crossing over: the second tip backwards, unless it points the other way.
+    const bool along = dot((*one)[1] - (*one)[0], (*two)[1] - (*two)[0]) >= 0.0;
+    return reached({.corners = {(*one)[0], (*one)[1], (*two)[along ? 1 : 0], (*two)[along ? 0 : 1]},
+                    .count = 4,
+                    .radius = def.radius},
+                   frame, surfaces);
+}
+
+} // namespace
+
+int Electrodes::add(BodyId id, const ElectrodeDef& def, const physics::PhysicsServer& physics)
+{
+    const auto body = physics.def(id);
+    const std::string object = text("electrode of ", physics::describeBody(*body));
+    const physics::RigidBodyDef& rigid = rigidBody(*body, "electrode");
+    check(def, rigid, physics, object);
+    const std::lock_guard lock(mutex_);
+    const auto before = std::ranges::count(state_.all, id, &Electrode::body);
+    state_.all.push_back({.body = id, .index = static_cast<int>(before), .name = rigid.name, .def = def});
+    any_ = true;
+    return static_cast<int>(before);
+}
+
+std::size_t Electrodes::find(BodyId id, int electrode) const
+{
+    for (std::size_t i = 0; i < state_.all.size(); ++i)
+        if (state_.all[i].body == id && state_.all[i].index == electrode) return i;
+    const auto has = std::ranges::count(state_.all, id, &Electrode::body);
+    if (has == 0) fail("electrode: body ", id.value, " has none; addElectrode() makes one");
+    fail("electrode of body ", id.value, ": electrode must be in [0, ", has, "), got ", electrode);
+}
+
+bool Electrodes::Electrode::owes() const
+{
+    return balance.active > seen ||
+           std::ranges::any_of(spent, [this](const auto& of) { return balance.active > of.second; });
+}
+
+std::optional<bool> Electrodes::activate(BodyId id, bool on, int electrode)
+{
+    const std::lock_guard lock(mutex_);
+    Electrode& asked = state_.all[find(id, electrode)];
+    asked.active = on;
+    if (asked.def.mode != EnergyMode::Cut) return std::nullopt;
+    return std::ranges::any_of(state_.all, [&](const Electrode& each) {
+        return each.body == id && each.active && each.def.mode == EnergyMode::Cut;
+    });
+}
+
+surface::EnergyBalance Electrodes::balance(BodyId id, int electrode) const
+{
+    const std::lock_guard lock(mutex_);
+    return state_.all[find(id, electrode)].balance;
+}
+
+int Electrodes::count(BodyId id) const
+{
+    const std::lock_guard lock(mutex_);
+    return static_cast<int>(std::ranges::count(state_.all, id, &Electrode::body));
+}
+
+std::vector<BodyId> Electrodes::cutting() const
+{
+    const std::lock_guard lock(mutex_);
+    std::vector<BodyId> out;
+    for (const Electrode& each : state_.all)
+        if (each.active && each.def.mode == EnergyMode::Cut) out.push_back(each.body);
+    return out;
+}
+
+void Electrodes::restart()
+{
+    const std::lock_guard lock(mutex_);
+    for (Electrode& each : state_.all)
+        each = {.body = each.body, .index = each.index, .name = std::move(each.name), .def = each.def};
+}
+
+bool Electrodes::afterStep(std::uint64_t step, double time, physics::PhysicsServer& physics, Burnings& burnings,
+                           const Post& post)
+{
+    if (!any_) return true;
+    const std::lock_guard lock(mutex_);
+    const double dt = std::max(time - std::exchange(state_.last, time), 0.0);
+    bool busy = false; // something is to be given
+    for (Electrode& each : state_.all) {
+        if (each.active) each.balance.active += dt;
+        busy = busy || each.owes();
+    }
+    const std::vector<Burnings::Surface> surfaces = burnings.surfaces(time);
+    const bool begins = std::ranges::any_of(surfaces, [](const Burnings::Surface& each) { return each.dt > 0.0; });
+    // If readers hold all frames, the heat waits for the next step, and so do we.
+    if (const frame::FrameRef frame = busy && (begins || surfaces.empty()) ? physics.latest() : frame::FrameRef();
+        frame && frame->step == step)
+        touch(*frame, surfaces, burnings);
+    bool all = true;
+    for (std::size_t i = 0; i < state_.all.size(); ++i) {
+        Electrode& each = state_.all[i];
+        each.balance.delivered = burnings.taken(static_cast<int>(i));
+        all = tell(time, each, post) && all;
+    }
+    return all;
+}
+
+void Electrodes::touch(const frame::Frame& frame, const std::vector<Burnings::Surface>& surfaces, Burnings& burnings)
+{
+    for (std::size_t i = 0; i < state_.all.size(); ++i) {
+        Electrode& each = state_.all[i];
+        for (const Burnings::Surface& here : surfaces) each.spent.try_emplace(here.body, each.seen); // it burns now
+        if (!each.owes()) continue;
+        std::vector<Reached> all = reached(each.def, each.body, frame, surfaces);
+        double sum = 0.0;
+        for (const Reached& here : all) sum += here.weight;
+        for (Reached& here : all) {
+            const double time = each.balance.active - each.spent.at(here.surface->body);
+            const double energy = each.def.power * time * here.weight / sum;
+            if (here.surface->dt > 0.0 && energy > 0.0)
+                burnings.touch(here.surface->body,
+                               {static_cast<int>(i), energy, each.def.limit, std::move(here.shares)});
+        }
+        if (all.empty()) each.balance.inAir += each.balance.active - each.seen;
+        each.seen = each.balance.active;
+    }
+    for (Electrode& each : state_.all)
+        for (const Burnings::Surface& here : surfaces)
+            if (here.dt > 0.0) each.spent[here.body] = each.balance.active;
+}
+
+bool Electrodes::tell(double time, Electrode& electrode, const Post& post)
+{
+    const bool moved = electrode.told != electrode.active;
+    if (!moved && (electrode.toldOf == electrode.balance || time < electrode.tellFrom)) return true;
+    electrode.told = electrode.active;
+    electrode.toldOf = electrode.balance;
+    electrode.tellFrom = std::floor(time / kTelling + 1e-6) * kTelling + kTelling;
+    return post(electrode.body, electrode.index, electrode.active, electrode.balance);
+}
+
+void Electrodes::fill(RunReport& report, const Burnings& burnings) const
+{
+    const std::lock_guard lock(mutex_);
+    report.energy.clear();
+    for (std::size_t i = 0; i < state_.all.size(); ++i) {
+        const Electrode& each = state_.all[i];
+        report.energy.push_back({each.name, each.index, each.def.mode, each.balance});
+        report.energy.back().balance.delivered = burnings.taken(static_cast<int>(i), true);
+    }
+}
+
+Memory Electrodes::memory()
+{
+    return {.of = "the electrodes",
+            .save =
+                [this] {
+                    const std::lock_guard lock(mutex_);
+                    return state_.all.empty() ? std::any() : std::any(state_);
+                },
+            .restore =
+                [this](const std::any& saved) {
+                    const std::lock_guard lock(mutex_);
+                    state_ = std::any_cast<const State&>(saved);
+                }};
+}
+
+} // namespace filasofia::runtime

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "filasofia/runtime/surface_layers.h"
+
+#include "filasofia/surface/electrode_def.h"
+
+namespace filasofia::runtime {
+
+/// The electrodes of rigid bodies. Before each step of a body's heat, an active one gives the energy of the time since
+/// the last to what its tip touches.
+class Electrodes {
+public:
+    /// Any thread. Returns its index among those of the body. Error as Simulation::addElectrode().
+    int add(BodyId id, const surface::ElectrodeDef& def, const physics::PhysicsServer& physics);
+    /// Any thread. Returns whether the body's blades cut from now on; nothing if this does not concern them. Error if
+    /// there is no such electrode.
+    std::optional<bool> activate(BodyId id, bool on, int electrode);
+    /// Any thread. Error if there is no such electrode.
+    [[nodiscard]] surface::EnergyBalance balance(BodyId id, int electrode) const;
+    [[nodiscard]] int count(BodyId id) const;
+    /// Bodies whose blades cut because a pedal is pressed.
+    [[nodiscard]] std::vector<BodyId> cutting() const;
+    /// All pedals are released, and nothing has been given. Any thread.
+    void restart();
+
+    /// Posts what an electrode has done; returns false if the event is lost.
+    using Post = std::function<bool(BodyId, int, bool, const surface::EnergyBalance&)>;
+    /// After a step of physics that ended at `time` [s], and before that of the heat: the stepping thread. Returns
+    /// false if an event is lost.
+    bool afterStep(std::uint64_t step, double time, physics::PhysicsServer& physics, Burnings& burnings,
+                   const Post& post);
+    /// After burnings.fill().
+    void fill(RunReport& report, const Burnings& burnings) const;
+    /// For saved states; between two steps.
+    [[nodiscard]] Memory memory();
+
+private:
+    struct Electrode {
+        BodyId body = {};
+        int index = 0; ///< among those of the body
+        std::string name = {};
+        surface::ElectrodeDef def = {};
+        bool active = false;
+        surface::EnergyBalance balance = {};
+        double seen = 0.0;                   ///< [s], of balance.active, in which it is known what it touched
+        std::map<BodyId, double> spent = {}; ///< [s], of balance.active, before the last step of a body's heat
+        std::optional<bool> told = {};       ///< what the last event said of `active`
+        surface::EnergyBalance toldOf = {};  ///< what the last event said
+        double tellFrom = 0.0;               ///< [s], no event before, unless a pedal moves
+        /// Whether it was active at a time that has not yet come to a step of the heat of every body.
+        [[nodiscard]] bool owes() const;
+    };
+    struct State {
+        std::vector<Electrode> all = {};
+        double last = 0.0; ///< [s], end of the last step
+    };
+    void touch(const frame::Frame& frame, const std::vector<Burnings::Surface>& surfaces, Burnings& burnings);
+    static bool tell(double time, Electrode& electrode, const Post& post);
+    [[nodiscard]] std::size_t find(BodyId id, int electrode) const;
+
+    mutable std::mutex mutex_;
+    State state_;
+    std::atomic<bool> any_ = false; ///< without electrodes a step costs nothing
+};
+
+} // namespace filasofia::runtime
