@@ -13,6 +13,7 @@
 #include "filasofia/prefab/scope_hands.h"
 #include "filasofia/prefab/screens.h"
 #include "filasofia/prefab/trainer.h"
+#include "filasofia/prefab/trocar_hands.h"
 #include "filasofia/runtime/assets.h"
 #include "filasofia/runtime/options.h"
 #include "filasofia/runtime/simulation.h"
@@ -120,6 +121,10 @@ using prefab::ForceBar;
 using prefab::Guidance;
 using prefab::HandMove;
 using prefab::InstrumentKind;
+using prefab::Laparoscope;
+using prefab::LaparoscopeDef;
+using prefab::LaparoscopicInstrument;
+using prefab::LaparoscopicInstrumentDef;
 using prefab::MetricTracker;
 using prefab::MetricTrackerDef;
 using prefab::PerforationWatch;
@@ -137,6 +142,13 @@ using prefab::TrackedBody;
 using prefab::TrainerDef;
 using prefab::Training;
 using prefab::TrainingSession;
+using prefab::TrocarDef;
+using prefab::TrocarHands;
+using prefab::TrocarHandsDef;
+using prefab::TrocarMove;
+using prefab::TrocarPose;
+using prefab::TrocarPoses;
+using prefab::TrocarReport;
 using runtime::asset;
 using runtime::BleedingEvent;
 using runtime::BurnEvent;
