@@ -203,6 +203,13 @@ TEST_CASE("poseAt and pivotOf are each other's inverse, whatever the trocar's ax
         CHECK(back.yaw == Approx(pose.yaw));
         CHECK(back.pitch == Approx(pose.pitch).margin(1e-12));
         CHECK(back.insertion == Approx(pose.insertion));
+        const Vec3 point = {2_mm, -3_mm, -15_mm}, target = {0.12, -0.35, 0.06};
+        const TrocarPose there = poseAt(trocar, target, pose.roll, point);
+        CHECK(distance(transform(pivotOf(trocar, there), point), target) < 1e-9);
+        const Vec3 across = {0.3, 0.1, -0.8};
+        const TrocarPose turned = poseAt(trocar, target, rollAcross(trocar, target, across));
+        CHECK(std::abs(turned.roll) <= 90_deg + 1e-12);
+        CHECK(dot(rotate(pivotOf(trocar, turned).orientation, {1, 0, 0}), across) == Approx(0.0).margin(1e-9));
     }
     const Pose straight = pivotOf(trocar, {.insertion = 0.1});
     CHECK(distance(rotate(straight.orientation, {0, 0, -1}), normalized(trocar.axis)) < 1e-12);

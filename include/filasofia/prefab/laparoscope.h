@@ -59,7 +59,7 @@ public:
     void zoom(double times);           ///< [-], in [1, 4] (Error otherwise)
     void horizon(bool keep);           ///< whether the camera head keeps the picture upright
 
-    [[nodiscard]] TrocarReport report() const; ///< of the last step
+    [[nodiscard]] TrocarReport report() const; ///< as the last step left it
     [[nodiscard]] Pose camera() const;         ///< looks along -Z; +Y is up in the picture
     /// [rad], angle over the height of the picture with the present zoom: 2 atan(tan(fieldOfView / 2) / zoom).
     [[nodiscard]] double fieldOfView() const;

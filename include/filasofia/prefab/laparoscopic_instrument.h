@@ -46,7 +46,7 @@ public:
     /// trocar's limits, and if a haptic device holds it.
     void move(const TrocarPose& pose);
 
-    [[nodiscard]] TrocarReport report() const; ///< of the last step
+    [[nodiscard]] TrocarReport report() const; ///< as the last step left it
 
     /// With TrocarHandleDef::haptic: the dynamic body for a HapticInterfaceDef, at the handle. Otherwise 0.
     [[nodiscard]] BodyId handle() const;

@@ -78,18 +78,22 @@ constexpr auto fields(const TrocarHandleDef*)
 /// What a hand at the handle feels, and where the shaft is.
 struct TrocarReport {
     TrocarPose pose = {}; ///< that the hand has given, as far as strength and speed let it
-    Pose pivot = {};      ///< of the jaws' pivot or a scope's tip, in the world
+    Pose pivot = {};      ///< the jaws' pivot or a scope's tip, in the world
     Vec3 handle = {};     ///< [m], where the hand holds the shaft, in the world
     Vec3 shift = {};      ///< [m], how far the wall has yielded at the fulcrum
     Vec3 force = {};      ///< [N], on the hand: tissue by the lever, wall and seal
     double torque = 0.0;  ///< [N m], on the hand, about the shaft's direction
-    Vec3 wall = {};       ///< [N], of the wall on the shaft, sideways
+    Vec3 wall = {};       ///< [N], from the wall on the shaft, sideways
 };
 
 /// The pivot or tip of a shaft in this pose, with its roll, while the wall does not yield. It looks along -Z.
 Pose pivotOf(const TrocarDef& trocar, const TrocarPose& pose);
-/// The pose that brings the pivot to a point; nothing is limited. Error if the point is the fulcrum.
-TrocarPose poseAt(const TrocarDef& trocar, Vec3 pivot, double roll = 0.0);
+/// The pose with this roll that brings a point, in the pivot's coordinates, to a target in the world [m]; nothing is
+/// limited. Error if the pivot would be in the fulcrum.
+TrocarPose poseAt(const TrocarDef& trocar, Vec3 target, double roll = 0.0, Vec3 point = {});
+/// [rad] in [-pi/2, pi/2], the roll at which jaws that open along the pivot's Y open as nearly along `across` as they
+/// can, with the pivot at a place in the world.
+double rollAcross(const TrocarDef& trocar, Vec3 pivot, Vec3 across);
 /// The nearest pose within the limits.
 TrocarPose withinLimits(const TrocarDef& trocar, TrocarPose pose);
 /// Throws an Error that names `object`, the field and the limit, if a pose is outside the limits or not finite.

@@ -27,6 +27,8 @@ std::shared_ptr<const geometry::TriangleMesh> blade(const JawDef& jaw)
         geometry::TriangleMesh{.vertices = {from, to, from - back}, .triangles = {{0, 1, 2}}, .uv = {}});
 }
 
+constexpr double kRelief = 0.2e-3; ///< [m], by which jaws give way at a rigid body that they hold by a spring
+
 /// A position-controlled joint that under the closing torque moves at `speed`, which it reaches in 20 ms.
 JointDef jointOf(const ArticulatedInstrumentDef& def, const JawDef& jaw, int link)
 {
@@ -260,8 +262,11 @@ struct ArticulatedInstrument::Impl {
         grip = rigid ? simulation.physics().attach(held, rigidGrip(frame, now))
                      : simulation.physics().grasp(body, held,
                                                   {.stiffness = def.gripStiffness, .breakForce = def.breakForce});
+        // A spring that holds a rigid body and jaws that stand still would work against each other: the jaws give way.
+        const bool springs = rigid != nullptr && std::isfinite(def.gripStiffness);
+        const double relief = springs ? kRelief / std::max(kRelief, distance(middle, now.poses.front().position)) : 0.0;
         commandJaws([&](std::size_t joint, const JawDef& each) {
-            const double position = std::clamp(now.joints[joint].position, 0.0, each.opensBy);
+            const double position = std::clamp(now.joints[joint].position + relief, 0.0, each.opensBy);
             return physics::JointCommand(JointPosition{position});
         });
         requestedAt = frame.step;

@@ -82,7 +82,7 @@ struct Laparoscope::Impl {
     const LaparoscopeDef def;
     TrocarDrive drive;
     Endoscope scope;
-    EndoscopeView view; ///< of the main thread
+    EndoscopeView view; ///< used by the main thread only
     std::atomic<double> times;
     std::atomic<bool> upright;
 };

@@ -9,12 +9,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace filasofia::prefab {
 namespace {
 
 constexpr double kSealTravel = 0.2e-3; ///< [m], the seal gives by this much before the shaft slides
-constexpr double kSmoothing = 0.02;    ///< [s], of the force that the wall yields to
+constexpr double kSmoothing = 0.02;    ///< [s], time constant of the force that the wall yields to
 constexpr double kMostShift = 0.03;    ///< [m], the wall yields no farther
 
 /// The axes of a trocar: it looks along -Z, +Y is up.
@@ -49,16 +50,29 @@ Pose pivotOf(const TrocarDef& trocar, const TrocarPose& pose)
             turn * axisAngle({0.0, 0.0, 1.0}, pose.roll)};
 }
 
-TrocarPose poseAt(const TrocarDef& trocar, Vec3 pivot, double roll)
+TrocarPose poseAt(const TrocarDef& trocar, Vec3 target, double roll, Vec3 point)
 {
-    const Vec3 way = pivot - trocar.fulcrum;
-    const double far = length(way);
-    if (far == 0.0) fail("trocar: the pivot must not be in the fulcrum");
-    const Vec3 seen = rotate(conjugate(baseOf(trocar)), (1.0 / far) * way);
-    return {.yaw = std::atan2(seen.x, -seen.z),
-            .pitch = std::asin(std::clamp(seen.y, -1.0, 1.0)),
-            .insertion = far,
-            .roll = roll};
+    TrocarPose pose{.roll = roll};
+    Vec3 beside; // from the pivot to the point: it turns with the direction that is sought
+    for (int i = 0; i < (point == Vec3{} ? 1 : 12); ++i) {
+        const Vec3 way = target - beside - trocar.fulcrum;
+        const double far = length(way);
+        if (far == 0.0) fail("trocar: the pivot must not be in the fulcrum");
+        const Vec3 seen = rotate(conjugate(baseOf(trocar)), (1.0 / far) * way);
+        pose.yaw = std::atan2(seen.x, -seen.z);
+        pose.pitch = std::asin(std::clamp(seen.y, -1.0, 1.0));
+        pose.insertion = far;
+        beside = rotate(pivotOf(trocar, pose).orientation, point);
+    }
+    return pose;
+}
+
+double rollAcross(const TrocarDef& trocar, Vec3 pivot, Vec3 across)
+{
+    const Vec3 seen = rotate(conjugate(pivotOf(trocar, poseAt(trocar, pivot)).orientation), across);
+    const double roll = std::atan2(-seen.x, seen.y);
+    constexpr double half = std::numbers::pi / 2.0;
+    return roll > half ? roll - 2.0 * half : roll < -half ? roll + 2.0 * half : roll;
 }
 
 TrocarPose withinLimits(const TrocarDef& trocar, TrocarPose pose)

@@ -14,7 +14,7 @@ struct ShaftLoad {
 
 struct ShaftState {
     TrocarPose given = {}; ///< where the hand is
-    Vec3 shift = {};       ///< [m], of the wall at the fulcrum
+    Vec3 shift = {};       ///< [m], by which the wall yields at the fulcrum
     Vec3 pressed = {};     ///< [N], on the wall, smoothed: a held mass would swing if the wall followed every jump
     double seal = 0.0;     ///< [-], in [-1, 1], part of the seal's friction; positive while it is pushed in
 };
