@@ -85,10 +85,10 @@ PegBox addBox(Simulation& sim, int rings, std::uint64_t seed)
     board.linearDamping = board.angularDamping = 20.0;
     board.friction = 0.5;
     board.attachments = {{.stiffness = 2e4}};
-    board.collision = {{.primitives = {.points = false, .lines = false}, .proximity = 0.3_mm, .group = OnBoard},
-                       {.primitives = {.points = false, .lines = false}, .proximity = 0.3_mm, .group = LeftTool},
-                       {.primitives = {.points = false, .lines = false}, .proximity = 0.3_mm, .group = RightTool},
-                       {.mesh = pegMesh(2), .proximity = 0.2_mm, .group = OnPegs}};
+    board.collision = {{.primitives = {.points = false, .lines = false}, .proximity = 0.5_mm, .group = OnBoard},
+                       {.primitives = {.points = false, .lines = false}, .proximity = 0.5_mm, .group = LeftTool},
+                       {.primitives = {.points = false, .lines = false}, .proximity = 0.5_mm, .group = RightTool},
+                       {.mesh = pegMesh(2), .proximity = 0.5_mm, .group = OnPegs}};
     box.board = sim.add(board);
     sim.show(box.board, {.material = plain({0.62, 0.60, 0.53}, 0.0)});
     sim.show(box.board, {.surface = pegMesh(6), .material = MetalMaterial{.roughness = 0.35}});
@@ -102,7 +102,7 @@ PegBox addBox(Simulation& sim, int rings, std::uint64_t seed)
     const auto any = [&](double low, double high) {
         return low + (high - low) * static_cast<double>(random() % 1001) / 1000.0;
     };
-    const auto look = ringMesh(64, 0.9_mm), solid = ringMesh(16, 0.0);
+    const auto look = ringMesh(64, 0.9_mm), solid = ringMesh(16, 0.0), feet = ringMesh(8, 0.0);
     const std::array<Color, 3> colors = {{{0.75, 0.30, 0.06}, {0.08, 0.35, 0.55}, {0.60, 0.55, 0.10}}};
     for (int i = 0; i < rings; ++i) {
         const Vec3 shift = {any(-2.5_mm, 2.5_mm), 0.5 * kRingHeight + 0.2_mm, any(-2.5_mm, 2.5_mm)};
@@ -114,12 +114,14 @@ PegBox addBox(Simulation& sim, int rings, std::uint64_t seed)
                           .linearDamping = 2.0,
                           .angularDamping = 10.0};
         ring.friction = 0.6;
-        ring.collision = {{.primitives = {.lines = false, .triangles = false}, .proximity = 0.3_mm, .group = OnBoard},
-                          {.primitives = {.lines = false, .triangles = false}, .proximity = 0.3_mm, .group = OnTable},
-                          {.proximity = 0.2_mm, .group = OnPegs},
-                          {.proximity = 0.2_mm, .group = OnRings},
-                          {.proximity = 0.2_mm, .group = LeftTool},
-                          {.proximity = 0.2_mm, .group = RightTool}};
+        // Few points bear it on the board.
+        const physics::Primitives points{.lines = false, .triangles = false};
+        ring.collision = {{.mesh = feet, .primitives = points, .proximity = 0.5_mm, .group = OnBoard},
+                          {.mesh = feet, .primitives = points, .proximity = 0.5_mm, .group = OnTable},
+                          {.proximity = 0.5_mm, .group = OnPegs},
+                          {.proximity = 0.5_mm, .group = OnRings},
+                          {.proximity = 0.5_mm, .group = LeftTool},
+                          {.proximity = 0.5_mm, .group = RightTool}};
         box.rings.push_back(sim.add(ring));
         sim.show(box.rings.back(), {.surface = look, .material = plain(colors[static_cast<std::size_t>(i) % 3], 0.3)});
     }
@@ -134,6 +136,7 @@ LaparoscopicInstrumentDef instrumentOf(Side side, bool haptic)
     def.tool.groups = {side == LeftSide ? LeftTool : RightTool};
     def.tool.gripStiffness = 1000.0;
     def.tool.closingTorque = 60e-3;
+    def.tool.proximity = 0.5_mm;
     def.tool.opening = 0.4;
     def.tool.shaftMaterial = plain({0.025, 0.026, 0.028}, 0.3);
     def.trocar = {

@@ -106,7 +106,7 @@ std::vector<TaskStep> stepsOf(const Difficulty& difficulty, const Judge& judge)
 int train(const Training& training)
 {
     const Difficulty& difficulty = kDifficulties[training.difficulty];
-    Simulation sim({.physics = {.contact = ExactContact{.tolerance = 2e-2}},
+    Simulation sim({.physics = {.contact = PenaltyContact{.stiffness = 1e4, .damping = 2.0}},
                     .window = {"Laparoscopy", 960, 720},
                     .look = {.mouse = false, .keys = false}});
     const PegBox box = addBox(sim, difficulty.rings, static_cast<std::uint64_t>(training.seed));
