@@ -313,6 +313,7 @@ class Mouth:
     opening: float               # [degrees]
     edge: tuple = ()             # the two ends of a blade's cutting edge
     size: Callable = lambda vertices: vertices
+    shape: Callable = lambda vertices: vertices  # what then becomes of the vertices of both
 
 
 def mouth(save, shaft, made):
@@ -320,14 +321,18 @@ def mouth(save, shaft, made):
     def sized(mesh):
         return made.size(mesh[0]), mesh[1]
 
+    def placed(mesh, half_turn):
+        vertices, faces = turned(mesh, (0, 0, 1), half_turn)
+        return made.shape(vertices), faces
+
     word, (upper, coarse) = "blade" if made.edge else "jaw", (sized(solid(made.script, 0.26, 16)), sized(made.coarse))
     reach = -made.size(np.array([[0.0, 0.0, -made.reach]]))[0, 2]
     tool = {"name": made.name, **shaft, "reach": float(metre(reach)), "pivot": [0.0, 0.0, 0.0], "jaws": []}
     for side, half_turn, sign in (("upper", 0.0, 1.0), ("lower", np.pi, -1.0)):
         file = f"{made.name.replace(' ', '_')}_{word}_{side}"
         jaw = {"name": side,
-               "surface": save(f"{file}.obj", turned(upper, (0, 0, 1), half_turn), f"{side} {word} of the {made.name}, closed"),
-               "collision": save(f"{file}_collision.obj", turned(coarse, (0, 0, 1), half_turn), f"that {word} for collision"),
+               "surface": save(f"{file}.obj", placed(upper, half_turn), f"{side} {word} of the {made.name}, closed"),
+               "collision": save(f"{file}_collision.obj", placed(coarse, half_turn), f"that {word} for collision"),
                "axis": [sign, 0.0, 0.0], "opensBy": round(float(np.radians(made.opening)), 4)}
         if made.edge:
             jaw["edge"] = [metres(turned((made.size(np.array([p])), None), (0, 0, 1), half_turn)[0]) for p in made.edge]

@@ -1,4 +1,4 @@
-"""Makes the meshes of hysteroscopy and suturing, and report.txt, again. See README.md."""
+"""Makes the meshes of hysteroscopy, suturing and laparoscopy, and report.txt, again. See README.md."""
 import argparse
 import json
 from pathlib import Path
@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import instruments
+import laparoscopy
 import suturing
 import uterus
 from implicit import gradient, project
@@ -270,7 +271,7 @@ def make_polyps(folder, report):
 
 # Each part: its name, its folder, what makes it.
 PARTS = (("uterus", "hysteroscopy", make_uterus), ("polyps", "hysteroscopy", make_polyps),
-         ("instruments", "hysteroscopy", instruments.make), ("suturing", "suturing", suturing.make))
+         ("instruments", "hysteroscopy", instruments.make), ("suturing", "suturing", suturing.make), ("laparoscopy", "laparoscopy", laparoscopy.make))
 
 
 def main():

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the meshes of hysteroscopy and suturing again, offline; README.md says what it needs. Words go on to make.py.
+# Makes the meshes of hysteroscopy, suturing and laparoscopy again, offline; README.md says what it needs. Words go on to make.py.
 set -euo pipefail
 python=${PYTHON:-/usr/bin/python3} # Debian's own: python3-numpy belongs to it
 command -v gmsh >/dev/null && "$python" -c 'import numpy' 2>/dev/null || {

@@ -74,7 +74,7 @@ TEST_CASE("a script is played move by move, each begun and ended once, at its ti
     CHECK(calls[1].second - calls[0].second == Approx(19e-3).margin(1.1e-3));
     CHECK(calls[3].second - calls[2].second == Approx(10e-3).margin(1.1e-3));
     CHECK(scene.element(scene.scope.body()).position.y == Approx(30_mm).epsilon(1e-9));
-    CHECK(durationOf({{.seconds = 1.5}, {.seconds = 2.0}}) == 3.5);
+    CHECK(durationOf(std::vector<HandMove>{{.seconds = 1.5}, {.seconds = 2.0}}) == 3.5);
 }
 
 TEST_CASE("a move with an aim function goes where it says when the move begins")

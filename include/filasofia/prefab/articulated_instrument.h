@@ -16,17 +16,28 @@ namespace filasofia::prefab {
 
 /// Which meshes, jaws, opening angles and closing torque an instrument has if its Def does not give them.
 enum class InstrumentKind {
-    Forceps,        ///< 5 Fr (1.7 mm), for hysteroscopy: short cups; 0.5 mN m
-    Grasper,        ///< 5 Fr: long jaws with teeth; 0.5 mN m
-    Scissors,       ///< 5 Fr: two blades, which cut and hold nothing; 0.5 mN m
-    NeedleDriver,   ///< 5 mm, for laparoscopy: short, stout, flat jaws that press with some 15 N; 0.15 N m
-    PickUps,        ///< 5 mm: long, pointed jaws; 10 mN m
-    SutureScissors, ///< 5 mm: two short blades, which cut and hold nothing; 50 mN m
+    Forceps,              ///< 5 Fr (1.7 mm), for hysteroscopy: short cups; 0.5 mN m
+    Grasper,              ///< 5 Fr: long jaws with teeth; 0.5 mN m
+    Scissors,             ///< 5 Fr: two blades, which cut and hold nothing; 0.5 mN m
+    NeedleDriver,         ///< 5 mm, for laparoscopy: short, stout, flat jaws that press with some 15 N; 0.15 N m
+    PickUps,              ///< 5 mm: long, pointed jaws; 10 mN m
+    SutureScissors,       ///< 5 mm: two short blades, which cut and hold nothing; 50 mN m
+    LaparoscopicGrasper,  ///< 5 mm: long jaws with teeth; 30 mN m
+    Dissector,            ///< 5 mm: pointed jaws bent to the right; 20 mN m
+    LaparoscopicScissors, ///< 5 mm: two long blades, which cut and hold nothing; 50 mN m
 };
 /// The values' names in files, in order.
-constexpr std::array<std::string_view, 6> names(const InstrumentKind*)
+constexpr std::array<std::string_view, 9> names(const InstrumentKind*)
 {
-    return {"forceps", "grasper", "scissors", "needleDriver", "pickUps", "sutureScissors"};
+    return {"forceps",
+            "grasper",
+            "scissors",
+            "needleDriver",
+            "pickUps",
+            "sutureScissors",
+            "laparoscopicGrasper",
+            "dissector",
+            "laparoscopicScissors"};
 }
 
 /// One side of the instrument's mouth, closed, in the coordinates of the pivot.
@@ -69,6 +80,7 @@ struct ArticulatedInstrumentDef {
     double gripStiffness = physics::kHard; ///< [N/m], in (0, inf], stiffness of each held point
     double breakForce = physics::kNever;   ///< [N], in (0, inf], force beyond which the tissue slips out
     visual::Material material = visual::MetalMaterial{};
+    std::optional<visual::Material> shaftMaterial = {}; ///< not given: that of the jaws
     /// Called on the stepping thread when it begins (true) or ceases (false) to hold a body. Not a field of files.
     std::function<void(BodyId, bool)> onGrasp = {};
 };
@@ -92,7 +104,8 @@ constexpr auto fields(const ArticulatedInstrumentDef*)
         field("gripForce", &T::gripForce, "N", positive(), "force on each side at which tissue is grasped"),
         field("gripStiffness", &T::gripStiffness, "N/m", positiveOrInfinite(), "stiffness of each held point"),
         field("breakForce", &T::breakForce, "N", positiveOrInfinite(), "force beyond which tissue slips out"),
-        field("material", &T::material, "what it looks like"));
+        field("material", &T::material, "what it looks like"),
+        field("shaftMaterial", &T::shaftMaterial, "what its shaft looks like; not given: as its jaws"));
 }
 
 /// An instrument that is moved as a whole, opened and closed. Key, device button and script all use the same calls.
@@ -100,10 +113,11 @@ constexpr auto fields(const ArticulatedInstrumentDef*)
 /// Closing presses with a torque, so tissue between the jaws stops them. If a soft body pushes both sides of the mouth
 /// with `gripForce` or more, it is grasped: it is attached to the jaws, which then keep their angle (a ratchet), until
 /// open() or until `breakForce` is exceeded. So is a dynamic rigid body without joints, a needle for example, until the
-/// force exceeds what friction bears, too: 2 mu times the closing torque over the distance from the pivot. A reset of
-/// the simulation does not release what is held: call open() before. A saved state knows what it holds; onGrasp is not
-/// called when such a state is restored. Every function may be called from any thread and takes effect at the next
-/// step.
+/// force exceeds what friction bears, too: 2 mu times the closing torque over the distance from the pivot. With a
+/// finite `gripStiffness` the jaws then open by 0.2 mm, so that a spring alone holds it, and two instruments can hold
+/// it. A reset of the simulation does not release what is held: call open() before. A saved state knows what it holds;
+/// onGrasp is not called when such a state is restored. Every function may be called from any thread and takes effect
+/// at the next step.
 class ArticulatedInstrument {
 public:
     static constexpr int kShaft = 0; ///< element of the body; moving jaws follow from 1 on
@@ -127,6 +141,9 @@ public:
     [[nodiscard]] Pose pose() const;      ///< the last pose given to move()
     [[nodiscard]] BodyId holding() const; ///< the body that it holds; 0 if none
     [[nodiscard]] double pull() const;    ///< [N], force of the held tissue on the instrument in the last step
+    /// [m], where what it holds pulls, in the world: the middle of the grasped contacts, or the origin of a rigid
+    /// element; if it holds nothing, its pivot.
+    [[nodiscard]] Vec3 grip() const;
     [[nodiscard]] double opening() const; ///< [-], opening of the widest jaw in the last step
 
 private:

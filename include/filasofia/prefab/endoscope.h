@@ -25,8 +25,17 @@ struct EndoscopeDef {
     double fieldOfView = 80.0 * std::numbers::pi / 180.0; ///< [rad], in [0.2, 2.6], over the height of the picture
     double intensity = 1.6;                               ///< [cd], > 0, intensity of its light along the view
     visual::Color lightColor = {1.0, 0.96, 0.90};
+    Vec3 lamp = {0.8e-3, 0.0, 0.0};      ///< [m], middle of the light, from the lens; beside it, lit tissue has shading
     visual::EndoscopeOptics optics = {}; ///< mask, distortion, darkening to the rim
     visual::Quality quality = visual::Quality::High;
+    double focusDistance = 0.02; ///< [m], > 0, distance that is sharp
+    /// The walls reflect light, which tissue makes red. Without this light instruments are black and shadows have no
+    /// end.
+    visual::EnvironmentDef surroundings = {.intensity = 300.0,
+                                           .above = {0.55, 0.36, 0.32},
+                                           .below = {0.45, 0.25, 0.21},
+                                           .lampStrength = 1.0,
+                                           .background = {0.03, 0.006, 0.005}};
     /// Mouth of the working channel, in the tip's coordinates; instruments leave it along its -Z.
     Pose channel = {{0.0, -1.5e-3, 2.3e-3}, {}};
 };
@@ -45,8 +54,11 @@ constexpr auto fields(const EndoscopeDef*)
         field("fieldOfView", &T::fieldOfView, "rad", closed(0.2, 2.6), "angle over the height of the picture"),
         field("intensity", &T::intensity, "cd", positive(), "intensity of its light"),
         field("lightColor", &T::lightColor, "color of its light"),
+        field("lamp", &T::lamp, "m", finite(), "middle of the light, from the lens"),
         field("optics", &T::optics, "mask, distortion, darkening"),
         field("quality", &T::quality, "quality of the effects"),
+        field("focusDistance", &T::focusDistance, "m", positive(), "distance that is sharp"),
+        field("surroundings", &T::surroundings, "light from all sides"),
         field("channel", &T::channel, "mouth of the working channel"));
 }
 

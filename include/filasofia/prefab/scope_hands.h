@@ -3,8 +3,10 @@
 #include "filasofia/core/fields.h"
 #include "filasofia/prefab/articulated_instrument.h"
 #include "filasofia/prefab/endoscope.h"
+#include "filasofia/prefab/hand_move.h"
 
 #include <functional>
+
 #include <limits>
 #include <memory>
 #include <vector>
@@ -102,8 +104,5 @@ private:
     struct Impl;
     std::shared_ptr<Impl> impl_; // shared with the simulation's callbacks
 };
-
-/// [s], total duration of all moves.
-double durationOf(const std::vector<HandMove>& moves);
 
 } // namespace filasofia::prefab

@@ -2,6 +2,8 @@
 
 #include "filasofia/prefab/articulated_instrument.h"
 #include "filasofia/prefab/endoscope.h"
+#include "filasofia/prefab/laparoscope.h"
+#include "filasofia/prefab/laparoscopic_instrument.h"
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/task.h"
 
@@ -38,21 +40,37 @@ constexpr auto fields(const KeyGrip*)
                     field("torque", &T::torque, "N m", positive(), "with which they close"));
 }
 
-using InstrumentDef = std::variant<prefab::ArticulatedInstrumentDef, prefab::EndoscopeDef>;
+/// A pose in its trocar that a shaft reaches at a time.
+struct KeyTrocar {
+    double time = 0.0; ///< [s], >= 0
+    prefab::TrocarPose pose = {};
+};
+constexpr auto fields(const KeyTrocar*)
+{
+    return describe("KeyTrocar", field("time", &KeyTrocar::time, "s", nonNegative(), "when it is reached"),
+                    field("pose", &KeyTrocar::pose, "pose of the shaft in its trocar"));
+}
+
+using InstrumentDef = std::variant<prefab::ArticulatedInstrumentDef, prefab::EndoscopeDef,
+                                   prefab::LaparoscopicInstrumentDef, prefab::LaparoscopeDef>;
 
 /// An instrument, moved by keys or by the haptic interface that names it; its first button then closes the jaws. In
 /// commands, cameras and haptic interfaces its name is that of its body. The first endoscope gives the picture, unless
-/// the scene has cameras. In a file, the fields of its Def stand beside the others.
+/// the scene has cameras. If two instruments in trocars and a laparoscope have no keys and no haptic device, a person
+/// moves them as prefab::TrocarHands says: the first is the left one. In a file, the fields of its Def stand beside the
+/// others.
 struct SceneInstrument {
     InstrumentDef def = prefab::ArticulatedInstrumentDef{}; ///< its name must be the only one in the scene
     std::vector<KeyPose> keys = {}; ///< poses of its pivot or tip; times ascend, and at 0 s in place of the Def's
-    std::vector<KeyGrip> grip = {}; ///< what its jaws do; times ascend
+    std::vector<KeyTrocar> trocarKeys = {}; ///< in a trocar, in place of keys; times ascend
+    std::vector<KeyGrip> grip = {};         ///< what its jaws do; times ascend
 };
 constexpr auto fields(const SceneInstrument*)
 {
     using T = SceneInstrument;
     return describe("SceneInstrument", field("", &T::def, "its Def, whose fields stand beside the others"),
                     field("keys", &T::keys, "poses and the times at which they are reached, ascending"),
+                    field("trocarKeys", &T::trocarKeys, "poses in its trocar and their times, ascending"),
                     field("grip", &T::grip, "what its jaws do from which time on, ascending"));
 }
 

@@ -27,6 +27,8 @@ std::shared_ptr<const geometry::TriangleMesh> blade(const JawDef& jaw)
         geometry::TriangleMesh{.vertices = {from, to, from - back}, .triangles = {{0, 1, 2}}, .uv = {}});
 }
 
+constexpr double kRelief = 0.2e-3; ///< [m], by which jaws give way at a rigid body that they hold by a spring
+
 /// A position-controlled joint that under the closing torque moves at `speed`, which it reaches in 20 ms.
 JointDef jointOf(const ArticulatedInstrumentDef& def, const JawDef& jaw, int link)
 {
@@ -74,7 +76,8 @@ struct ArticulatedInstrument::Impl {
     Impl(runtime::Simulation& sim, const ArticulatedInstrumentDef& asked)
         : simulation(sim), def(completed(asked)), lastPose(def.pose), newest({.pose = lastPose}), body(addBody())
     {
-        simulation.show(body, {.surface = def.shaft, .element = kShaft, .material = def.material});
+        simulation.show(
+            body, {.surface = def.shaft, .element = kShaft, .material = def.shaftMaterial.value_or(def.material)});
         for (std::size_t i = 0; i < def.jaws.size(); ++i)
             if (!isEmpty(def.jaws[i].surface))
                 simulation.show(body,
@@ -132,6 +135,7 @@ struct ArticulatedInstrument::Impl {
         grip = {};
         held = {};
         force = 0.0;
+        gripAt = {};
     }
 
     // Stepping thread, before each step.
@@ -163,12 +167,15 @@ struct ArticulatedInstrument::Impl {
 
     void publish()
     {
-        newest.write(
-            {.pose = lastPose, .holding = state == State::Holding ? held : BodyId{}, .force = force, .widest = widest});
+        newest.write({.pose = lastPose,
+                      .holding = state == State::Holding ? held : BodyId{},
+                      .force = force,
+                      .widest = widest,
+                      .gripAt = gripAt});
     }
 
-    using Kept = std::tuple<Pose, State, double, AttachmentId, BodyId, std::uint64_t, double, double>;
-    auto kept() { return std::tie(lastPose, state, torque, grip, held, requestedAt, force, widest); }
+    using Kept = std::tuple<Pose, State, double, AttachmentId, BodyId, std::uint64_t, double, double, Vec3>;
+    auto kept() { return std::tie(lastPose, state, torque, grip, held, requestedAt, force, widest, gripAt); }
 
     [[nodiscard]] double widestOf(const frame::RigidBodyFrame& now) const
     {
@@ -187,6 +194,23 @@ struct ArticulatedInstrument::Impl {
         return rigid == nullptr || (rigid->dynamic && rigid->articulation.joints.empty());
     }
 
+    /// [m], the mean of the contacts with the held body, by their forces.
+    [[nodiscard]] Vec3 middleOfContacts(const frame::Frame& frame) const
+    {
+        double all = 0.0;
+        Vec3 middle;
+        for (const frame::Contact& contact : frame.contacts) {
+            if (!isBetween(contact, body, held)) continue;
+            middle += contact.normalForce * contact.point;
+            all += contact.normalForce;
+        }
+        return 1.0 / all * middle;
+    }
+    static auto nearest(const std::vector<Pose>& poses, Vec3 place)
+    {
+        return std::ranges::min_element(poses, {}, [&](const Pose& each) { return distance(each.position, place); });
+    }
+
     /// Contacts are points, and a jaw on a needle is not: the needle is fixed to a jaw, in any orientation, as long as
     /// friction would bear the force. Both jaws press with the closing torque at the contacts' mean distance from the
     /// pivot.
@@ -195,16 +219,13 @@ struct ArticulatedInstrument::Impl {
     {
         const Pose& pivot = now.poses.front();
         double lever = 0.0, all = 0.0;
-        Vec3 middle;
         for (const frame::Contact& contact : frame.contacts) {
             if (!isBetween(contact, body, held)) continue;
             lever += contact.normalForce * distance(contact.point, pivot.position);
-            middle += contact.normalForce * contact.point;
             all += contact.normalForce;
         }
         const auto& poses = frame.rigidBody(held)->poses;
-        const auto near = std::ranges::min_element(
-            poses, {}, [&](const Pose& each) { return distance(each.position, 1.0 / all * middle); });
+        const auto near = nearest(poses, middleOfContacts(frame));
         const double other = std::get<physics::RigidBodyDef>(*simulation.physics().def(held)).friction;
         const double most = 2.0 * std::sqrt(def.friction * other) * torque * all / lever;
         return {.element = static_cast<int>(near - poses.begin()),
@@ -235,11 +256,17 @@ struct ArticulatedInstrument::Impl {
         held = between(frame, now, frame.rigidBodies);
         if (!held) held = between(frame, now, frame.softBodies);
         if (!held) return;
-        grip = frame.rigidBody(held) ? simulation.physics().attach(held, rigidGrip(frame, now))
-                                     : simulation.physics().grasp(
-                                           body, held, {.stiffness = def.gripStiffness, .breakForce = def.breakForce});
+        const frame::RigidBodyFrame* rigid = frame.rigidBody(held);
+        const Vec3 middle = middleOfContacts(frame);
+        gripAt = transform(inverse(now.poses.front()), rigid ? nearest(rigid->poses, middle)->position : middle);
+        grip = rigid ? simulation.physics().attach(held, rigidGrip(frame, now))
+                     : simulation.physics().grasp(body, held,
+                                                  {.stiffness = def.gripStiffness, .breakForce = def.breakForce});
+        // A spring that holds a rigid body and jaws that stand still would work against each other: the jaws give way.
+        const bool springs = rigid != nullptr && std::isfinite(def.gripStiffness);
+        const double relief = springs ? kRelief / std::max(kRelief, distance(middle, now.poses.front().position)) : 0.0;
         commandJaws([&](std::size_t joint, const JawDef& each) {
-            const double position = std::clamp(now.joints[joint].position, 0.0, each.opensBy);
+            const double position = std::clamp(now.joints[joint].position + relief, 0.0, each.opensBy);
             return physics::JointCommand(JointPosition{position});
         });
         requestedAt = frame.step;
@@ -278,11 +305,13 @@ struct ArticulatedInstrument::Impl {
     std::uint64_t requestedAt = 0;
     double force = 0.0;
     double widest = 0.0;
+    Vec3 gripAt = {}; ///< [m], where the held body pulls, in the coordinates of the pivot
     struct Snapshot {
         Pose pose = {};
         BodyId holding = {};
         double force = 0.0;
         double widest = 0.0;
+        Vec3 gripAt = {};
     };
     Published<Snapshot> newest; // for all threads
     const BodyId body;          // built from the Def
@@ -337,6 +366,11 @@ void ArticulatedInstrument::close(std::optional<double> torque)
 Pose ArticulatedInstrument::pose() const { return impl_->newest.read().pose; }
 BodyId ArticulatedInstrument::holding() const { return impl_->newest.read().holding; }
 double ArticulatedInstrument::pull() const { return impl_->newest.read().force; }
+Vec3 ArticulatedInstrument::grip() const
+{
+    const Impl::Snapshot now = impl_->newest.read();
+    return transform(now.pose, now.gripAt);
+}
 double ArticulatedInstrument::opening() const { return impl_->newest.read().widest; }
 
 } // namespace filasofia::prefab

@@ -142,7 +142,7 @@ EndoscopeView Endoscope::dress(visual::VisualServer& server)
                                                .verticalFieldOfView = def.fieldOfView,
                                                .near = 0.2e-3,
                                                .far = 0.5,
-                                               .focusDistance = 0.02});
+                                               .focusDistance = def.focusDistance});
     impl_->simulation.follow(*out.camera, impl_->body, {.at = runtime::FollowElement{kCamera}});
 
     // A ring of fibres around the lens shines wider than the picture. Beside the lens it gives the lit tissue shading.
@@ -152,16 +152,10 @@ EndoscopeView Endoscope::dress(visual::VisualServer& server)
                                  .range = 0.3};
     out.light = &server.add(visual::LightDef{.name = text(def.name, " light"), .kind = spot, .color = def.lightColor});
     Pose lamp = mounted(def, 0.0);
-    lamp.position.x += 0.8e-3;
+    lamp.position += def.lamp;
     impl_->simulation.follow(*out.light, impl_->body, {.at = runtime::FollowElement{kShaft}, .offset = lamp});
 
-    // The walls reflect light, which tissue makes red. Without this light instruments are black and shadows have no
-    // end.
-    server.setEnvironment({.intensity = 300.0,
-                           .above = {0.55, 0.36, 0.32},
-                           .below = {0.45, 0.25, 0.21},
-                           .lampStrength = 1.0,
-                           .background = {0.03, 0.006, 0.005}});
+    server.setEnvironment(def.surroundings);
 
     visual::Effects effects = visual::effectsOf(def.quality, 2e-3);
     effects.endoscope = def.optics;

@@ -34,17 +34,26 @@ Kind kindOf(InstrumentKind kind)
     case InstrumentKind::PickUps:
         return {"suturing", "pick_ups", "shaft", 35.0 * degree, 10e-3};
     case InstrumentKind::SutureScissors:
+        return {"suturing", "suture_scissors",
+                "shaft",    35.0 * degree,
+                50e-3,      Edge{Vec3{0.0, -0.18e-3, -3e-3}, Vec3{0.0, -0.18e-3, -14.34e-3}}};
+    case InstrumentKind::LaparoscopicGrasper:
+        return {"laparoscopy", "grasper", "shaft", 40.0 * degree, 30e-3};
+    case InstrumentKind::Dissector:
+        return {"laparoscopy", "dissector", "shaft", 40.0 * degree, 20e-3};
+    case InstrumentKind::LaparoscopicScissors:
         break;
     }
-    return {"suturing", "suture_scissors",
-            "shaft",    35.0 * degree,
-            50e-3,      Edge{Vec3{0.0, -0.18e-3, -3e-3}, Vec3{0.0, -0.18e-3, -14.34e-3}}};
+    return {"laparoscopy", "scissors", "shaft",
+            35.0 * degree, 50e-3,      Edge{Vec3{0.0, -0.18e-3, -3e-3}, Vec3{0.0, -0.18e-3, -19.2e-3}}};
 }
 
-std::string part(const Kind& kind, std::string_view name)
+std::string part(std::string_view folder, std::string_view name)
 {
-    return runtime::asset(text("meshes/", kind.folder, "/", name, ".obj"));
+    return runtime::asset(text("meshes/", folder, "/", name, ".obj"));
 }
+/// All instruments of 5 mm have the shaft of suturing.
+std::string_view shaftFolder(const Kind& kind) { return kind.folder == "laparoscopy" ? "suturing" : kind.folder; }
 
 std::vector<JawDef> jawsOf(const Kind& kind)
 {
@@ -53,7 +62,7 @@ std::vector<JawDef> jawsOf(const Kind& kind)
         const std::string_view side = upper ? "upper" : "lower";
         JawDef jaw{.axis = {upper ? 1.0 : -1.0, 0.0, 0.0}, .opensBy = kind.opensBy};
         const std::string name = text(kind.name, kind.edge ? "_blade_" : "_jaw_", side);
-        jaw.surface = part(kind, name);
+        jaw.surface = part(kind.folder, name);
         // A collision mesh of a blade would push away what its edge has to cut, so only the edge touches tissue. The
         // lower blade is the upper one, turned about the shaft.
         if (kind.edge) {
@@ -61,7 +70,7 @@ std::vector<JawDef> jawsOf(const Kind& kind)
             if (!upper)
                 for (Vec3& end : *jaw.edge) end = {-end.x, -end.y, end.z};
         } else {
-            jaw.collision = part(kind, text(name, "_collision"));
+            jaw.collision = part(kind.folder, text(name, "_collision"));
         }
         jaws.push_back(jaw);
     }
@@ -91,8 +100,8 @@ ArticulatedInstrumentDef completed(ArticulatedInstrumentDef def)
         if (const auto& edge = def.jaws[i].edge; edge && distance((*edge)[0], (*edge)[1]) == 0.0)
             fail(object, ": jaws[", i, "].edge must have a length > 0 m, got 0");
     }
-    if (isEmpty(def.shaft)) def.shaft = part(kind, kind.shaft);
-    if (isEmpty(def.shaftCollision)) def.shaftCollision = part(kind, text(kind.shaft, "_collision"));
+    if (isEmpty(def.shaft)) def.shaft = part(shaftFolder(kind), kind.shaft);
+    if (isEmpty(def.shaftCollision)) def.shaftCollision = part(shaftFolder(kind), text(kind.shaft, "_collision"));
     if (!def.closingTorque) def.closingTorque = kind.closingTorque;
     if (kind.edge) def.grasps = false;
     return def;

@@ -1,6 +1,6 @@
 #include "filasofia/prefab/scope_handle.h"
 
-#include "filasofia/math/rounded.h"
+#include "filasofia/prefab/handle_body.h"
 #include "filasofia/prefab/scope_tip.h"
 
 #include <algorithm>
@@ -9,17 +9,7 @@
 namespace filasofia::prefab {
 namespace {
 
-constexpr double kMass = 0.15;       ///< [kg], a scope with its camera, as far as a hand feels it
-constexpr double kRadius = 0.02;     ///< [m], radius of the ball with the same inertia
-constexpr double kForceLimit = 20.0; ///< [N], largest force on the handle: a tool that hands drive never yields
-constexpr double kLever = 0.2;       ///< [m], from the fulcrum to the handle if the tip is at the fulcrum
-
-/// [rad], rotation of `turned` relative to `base` about its -Z.
-double rollOf(Quat base, Quat turned)
-{
-    const Quat relative = conjugate(base) * turned;
-    return 2.0 * std::atan2(relative.z, relative.w);
-}
+constexpr double kLever = 0.2; ///< [m], from the fulcrum to the handle if the tip is at the fulcrum
 
 } // namespace
 
@@ -27,14 +17,8 @@ ScopeHandle::ScopeHandle(runtime::Simulation& simulation, const ScopeHandsDef& d
     : simulation_(simulation), def_(def), hand_(def.start)
 {
     depth_ = def.start.depth;
-    const double inertia = 0.4 * kMass * kRadius * kRadius;
-    body_ = simulation.add(physics::RigidBodyDef{
-        .name = "scope handle",
-        .elements = {{def.fulcrum - (kLever - depth_) * def.start.aim, tipOf(def, def.start).orientation}},
-        .dynamic = true,
-        .mass = physics::GivenInertia{.mass = kMass, .moments = {inertia, inertia, inertia}},
-        .angularDamping = 5.0,
-        .gravity = false});
+    body_ = addHandleBody(simulation, "scope handle",
+                          {def.fulcrum - (kLever - depth_) * def.start.aim, tipOf(def, def.start).orientation});
 }
 
 ScopeHand ScopeHandle::hand(const frame::Frame& now)
@@ -53,7 +37,7 @@ ScopeHand ScopeHandle::hand(const frame::Frame& now)
     hand_.reach = std::clamp(hand_.reach, def_.leastReach, def_.mostReach);
     ScopeHand unrolled = hand_;
     unrolled.roll = 0.0;
-    hand_.roll = rollOf(tipOf(def_, unrolled).orientation, handle->poses[0].orientation);
+    hand_.roll = rollBetween(tipOf(def_, unrolled).orientation, handle->poses[0].orientation);
     return hand_;
 }
 
@@ -80,9 +64,7 @@ void ScopeHandle::feel(const frame::Frame& now, BodyId scope, BodyId instrument)
     // Held tissue is between the jaws, which are some millimetres long.
     if (const frame::RigidBodyFrame* jaws = now.rigidBody(instrument))
         add(frame::forceOn(instrument, now.attachments), jaws->poses.back().position);
-    constexpr double kForces = 1e5, kTorques = 1e7; // rounds to 1e-5 N and 1e-7 N m, to keep recordings small
-    simulation_.physics().setWrench(body_, rounded(limitFactor(length(force), kForceLimit) * force, kForces),
-                                    rounded(torque, kTorques));
+    pushHandleBody(simulation_, body_, force, torque);
 }
 
 } // namespace filasofia::prefab

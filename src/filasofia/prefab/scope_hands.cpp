@@ -2,6 +2,7 @@
 
 #include "filasofia/core/units.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/prefab/hand_script.h"
 #include "filasofia/prefab/scope_handle.h"
 #include "filasofia/prefab/scope_tip.h"
 #include "filasofia/prefab/turns.h"
@@ -15,9 +16,6 @@
 namespace filasofia::prefab {
 namespace {
 
-constexpr double kFollow = 0.06;   ///< [s], time constant with which a hand follows its person
-constexpr double kMaxSpeed = 0.25; ///< [m/s], largest speed of a hand that was held up
-
 ScopeHandsDef checked(ScopeHandsDef def)
 {
     validate(def, "scope hands");
@@ -30,14 +28,14 @@ ScopeHandsDef checked(ScopeHandsDef def)
     return def;
 }
 
+} // namespace
+
 ScopeHand between(const ScopeHand& a, const ScopeHand& b, double t)
 {
     const auto mix = [t](double from, double to) { return from + t * (to - from); };
     const Vec3 from = normalized(a.aim), to = normalized(b.aim);
     return {normalized(from + t * (to - from)), mix(a.depth, b.depth), mix(a.roll, b.roll), mix(a.reach, b.reach)};
 }
-
-} // namespace
 
 Pose tipOf(const ScopeHandsDef& def, const ScopeHand& hand)
 {
@@ -49,7 +47,7 @@ Pose tipOf(const ScopeHandsDef& def, const ScopeHand& hand)
 struct ScopeHands::Impl {
     Impl(runtime::Simulation& sim, Endoscope& endoscope, ArticulatedInstrument& tool, const ScopeHandsDef& asked)
         : simulation(sim), scope(endoscope), instrument(tool), def(checked(asked)), now(def.start), wanted(def.start),
-          goal(def.start)
+          script(def.start)
     {
         if (def.handle) handle.emplace(simulation, def);
         const Pose unrolled = tipOf(def, {.aim = def.start.aim});
@@ -88,7 +86,7 @@ struct ScopeHands::Impl {
             const bool against = dot(onScope, tip) + dot(onInstrument, pivot) < 0.0;
             if (against && length(onScope) + length(onInstrument) > def.strength) return;
         }
-        const double way = std::max(length(tip), length(pivot)), maxWay = kMaxSpeed * dt;
+        const double way = std::max(length(tip), length(pivot)), maxWay = kMaxHandSpeed * dt;
         now = way > maxWay ? between(now, to, maxWay / way) : to;
     }
 
@@ -101,12 +99,12 @@ struct ScopeHands::Impl {
     void stepNow(double time)
     {
         const double dt = time - std::exchange(last, time);
-        if (moves.empty() && handle)
+        if (script.empty() && handle)
             go(poseFromHandle(), dt);
-        else if (moves.empty())
-            go(between(now, wanted, 1.0 - std::exp(-dt / kFollow)), dt);
+        else if (script.empty())
+            go(between(now, wanted, 1.0 - std::exp(-dt / kHandFollow)), dt);
         else
-            go(follow(time - dt, dt), dt);
+            go(script.follow(time - dt, dt), dt);
         apply();
     }
 
@@ -120,34 +118,6 @@ struct ScopeHands::Impl {
         hand.reach = std::clamp(hand.reach + wanted.reach - def.start.reach, def.leastReach, def.mostReach);
         handle->feel(*frame, scope.body(), instrument.body());
         return hand;
-    }
-
-    /// The script: completes moves that end within this step, and begins the next ones.
-    ScopeHand follow(double before, double dt)
-    {
-        if (move < 0) next(before);
-        while (current() != nullptr && before + dt >= moveStart + current()->seconds) {
-            goal = current()->to;
-            if (current()->end) current()->end();
-            next(moveStart + current()->seconds);
-        }
-        if (current() == nullptr) return goal;
-        const double t = (before + dt - moveStart) / current()->seconds;
-        return goal = between(from, current()->to, t * t * (3.0 - 2.0 * t));
-    }
-    [[nodiscard]] HandMove* current()
-    {
-        return move < std::ssize(moves) ? &moves[static_cast<std::size_t>(move)] : nullptr;
-    }
-    void next(double time)
-    {
-        ++move;
-        while (current() != nullptr && current()->skip && current()->skip()) ++move;
-        moveStart = time;
-        from = goal;
-        if (current() == nullptr) return;
-        if (current()->aim) current()->to = current()->aim();
-        if (current()->begin) current()->begin();
     }
 
     // A person: events set the wanted pose, and every step moves part of the way.
@@ -211,11 +181,7 @@ struct ScopeHands::Impl {
     double sideways = 0.0; ///< [rad]
     double upward = 0.0;   ///< [rad]
     double last = 0.0;     ///< [s], end of the last step
-    std::vector<HandMove> moves;
-    std::ptrdiff_t move = -1; ///< index of the present move; -1: before the first
-    double moveStart = 0.0;
-    ScopeHand from; ///< where the move began
-    ScopeHand goal; ///< where the script wants the hands now, if nothing holds them up
+    HandScript<HandMove> script;
 };
 
 ScopeHands::ScopeHands(runtime::Simulation& simulation, Endoscope& scope, ArticulatedInstrument& instrument,
@@ -269,21 +235,9 @@ Pose ScopeHands::tip(const ScopeHand& hand) const { return tipOf(impl_->def, han
 
 void ScopeHands::play(std::vector<HandMove> moves)
 {
-    for (std::size_t i = 0; i < moves.size(); ++i)
-        if (!(moves[i].seconds > 0.0))
-            fail("scope hands: moves[", i, "].seconds must be > 0 s, got ", moves[i].seconds);
-    impl_->turns.take(impl_->mayWait(), [impl = impl_.get(), moves = std::move(moves)] {
-        impl->moves = moves;
-        impl->move = -1;
-        impl->goal = impl->now;
-    });
-}
-
-double durationOf(const std::vector<HandMove>& moves)
-{
-    double sum = 0.0;
-    for (const HandMove& move : moves) sum += move.seconds;
-    return sum;
+    checkMoves(moves, "scope hands");
+    impl_->turns.take(impl_->mayWait(),
+                      [impl = impl_.get(), moves = std::move(moves)] { impl->script.play(moves, impl->now); });
 }
 
 } // namespace filasofia::prefab

@@ -87,7 +87,9 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
     for (std::size_t i = 0; i < scene.haptics.size(); ++i) try {
             runtime::HapticInterfaceDef haptic = scene.haptics[i];
             SceneNumbers(ids).replaceIn(haptic);
-            giveToHand(simulation, instruments, haptic.body, simulation.add(haptic));
+            const BodyId body = haptic.body;
+            haptic.body = heldFor(instruments, body);
+            giveToHand(simulation, instruments, body, simulation.add(haptic));
         } catch (const Error& error) {
             const std::string path = text("haptics[", i, "]");
             failAtPlace(scene.places, path, text(path, ": ", error.what()));

@@ -62,7 +62,7 @@ concept IsAnyOf = (std::is_same_v<T, Each> || ...);
 /// The members that an object of this type must have: their defaults would be wrong for nearly all.
 template <class T> std::vector<std::string_view> required()
 {
-    if constexpr (std::is_same_v<T, KeyPose>)
+    if constexpr (IsAnyOf<T, KeyPose, KeyTrocar>)
         return {"pose"};
     else if constexpr (std::is_same_v<T, KeyCommand>)
         return {"command"};

@@ -53,34 +53,110 @@ Pose firstPose(const Pose& said, const std::vector<KeyPose>& keys, const std::st
     return first;
 }
 
-Instrument addInstrument(runtime::Simulation& simulation, const SceneInstrument& def, const std::string& path,
-                         const Places& places)
+/// The pose in a trocar at a time [s]; `start` is that at 0 s.
+prefab::TrocarPose trocarPoseAt(const std::vector<KeyTrocar>& keys, const prefab::TrocarPose& start, double time)
 {
-    Instrument added{.keyed = !def.keys.empty()};
-    if (added.keyed) checkTimes(def.keys, path + ".keys");
+    const auto later = std::ranges::upper_bound(keys, time, {}, &KeyTrocar::time);
+    if (later == keys.end()) return keys.back().pose;
+    const KeyTrocar before = later == keys.begin() ? KeyTrocar{0.0, start} : *(later - 1);
+    return between(before.pose, later->pose, (time - before.time) / (later->time - before.time));
+}
+
+/// Moves what is in a trocar by its keys. Throws an Error if a pose is outside the limits.
+template <class Moved> void followTrocarKeys(runtime::Simulation& simulation, const std::shared_ptr<Moved>& moved,
+                                             const std::vector<KeyTrocar>& keys, const std::string& path)
+{
+    checkTimes(keys, path + ".trocarKeys");
+    for (std::size_t i = 0; i < keys.size(); ++i)
+        checkLimits(moved->def().trocar, keys[i].pose, text(path, ".trocarKeys[", i, "].pose"));
+    if (moved->def().hand.haptic) fail(path, ".trocarKeys must be empty: a haptic device moves it");
+    simulation.everyStep([moved, keys](double time) { moved->move(trocarPoseAt(keys, moved->def().start, time)); });
+}
+
+void followGrip(runtime::Simulation& simulation, const Instrument& added, const SceneInstrument& def)
+{
+    if (def.grip.empty()) return;
+    const std::string& name = std::visit([](const auto& each) -> const std::string& { return each.name; }, def.def);
+    const auto grip = std::make_shared<GripFollower>(added.jaws, def.grip);
+    simulation.everyStep([grip](double time) { grip->follow(time); });
+    rememberPast(simulation, text("the grip of instrument '", name, "'"), grip);
+}
+
+void checkKeys(const SceneInstrument& def, const std::string& path)
+{
+    const bool scope = std::holds_alternative<prefab::EndoscopeDef>(def.def) ||
+                       std::holds_alternative<prefab::LaparoscopeDef>(def.def);
+    const bool trocar = std::holds_alternative<prefab::LaparoscopicInstrumentDef>(def.def) ||
+                        std::holds_alternative<prefab::LaparoscopeDef>(def.def);
+    if (trocar && !def.keys.empty()) fail(path, ".keys must be empty: what is in a trocar has trocarKeys");
+    if (!trocar && !def.trocarKeys.empty()) fail(path, ".trocarKeys must be empty: it is in no trocar");
+    if (scope && !def.grip.empty()) fail(path, ".grip must be empty: an endoscope has no jaws");
+    if (!def.keys.empty()) checkTimes(def.keys, path + ".keys");
     for (std::size_t i = 0; i < def.keys.size(); ++i)
         static_cast<void>(physics::unitPose(def.keys[i].pose, text(path, ".keys[", i, "].pose")));
     if (!def.grip.empty()) checkTimes(def.grip, path + ".grip");
-    const auto motionFrom = [&](const Pose& start) { return withFirstKey({.keys = def.keys}, start); };
-    if (const auto* given = std::get_if<prefab::ArticulatedInstrumentDef>(&def.def)) {
-        prefab::ArticulatedInstrumentDef jaws = *given;
+}
+
+/// Adds an instrument of each kind. `def` is the whole of it, with its keys.
+struct InstrumentAdder {
+    runtime::Simulation& simulation;
+    const SceneInstrument& def;
+    const std::string& path;
+    const Places& places;
+    Instrument added = {};
+
+    void operator()(prefab::ArticulatedInstrumentDef jaws)
+    {
         jaws.pose = firstPose(jaws.pose, def.keys, path, places);
         added.jaws = std::make_shared<prefab::ArticulatedInstrument>(simulation, jaws);
         added.body = added.jaws->body();
-        if (added.keyed) followKeys(simulation, added.jaws, motionFrom(jaws.pose));
-        if (def.grip.empty()) return added;
-        const auto grip = std::make_shared<GripFollower>(added.jaws, def.grip);
-        simulation.everyStep([grip](double time) { grip->follow(time); });
-        rememberPast(simulation, text("the grip of instrument '", jaws.name, "'"), grip);
-        return added;
+        if (added.keyed) followKeys(simulation, added.jaws, withFirstKey({.keys = def.keys}, jaws.pose));
     }
-    prefab::EndoscopeDef scope = std::get<prefab::EndoscopeDef>(def.def);
-    scope.pose = firstPose(scope.pose, def.keys, path, places);
-    if (!def.grip.empty()) fail(path, ".grip must be empty: an endoscope has no jaws");
-    added.scope = std::make_shared<prefab::Endoscope>(simulation, scope);
-    added.body = added.scope->body();
-    if (added.keyed) followKeys(simulation, added.scope, motionFrom(scope.pose));
-    return added;
+    void operator()(prefab::EndoscopeDef scope)
+    {
+        scope.pose = firstPose(scope.pose, def.keys, path, places);
+        added.scope = std::make_shared<prefab::Endoscope>(simulation, scope);
+        added.body = added.scope->body();
+        if (added.keyed) followKeys(simulation, added.scope, withFirstKey({.keys = def.keys}, scope.pose));
+    }
+    void operator()(const prefab::LaparoscopicInstrumentDef& tool)
+    {
+        added.inTrocar = std::make_shared<prefab::LaparoscopicInstrument>(simulation, tool);
+        added.jaws = {added.inTrocar, &added.inTrocar->tool()};
+        added.body = added.inTrocar->body();
+        if (added.keyed) followTrocarKeys(simulation, added.inTrocar, def.trocarKeys, path);
+    }
+    void operator()(const prefab::LaparoscopeDef& scope)
+    {
+        added.laparoscope = std::make_shared<prefab::Laparoscope>(simulation, scope);
+        added.body = added.laparoscope->body();
+        if (added.keyed) followTrocarKeys(simulation, added.laparoscope, def.trocarKeys, path);
+    }
+};
+
+Instrument addInstrument(runtime::Simulation& simulation, const SceneInstrument& def, const std::string& path,
+                         const Places& places)
+{
+    checkKeys(def, path);
+    InstrumentAdder adder{simulation, def, path, places, {.keyed = !def.keys.empty() || !def.trocarKeys.empty()}};
+    std::visit(adder, def.def);
+    followGrip(simulation, adder.added, def);
+    return adder.added;
+}
+
+/// Lets a person move two instruments and a scope in trocars that nothing else moves.
+void addTrocarHands(runtime::Simulation& simulation, const Instruments& instruments)
+{
+    std::vector<std::shared_ptr<prefab::LaparoscopicInstrument>> tools;
+    std::shared_ptr<prefab::Laparoscope> scope;
+    for (const Instrument& each : instruments) {
+        if (each.keyed || each.handle()) continue;
+        if (each.inTrocar && tools.size() < 2) tools.push_back(each.inTrocar);
+        if (each.laparoscope && !scope) scope = each.laparoscope;
+    }
+    if (tools.size() < 2 || !scope) return;
+    const auto hands = std::make_shared<prefab::TrocarHands>(simulation, *tools[0], *tools[1], *scope);
+    simulation.everyStep([hands, tools, scope](double) {}); // they live as long as the simulation's callbacks
 }
 
 } // namespace
@@ -98,10 +174,21 @@ Instruments addInstruments(runtime::Simulation& simulation, const SceneDef& scen
         }
         ids.push_back(added.back().body);
     }
+    addTrocarHands(simulation, added);
     const auto scope = std::ranges::find_if(added, &Instrument::isScope);
     if (scope != added.end() && scene.cameras.empty())
-        simulation.dress([view = scope->scope](visual::VisualServer& visual) { view->dress(visual); });
+        simulation.dress([view = *scope](visual::VisualServer& visual) {
+            view.scope ? view.scope->dress(visual) : view.laparoscope->dress(visual);
+        });
     return added;
+}
+
+BodyId heldFor(const Instruments& instruments, BodyId body)
+{
+    const auto found = std::ranges::find(instruments, body, &Instrument::body);
+    if (!body || found == instruments.end() || !(found->inTrocar || found->laparoscope)) return body;
+    if (!found->handle()) fail("body must be an instrument whose hand is haptic, if it is in a trocar");
+    return found->handle();
 }
 
 void giveToHand(runtime::Simulation& simulation, const Instruments& instruments, BodyId held, runtime::HapticId hand)
@@ -109,6 +196,7 @@ void giveToHand(runtime::Simulation& simulation, const Instruments& instruments,
     const auto found = std::ranges::find(instruments, held, &Instrument::body);
     if (!held || found == instruments.end()) return;
     if (found->scope) fail("body must not be an endoscope: its camera would stay behind");
+    if (found->laparoscope) return; // it has no jaws
     if (found->keyed) fail("body must be an instrument without keys of its own");
     simulation.on<runtime::DeviceEvent>([jaws = found->jaws, hand](const runtime::DeviceEvent& event) {
         if (event.interface != hand || event.notice.kind != device::DeviceNotice::Kind::Button) return;

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filasofia/filasofia.h>
+
+#include <array>
+#include <optional>
+#include <vector>
+
+/// A box trainer: a board with twelve pegs, rings on six of them, two instruments and a laparoscope. The board's top is
+/// y = 0, the trainee is at +z, lengths are metres.
+namespace laparoscopy {
+
+inline constexpr int kPegs = 6;                ///< on each side, from the back to the front, the outer ones first
+inline constexpr double kPegHeight = 18e-3;    ///< [m]
+inline constexpr double kRingHeight = 7e-3;    ///< [m]
+inline constexpr double kRingRadius = 7.15e-3; ///< [m], of the middle of its wall
+enum Side { LeftSide, RightSide };
+
+/// [m], where a peg stands, on the board.
+filasofia::Vec3 pegAt(Side side, int peg);
+
+struct PegBox {
+    filasofia::BodyId board = {};
+    std::vector<filasofia::BodyId> rings = {};
+};
+/// Adds board, table and `rings` rings on the left pegs, each shifted by chance.
+PegBox addBox(filasofia::Simulation& sim, int rings, std::uint64_t seed);
+
+/// The Defs of the instrument of a side, and of the laparoscope.
+filasofia::LaparoscopicInstrumentDef instrumentOf(Side side, bool haptic);
+filasofia::LaparoscopeDef scopeOf();
+
+/// The peg of a side that a ring lies around; none if it does not.
+std::optional<int> pegOf(const filasofia::Pose& ring, Side side);
+
+} // namespace laparoscopy

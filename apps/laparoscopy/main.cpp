@@ -1,0 +1,213 @@
+#include "apps/laparoscopy/motion.h"
+
+using namespace filasofia;
+using namespace laparoscopy;
+
+namespace {
+
+struct Difficulty {
+    const char* name;
+    int rings;      ///< [-]
+    bool back;      ///< they have to go back again
+    bool guided;    ///< instructions from the start
+    double seconds; ///< [s], limit of the whole task
+};
+constexpr double kCutoff = 300.0; ///< [s], of the published score
+constexpr Difficulty kDifficulties[] = {
+    {"easy", 3, false, true, kCutoff}, {"normal", 6, true, false, kCutoff}, {"hard", 6, true, false, 120}};
+
+/// Judges the rings before every step, by the rules of the task: taken up by one hand, given to the other in the air,
+/// put onto a peg of the other side.
+class Judge {
+public:
+    Judge(Simulation& sim, const PegBox& box, std::array<const LaparoscopicInstrument*, 2> tools)
+        : sim_(sim), box_(box), tools_(tools), rings_(box.rings.size())
+    {
+        sim.everyStep([this](double time) { watch(time); });
+    }
+    std::function<void(EventKind, const std::string&)> mark; ///< called for what is recorded
+
+    [[nodiscard]] int over() const { return counts_[RightSide]; }
+    [[nodiscard]] int back() const { return counts_[LeftSide]; }
+    [[nodiscard]] int lost() const { return lost_; }
+    [[nodiscard]] int drops() const { return drops_; }
+
+private:
+    struct Ring {
+        std::array<bool, 2> held = {};
+        std::optional<Side> given = {}; ///< which hand got it in the air
+        std::array<bool, 2> counted = {};
+        std::optional<double> let = {}; ///< [s], when it was let go
+        bool lost = false;
+    };
+    void watch(double time)
+    {
+        const FrameRef now = sim_.physics().latest();
+        if (!now) return;
+        for (std::size_t i = 0; i < rings_.size(); ++i)
+            judge(rings_[i], i, now->rigidBody(box_.rings[i])->poses[0], time);
+    }
+    void judge(Ring& ring, std::size_t index, const Pose& pose, double time)
+    {
+        const std::array<bool, 2> before = ring.held;
+        for (const Side side : {LeftSide, RightSide})
+            ring.held[side] = tools_[side]->tool().holding() == box_.rings[index];
+        const bool held = ring.held[0] || ring.held[1], was = before[0] || before[1];
+        if (before[0] && before[1] && ring.held[0] != ring.held[1] && pose.position.y > 15_mm)
+            ring.given = ring.held[LeftSide] ? LeftSide : RightSide;
+        if (held) ring.let.reset();
+        if (was && !held) ring.let = time;
+        if (!ring.let || ring.lost || time - *ring.let < 0.4) return;
+        // It has come to rest.
+        ring.let.reset();
+        const std::string name = text("ring ", index + 1);
+        for (const Side side : {LeftSide, RightSide})
+            if (pegOf(pose, side)) {
+                const bool right = ring.given == side && (side == RightSide || ring.counted[RightSide]);
+                if (right && !ring.counted[side]) {
+                    ring.counted[side] = true;
+                    ++counts_[side];
+                }
+                ring.given.reset();
+                return;
+            }
+        ring.given.reset();
+        ++drops_;
+        mark(EventKind::Mistake, name + " dropped");
+        if (pose.position.y > -2_mm && length(Vec3{pose.position.x, 0, pose.position.z}) < 95_mm) return;
+        ring.lost = true;
+        ++lost_;
+        mark(EventKind::Mistake, name + " lost");
+    }
+
+    Simulation& sim_;
+    const PegBox& box_;
+    const std::array<const LaparoscopicInstrument*, 2> tools_;
+    std::vector<Ring> rings_;
+    std::array<std::atomic<int>, 2> counts_ = {};
+    std::atomic<int> lost_ = 0, drops_ = 0;
+};
+
+std::vector<TaskStep> stepsOf(const Difficulty& difficulty, const Judge& judge)
+{
+    std::vector<TaskStep> steps;
+    for (int i = 1; i <= difficulty.rings; ++i)
+        steps.push_back(
+            {.name = text("over ", i),
+             .instruction = "Take a ring with the left hand, give it to the right one in the air, put it onto a peg",
+             .done = [&judge, i](const frame::Frame&) { return judge.over() + judge.lost() >= i; }});
+    for (int i = 1; difficulty.back && i <= difficulty.rings; ++i)
+        steps.push_back({.name = text("back ", i),
+                         .instruction = "And back: take it with the right hand, put it down with the left one",
+                         .done = [&judge, i](const frame::Frame&) { return judge.back() + judge.lost() >= i; }});
+    return steps;
+}
+
+int train(const Training& training)
+{
+    const Difficulty& difficulty = kDifficulties[training.difficulty];
+    Simulation sim({.physics = {.contact = PenaltyContact{.stiffness = 1e4, .damping = 2.0}},
+                    .window = {"Laparoscopy", 960, 720},
+                    .look = {.mouse = false, .keys = false}});
+    const PegBox box = addBox(sim, difficulty.rings, static_cast<std::uint64_t>(training.seed));
+    MetricTracker* marks = nullptr;
+    LaparoscopicInstrumentDef leftDef = instrumentOf(LeftSide, false),
+                              rightDef = instrumentOf(RightSide, training.device);
+    leftDef.tool.onGrasp = rightDef.tool.onGrasp = [&](BodyId ring, bool on) {
+        const auto index = std::ranges::find(box.rings, ring) - box.rings.begin();
+        marks->mark(on ? EventKind::Grasp : EventKind::Release, text("ring ", index + 1));
+    };
+    LaparoscopicInstrument left(sim, leftDef), right(sim, rightDef);
+    Laparoscope scope(sim, scopeOf());
+    TrocarHandsDef handsDef;
+    if (training.device)
+        handsDef.rightDevice = sim.add(HapticInterfaceDef{.name = "right hand", .body = right.handle()});
+    TrocarHands hands(sim, left, right, scope, handsDef);
+
+    Judge judge(sim, box, {&left, &right});
+    const std::vector<TaskStep> taskSteps = stepsOf(difficulty, judge);
+    MetricTrackerDef observed{.bodies = {{.body = left.body(), .tip = {0, 0, -18_mm}},
+                                         {.body = right.body(), .tip = {0, 0, -18_mm}},
+                                         {.body = scope.body(), .role = Role::Scope, .element = Endoscope::kCamera}},
+                              .file = training.file};
+    observed.session = {.trainee = training.trainee,
+                        .task = text("peg transfer ", difficulty.name),
+                        .software = "Filasofia",
+                        .seed = static_cast<std::uint64_t>(training.seed),
+                        .fieldOfView = scope.def().fieldOfView,
+                        .watched = {EventKind::Grasp, EventKind::Release, EventKind::Mistake}};
+    for (int i = 1; i <= difficulty.rings; ++i) observed.session.targets.push_back(text("ring ", i));
+    for (const TaskStep& step : taskSteps) observed.session.steps.push_back(step.name);
+    MetricTracker tracker(sim, observed);
+    marks = &tracker;
+    judge.mark = [&](EventKind kind, const std::string& what) { tracker.mark(kind, what); };
+
+    const ForceBar bar(
+        sim, {.name = "Force of the instruments", .bodies = {left.body(), right.body()}, .warning = 5, .full = 10});
+    TrainingSession session(sim, training);
+    const Task* running = nullptr;
+    // McGill's raw score (Derossis et al. 1998): the cutoff time less the time, less the percentage of lost objects.
+    const auto score = [&] {
+        const double lost = 100.0 * judge.lost() / difficulty.rings;
+        return std::max(0.0, kCutoff - running->progress().time - lost);
+    };
+    const auto over = [&](bool done) {
+        session.over(done ? "All rings are in place" : "Time is up", [&] {
+            return std::vector<ResultLine>{{"Time", text(std::lround(running->progress().time), " s")},
+                                           {"Dropped", text(judge.drops())},
+                                           {"Lost", text(judge.lost())},
+                                           {"Score", text(done ? std::lround(score()) : 0, " of 300")},
+                                           {"Highest force", text(std::lround(1000 * bar.highest()), " mN")}};
+        });
+    };
+    const Task task(sim, {.name = "peg transfer",
+                          .steps = taskSteps,
+                          .timeLimit = difficulty.seconds,
+                          .tracker = &tracker,
+                          .over = over});
+    running = &task;
+    Guidance guidance(sim, task);
+    session.guide(guidance, difficulty.guided && training.motion.empty());
+    sim.dress([&](VisualServer& server) {
+        scope.dress(server);
+        guidance.dress(server);
+    });
+
+    const Motion with{
+        sim, box, {&left, &right}, difficulty.back, [&](const char* name) { return session.picture(name); }};
+    std::vector<TrocarMove> moves;
+    if (training.motion == "expert") moves = expertMotion(with);
+    if (training.motion == "clumsy") moves = clumsyMotion(with, static_cast<std::uint64_t>(training.seed));
+    if (!moves.empty()) hands.play(moves);
+    const int steps = static_cast<int>(1000 * durationOf(moves));
+    if (const int problem = session.run(steps > 0 ? steps + 600 : 0)) return problem;
+    tracker.close();
+    const TaskProgress progress = task.progress();
+    const bool done = progress.state == TaskProgress::State::Done;
+    std::printf("%s: %d of %zu steps in %.1f s; score %.0f, %d dropped, %d lost, highest force %.2f N; session%s: %s\n",
+                done ? "done" : "not done", progress.step, taskSteps.size(), progress.time, done ? score() : 0.0,
+                judge.drops(), judge.lost(), bar.highest(), tracker.failed() ? " (incomplete)" : "",
+                training.file.c_str());
+    if (tracker.failed()) return 1;
+    return training.motion == "expert" && !session.cutShort() && !done ? 1 : 0;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    return runTrainer(
+        argc, argv,
+        {.name = "laparoscopy",
+         .about = "A laparoscopy trainer: peg transfer in a box, with two graspers and a laparoscope of 30 degrees.",
+         .hands =
+             "1, 2 and 3 choose the left hand, the right hand and the laparoscope. Drag with the right button to\n"
+             "turn the chosen shaft; the wheel, W and S move it in and out, A and D roll it. The left button closes\n"
+             "its jaws while it is held down, G closes and opens them. Page up and page down zoom.\n"
+             "A haptic device (--device) holds the right handle; its first button closes the jaws.\n",
+         .cases = {"peg-transfer"},
+         .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
+         .motions = {"expert", "clumsy"},
+         .window = {"Laparoscopy", 960, 720}},
+        train);
+}
