@@ -78,8 +78,10 @@ TEST_CASE("a soft body that asks for what SOFA lacks is refused when it is added
     }
     SECTION("collision")
     {
-        def.collision = {{}};
-        refuses(def, "collision");
+        def.collision = {{.cutting = true}};
+        refuses(def, "collision[0].cutting");
+        def.collision = {{.proximity = 0.0}};
+        refuses(def, "collision[0].proximity must be > 0 m");
     }
     SECTION("cuts")
     {
@@ -99,8 +101,9 @@ TEST_CASE("a rigid body or a rod that asks for what SOFA lacks is refused")
     SECTION("collision")
     {
         def.collision = {{.mesh = std::make_shared<const geometry::TriangleMesh>(
-                              geometry::TriangleMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {}})}};
-        refuses(def, "collision");
+                              geometry::TriangleMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {}}),
+                          .cutting = true}};
+        refuses(def, "collision[0].cutting");
     }
     SECTION("joints")
     {

@@ -23,16 +23,23 @@ struct ApplyCommand {
         if (auto* soft = dynamic_cast<PlannedSoft*>(body.get())) {
             std::uint32_t id = add.attachments.value;
             for (PinGroup& group : soft->plan.pins) group.id = {id++};
-            scene.soft.push_back(std::make_unique<SoftNode>(add.id, std::move(soft->plan), *scene.root));
+            startContact(soft->plan.collision, scene);
+            scene.soft.push_back(std::make_unique<SoftNode>(add.id, std::move(soft->plan), *scene.root, scene.contact));
         } else if (auto* rigid = dynamic_cast<PlannedRigid*>(body.get())) {
-            scene.rigid.push_back(std::make_unique<RigidNode>(add.id, std::move(rigid->plan), *scene.root));
+            startContact(rigid->plan.collision, scene);
+            scene.rigid.push_back(
+                std::make_unique<RigidNode>(add.id, std::move(rigid->plan), *scene.root, scene.contact));
         }
     }
     void operator()(const physics::RemoveBody& remove) const
     {
+        scene.contact.forget();
         const auto isIt = [&](const auto& each) { return each->id() == remove.id; };
         std::erase_if(scene.soft, isIt);
         std::erase_if(scene.rigid, isIt);
+        std::erase_if(scene.contacts, [&](const frame::Contact& contact) {
+            return contact.first == remove.id || contact.second == remove.id;
+        });
     }
     void operator()(const physics::SetPose& set) const { rigid(set.id)->setPose(set.element, set.pose); }
     void operator()(const physics::SetWrench& set) const
@@ -72,6 +79,7 @@ struct ApplyCommand {
     }
     void operator()(const physics::Reset&) const
     {
+        scene.contacts.clear();
         for (const auto& body : scene.soft) {
             const std::vector<Vec3>& rest = body->plan().mesh.nodes;
             body->write({rest, std::vector<Vec3>(rest.size())});

@@ -1,6 +1,8 @@
 #include "filasofia/sofa/rigid_node.h"
 
 #include "filasofia/core/text.h"
+#include "filasofia/sofa/collision_node.h"
+#include "filasofia/sofa/free_correction.h"
 #include "filasofia/sofa/node_removal.h"
 
 #include <sofa/component/linearsolver/iterative/CGLinearSolver.h>
@@ -59,7 +61,8 @@ void RigidLoads::addForce(const ::sofa::core::MechanicalParams* /*params*/, Data
 }
 
 // Delegating: if what follows throws, the destructor takes the node out of the graph.
-RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root) : RigidNode(id, std::move(plan))
+RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root, const ContactStage& contact)
+    : RigidNode(id, std::move(plan))
 {
     const bool dynamic = plan_.def.dynamic;
     node_ = root.createChild(text("body", id.value));
@@ -80,12 +83,40 @@ RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root) 
         if (!plan_.def.gravity) loads_->weightless = plan_.inertia.mass;
         node_->addObject(loads_);
     }
+    for (const CollisionPlan& each : plan_.collision) {
+        for (const Vec3 vertex : each.mesh.vertices) reach_ = std::max(reach_, distance(vertex, plan_.inertia.centre));
+        addCollision(each, {.body = id, .moves = dynamic, .friction = plan_.def.friction}, contact, *state_,
+                     plan_.inertia.centre);
+    }
     ::sofa::simulation::node::init(node_.get());
+    if (contact.constrains()) joinConstraints();
 }
 
 RigidNode::~RigidNode()
 {
     if (node_) removeNode(node_);
+}
+
+void RigidNode::joinConstraints()
+{
+    constrained_ = true;
+    const auto correction = New<FreeCorrection<RigidTypes>>();
+    if (plan_.def.dynamic) // as the solver: the inertia keeps the axes of the world
+        correction->respond = [damping = plan_.def.linearDamping,
+                               mass = massOf(plan_.inertia)](std::size_t, const RigidTypes::Deriv& impulse, double dt) {
+            return RigidTypes::Deriv(getVCenter(impulse) / (mass.mass * (1 + dt * damping)),
+                                     mass.invInertiaMassMatrix * getVOrientation(impulse) / (1 + dt * damping));
+        };
+    node_->addObject(correction);
+    correction->init();
+}
+
+double RigidNode::speed() const
+{
+    double fastest = 0.0;
+    for (const auto& each : state_->v.getValue())
+        fastest = std::max<double>(fastest, getVCenter(each).norm() + reach_ * getVOrientation(each).norm());
+    return fastest;
 }
 
 RigidState RigidNode::start() const
@@ -170,6 +201,8 @@ void RigidNode::beginMove(double dt)
         now.angularVelocities[i] = rotationVector(targets_[i]->orientation * conjugate(now.poses[i].orientation)) / dt;
     }
     write(now);
+    // What has no solver keeps the velocity with which SOFA first saw it.
+    if (constrained_) state_->write(::sofa::core::vec_id::write_access::freeVelocity)->setValue(state_->v.getValue());
 }
 
 void RigidNode::finishMove()

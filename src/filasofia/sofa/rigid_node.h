@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/sofa/contact_stage.h"
 #include "filasofia/sofa/rigid_plan.h"
 #include "filasofia/sofa/sofa_vec.h"
 
@@ -53,8 +54,8 @@ struct RigidState {
 /// A rigid body in SOFA: a node with one frame per element at its centre of mass. A kinematic body has no solver.
 class RigidNode {
 public:
-    /// Makes the node below `root`. Throws what SOFA throws.
-    RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root);
+    /// Makes the node below `root`; `contact` has been started if the body collides. Throws what SOFA throws.
+    RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root, const ContactStage& contact);
     ~RigidNode();
     RigidNode(const RigidNode&) = delete;
     RigidNode& operator=(const RigidNode&) = delete;
@@ -67,6 +68,10 @@ public:
     void write(const RigidState& state);
     [[nodiscard]] RigidState start() const; ///< as the Def says
     [[nodiscard]] bool isUsable() const;
+
+    [[nodiscard]] double speed() const; ///< [m/s] of the fastest point of its collision models, and of its centres
+    /// The scene has constraints from now on: without it they would hold the body where it is.
+    void joinConstraints();
 
     void setWrench(int element, const RigidLoads::Wrench& wrench);
     /// For a dynamic body its pose at once and at rest, for a kinematic one that at the end of the next step.
@@ -84,7 +89,9 @@ private:
     RigidPlan plan_;
     ::sofa::simulation::Node::SPtr node_;
     State::SPtr state_;
-    RigidLoads::SPtr loads_;                   ///< null for a kinematic body
+    RigidLoads::SPtr loads_; ///< null for a kinematic body
+    bool constrained_ = false;
+    double reach_ = 0.0;                       ///< [m] of its collision models, from the centre of mass
     std::vector<std::optional<Pose>> targets_; ///< where a kinematic body will be at the end of the step
 };
 

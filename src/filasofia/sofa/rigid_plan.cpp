@@ -12,12 +12,11 @@ RigidPlan planRigid(const physics::RigidBodyDef& def)
     check(physics::BodyDef{def});
     if (!def.articulation.joints.empty()) fail(object, ": articulation", lacks);
     if (def.needle) fail(object, ": needle", lacks);
-    if (!def.collision.empty()) fail(object, ": collision", lacks);
     if (!def.attachments.empty()) fail(object, ": attachments", lacks);
     if (def.dynamic && def.linearDamping != def.angularDamping)
         fail(object, ": an angularDamping that differs from linearDamping", lacks, ", got ", def.angularDamping,
              " and ", def.linearDamping);
-    return {.def = def, .inertia = inertiaOf(def)};
+    return {.def = def, .inertia = inertiaOf(def), .collision = planCollision(def, object)};
 }
 
 } // namespace filasofia::sofaengine

@@ -2,6 +2,16 @@
 
 namespace filasofia::sofaengine {
 
+void startContact(const std::vector<CollisionPlan>& collision, SofaScene& scene)
+{
+    scene.contact.join(collision);
+    if (collision.empty() || scene.contact.isOn()) return;
+    scene.contact.start(*scene.root);
+    if (!scene.contact.isExact()) return;
+    for (const auto& body : scene.soft) body->joinConstraints();
+    for (const auto& body : scene.rigid) body->joinConstraints();
+}
+
 SceneState stateOf(const SofaScene& scene)
 {
     SceneState state{.gravity = fromSofa(scene.root->getGravity())};

@@ -13,6 +13,8 @@ struct SofaScene {
     ::sofa::simulation::Node::SPtr root = {};
     std::vector<std::unique_ptr<SoftNode>> soft = {};
     std::vector<std::unique_ptr<RigidNode>> rigid = {};
+    ContactStage contact;
+    std::vector<frame::Contact> contacts = {}; ///< of the last step
 };
 
 /// The state of a scene between two steps.
@@ -22,6 +24,9 @@ struct SceneState {
     std::vector<RigidState> rigid = {};
     std::vector<std::vector<PinGroup>> pins = {}; ///< per soft body
 };
+
+/// A body comes with collision models, whose proximities [m] it has: contact begins with the first.
+void startContact(const std::vector<CollisionPlan>& collision, SofaScene& scene);
 
 SceneState stateOf(const SofaScene& scene);
 /// The scene must have the same bodies.

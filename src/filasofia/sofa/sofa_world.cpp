@@ -8,6 +8,7 @@
 
 #include <sofa/simulation/DefaultAnimationLoop.h>
 #include <sofa/simulation/DefaultVisualManagerLoop.h>
+#include <sofa/simulation/MechanicalOperations.h>
 #include <sofa/simulation/Simulation.h>
 
 namespace filasofia::sofaengine {
@@ -21,6 +22,29 @@ struct WorldState final : physics::EngineState {
     double time = 0.0;
     std::uint64_t steps = 0;
 };
+
+const SofaEngineDef& checked(const SofaEngineDef& def)
+{
+    validate(def, "SOFA engine");
+    return def;
+}
+
+/// Surfaces follow their bodies only within a step: those that were moved since must be brought along.
+void followBodies(::sofa::simulation::Node& root)
+{
+    ::sofa::simulation::common::MechanicalOperations operations(::sofa::core::mechanicalparams::defaultInstance(),
+                                                                &root);
+    operations.propagateXAndV(::sofa::core::vec_id::write_access::position,
+                              ::sofa::core::vec_id::write_access::velocity);
+}
+
+double fastest(const SofaScene& scene)
+{
+    double speed = 0.0;
+    for (const auto& body : scene.soft) speed = std::max(speed, body->speed());
+    for (const auto& body : scene.rigid) speed = std::max(speed, body->speed());
+    return speed;
+}
 
 /// One step of the whole graph. False, with a line in the log, if it ended with an exception.
 bool animate(::sofa::simulation::Node& root, double dt)
@@ -38,9 +62,8 @@ bool animate(::sofa::simulation::Node& root, double dt)
 
 } // namespace
 
-SofaWorld::SofaWorld(const SofaEngineDef& def)
+SofaWorld::SofaWorld(const SofaEngineDef& def) : scene_{.contact = ContactStage(checked(def).contact)}
 {
-    validate(def, "SOFA engine");
     const Lock lock(sofaMutex());
     startSofa();
     scene_.root = ::sofa::simulation::Simulation::theSimulation->createNewGraph("root");
@@ -55,6 +78,7 @@ SofaWorld::SofaWorld(const SofaEngineDef& def)
 SofaWorld::~SofaWorld()
 {
     const Lock lock(sofaMutex());
+    scene_.contact.forget();
     scene_.soft.clear();
     scene_.rigid.clear();
     ::sofa::simulation::node::unload(scene_.root);
@@ -63,7 +87,11 @@ SofaWorld::~SofaWorld()
 
 physics::EngineInfo SofaWorld::info() const { return {.name = "sofa", .version = FILASOFIA_SOFA_VERSION}; }
 
-std::unique_ptr<physics::BuiltBody> SofaWorld::build(const physics::BodyDef& def) const { return planBody(def); }
+std::unique_ptr<physics::BuiltBody> SofaWorld::build(const physics::BodyDef& def) const
+{
+    scene_.contact.check(def);
+    return planBody(def);
+}
 
 void SofaWorld::check(const physics::Command& command, const physics::BodyDef* def) const
 {
@@ -96,7 +124,16 @@ void SofaWorld::advance(double dt, physics::StepReport& report)
     scene_.root->setDt(dt);                                     // some components read it in place of the step's
     ::sofa::simulation::node::updateContext(scene_.root.get()); // a step of SOFA hands gravity down only at its end
     for (const auto& body : scene_.rigid) body->beginMove(dt);
+    if (scene_.contact.isOn()) {
+        followBodies(*scene_.root);
+        scene_.contact.prepare(fastest(scene_) + length(before.gravity) * dt, dt);
+    }
     const bool failed = !animate(*scene_.root, dt);
+    if (failed)
+        scene_.contacts.clear();
+    else
+        scene_.contact.read(dt, scene_.contacts, report);
+    if (failed) scene_.contact.forget();
     for (std::size_t b = 0; b < scene_.soft.size(); ++b)
         if (failed || !scene_.soft[b]->isUsable()) {
             const std::vector<Vec3>& positions = before.soft[b].positions;
@@ -140,7 +177,7 @@ void SofaWorld::capture(frame::Frame& out) const
                               .velocities = std::move(state.velocities),
                               .angularVelocities = std::move(state.angularVelocities)};
     }
-    out.contacts.clear();
+    out.contacts = scene_.contacts;
     out.attachments.clear();
     out.channels.clear();
 }
@@ -154,7 +191,7 @@ void SofaWorld::record(physics::StepRecord& out) const
         body->read(state);
         out.rigidPoses.insert(out.rigidPoses.end(), state.poses.begin(), state.poses.end());
     }
-    out.contacts.clear();
+    out.contacts = scene_.contacts;
     out.attachments.clear();
     out.channels.clear();
 }

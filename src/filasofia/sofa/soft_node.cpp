@@ -1,11 +1,14 @@
 #include "filasofia/sofa/soft_node.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/sofa/collision_node.h"
 #include "filasofia/sofa/corotational.h"
+#include "filasofia/sofa/free_correction.h"
 #include "filasofia/sofa/node_removal.h"
 
 #include "filasofia/physics/rigid_body_def.h"
 
+#include <sofa/component/constraint/lagrangian/correction/LinearSolverConstraintCorrection.h>
 #include <sofa/component/constraint/projective/FixedProjectiveConstraint.h>
 #include <sofa/component/linearsolver/direct/SparseLDLSolver.h>
 #include <sofa/component/linearsolver/iterative/CGLinearSolver.h>
@@ -141,10 +144,11 @@ template <class Gradients> SolveOutcome outcomeOf(const Gradients& solver)
 } // namespace
 
 // Delegating: if what follows throws, the destructor takes the node out of the graph.
-SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root) : SoftNode(id, std::move(plan))
+SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root, const ContactStage& contact)
+    : SoftNode(id, std::move(plan))
 {
     node_ = root.createChild(text("body", id.value));
-    addSolver();
+    addSolver(contact.isExact());
     node_->addObject(topologyOf(plan_.mesh));
     state_ = New<State>();
     state_->setName("state");
@@ -164,7 +168,10 @@ SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root) : S
     loads_->pressure = plan_.def.pressure;
     if (!plan_.def.gravity) loads_->weightless = plan_.masses;
     node_->addObject(loads_);
+    for (const CollisionPlan& each : plan_.collision)
+        addCollision(each, {.body = id, .soft = true, .friction = plan_.def.friction}, contact, *state_);
     ::sofa::simulation::node::init(node_.get());
+    if (contact.constrains()) joinConstraints();
     setPins(plan_.pins);
 }
 
@@ -173,7 +180,7 @@ SoftNode::~SoftNode()
     if (node_) removeNode(node_);
 }
 
-void SoftNode::addSolver()
+void SoftNode::addSolver(bool constrained)
 {
     if (const auto* explicitly = std::get_if<physics::ExplicitEuler>(&plan_.def.integrator)) {
         auto euler = New<odesolver::forward::EulerExplicitSolver>();
@@ -185,7 +192,8 @@ void SoftNode::addSolver()
     euler->d_rayleighMass.setValue(plan_.def.rayleigh.mass);
     euler->d_rayleighStiffness.setValue(plan_.def.rayleigh.stiffness);
     node_->addObject(euler);
-    solver_ = solverOf(plan_.def.solver);
+    // Constraints need how far each other's forces move a body: only a factor gives that.
+    solver_ = solverOf(constrained && isCoupled() ? physics::Solver{physics::Cholesky{}} : plan_.def.solver);
     node_->addObject(solver_);
 }
 
@@ -197,6 +205,31 @@ void SoftNode::addLaw()
         law_ = continuumOf(plan_, std::get<physics::FemMaterial>(plan_.def.material).law);
     law_->setName("law");
     node_->addObject(law_);
+}
+
+void SoftNode::joinConstraints()
+{
+    if (isCoupled() && solver_) {
+        using Factor = constraint::lagrangian::correction::LinearSolverConstraintCorrection<Vec3Types>;
+        const auto correction = New<Factor>();
+        node_->addObject(correction);
+        correction->init();
+        return;
+    }
+    const auto correction = New<FreeCorrection<Vec3Types>>();
+    if (isCoupled())
+        correction->respond = [this](std::size_t node, const Vec3Types::Deriv& impulse, double) {
+            return impulse / plan_.masses[node];
+        };
+    node_->addObject(correction);
+    correction->init();
+}
+
+double SoftNode::speed() const
+{
+    double squared = 0.0;
+    for (const auto& each : state_->v.getValue()) squared = std::max<double>(squared, each.norm2());
+    return std::sqrt(squared);
 }
 
 void SoftNode::read(SoftState& out) const

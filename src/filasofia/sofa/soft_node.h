@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/sofa/body_loads.h"
+#include "filasofia/sofa/contact_stage.h"
 
 #include "filasofia/frame/frame.h"
 #include "filasofia/physics/step.h"
@@ -26,8 +27,8 @@ struct SoftState {
 /// A soft body in SOFA: a node with its state, mass, law, loads, pins and solvers.
 class SoftNode {
 public:
-    /// Makes the node below `root`. Throws what SOFA throws.
-    SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root);
+    /// Makes the node below `root`; `contact` has been started if the body collides. Throws what SOFA throws.
+    SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root, const ContactStage& contact);
     ~SoftNode();
     SoftNode(const SoftNode&) = delete;
     SoftNode& operator=(const SoftNode&) = delete;
@@ -44,6 +45,10 @@ public:
     [[nodiscard]] bool isUsable() const;
     [[nodiscard]] SolveOutcome outcome() const;
 
+    [[nodiscard]] double speed() const; ///< [m/s] of the fastest node
+    /// The scene has constraints from now on: without it they would hold the body where it is.
+    void joinConstraints();
+
     /// Attachments to space.
     [[nodiscard]] const std::vector<PinGroup>& pins() const { return pins_; }
     void setPins(std::vector<PinGroup> pins);
@@ -55,7 +60,8 @@ private:
 
     SoftNode(BodyId id, SoftPlan plan) : id_(id), plan_(std::move(plan)) {}
     void addLaw();
-    void addSolver();
+    [[nodiscard]] bool isCoupled() const { return !plan_.collision.empty(); }
+    void addSolver(bool constrained);
 
     BodyId id_;
     SoftPlan plan_;

@@ -51,7 +51,6 @@ void checkMaterial(const FemMaterial& material, const std::string& object)
 void checkBody(const SoftBodyDef& def, const std::string& object)
 {
     if (std::holds_alternative<physics::ShellMaterial>(def.material)) fail(object, ": material: a shell", kLacks);
-    if (!def.collision.empty()) fail(object, ": collision", kLacks);
     if (def.dynamicTopology) fail(object, ": dynamicTopology", kLacks);
 }
 
@@ -149,6 +148,7 @@ SoftPlan planSoft(const SoftBodyDef& def)
     checkBody(def, object);
     SoftPlan plan{.def = def, .mesh = worldMesh(def)};
     addMaterial(object + ": material", plan);
+    plan.collision = planCollision(def, plan.mesh, object);
     for (std::size_t i = 0; i < def.attachments.size(); ++i)
         plan.pins.push_back(pinsOf(def.attachments[i], text(object, ": attachments[", i, "]"), plan.mesh.nodes));
     for (const physics::NodalForce& each : def.forces)

@@ -3,6 +3,7 @@
 #include "filasofia/core/attachment_id.h"
 #include "filasofia/geometry/tet_mesh.h"
 #include "filasofia/physics/commands.h"
+#include "filasofia/sofa/collision_plan.h"
 
 #include <array>
 #include <vector>
@@ -26,6 +27,7 @@ struct SoftPlan {
     std::vector<double> poissonRatio = {};        ///< [-] per tetrahedron; empty if the material is of springs
     std::vector<std::array<int, 2>> edges = {};   ///< those of the mesh, once each; empty unless it is of springs
     std::vector<PinGroup> pins = {};              ///< those of the Def, in its order
+    std::vector<CollisionPlan> collision = {};    ///< its collision models
     std::vector<std::array<int, 3>> surface = {}; ///< faces of one tetrahedron, counter-clockwise from outside
 };
 
