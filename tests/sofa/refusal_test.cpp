@@ -88,11 +88,6 @@ TEST_CASE("a soft body that asks for what SOFA lacks is refused when it is added
         def.dynamicTopology = true;
         refuses(def, "dynamicTopology");
     }
-    SECTION("break")
-    {
-        def.attachments = {{.nodes = {0}, .breakForce = 1.0}};
-        refuses(def, "attachments[0].breakForce");
-    }
 }
 
 TEST_CASE("a rigid body or a rod that asks for what SOFA lacks is refused")
@@ -113,7 +108,7 @@ TEST_CASE("a rigid body or a rod that asks for what SOFA lacks is refused")
     SECTION("attachment")
     {
         def.attachments = {{}};
-        refuses(def, "attachments");
+        refuses(def, "attachments[0]: attaching an element as a whole");
     }
     SECTION("damping")
     {
@@ -136,13 +131,13 @@ TEST_CASE("a command that SOFA cannot carry out is refused at its caller")
     const auto refused = [&](auto&& act, const std::string& says) {
         CHECK_THROWS_WITH(act(), Catch::Contains(says) && Catch::Contains("not available with the engine 'sofa'"));
     };
-    refused([&] { server->setHaptic(tool, {}); }, "rigid body 'tool': SetHaptic");
-    refused([&] { server->grasp(tool, body); }, "rigid body 'tool': Grasp");
     const BodyId stone = server->add(RigidBodyDef{.name = "stone", .dynamic = true, .mass = GivenInertia{}});
-    refused([&] { server->attach(stone, RigidAttachmentDef{}); }, "rigid body 'stone': AttachRigid");
+    refused([&] { server->attach(stone, RigidAttachmentDef{}); },
+            "rigid body 'stone': attach: attaching an element as a whole");
     refused([&] { server->setTissue(body, {.where = Listed{{0}}, .youngModulus = 1e3}); },
             "soft body 'tissue': SetTissue");
-    refused([&] { server->attach(body, AttachmentDef{.nodes = {0}, .to = tool}); }, "soft body 'tissue': attach.to");
+    refused([&] { server->attach(body, AttachmentDef{.nodes = {0}, .to = tool, .cutDistance = 0.01}); },
+            "soft body 'tissue': attach.cutDistance");
     server->step(1e-3);
     CHECK(server->latest()->softBodies.size() == 1);
 }

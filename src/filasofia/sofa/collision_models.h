@@ -9,13 +9,13 @@ namespace filasofia::sofaengine {
 /// What our rules of collision ask about a collision model of SOFA.
 struct ModelTag {
     BodyId body = {};
-    int element = 0;        ///< of a rigid body
-    bool soft = false;      ///< of a soft body
+    int element = 0;        ///< in a rigid body
+    bool soft = false;      ///< the body is soft
     bool moves = true;      ///< by forces; false for a kinematic body
     int group = 0;          ///< only models of the same group meet
     bool self = false;      ///< whether it meets its own body
-    double friction = 0.0;  ///< [-] of the body
-    double stiffness = 0.0; ///< [N/m] of each contact, if contacts are penalties
+    double friction = 0.0;  ///< [-] the body's
+    double stiffness = 0.0; ///< [N/m] a contact's, if contacts are penalties
 };
 /// Has a tag, whatever kind of model it is.
 class Tagged {

@@ -16,7 +16,7 @@ using namespace ::sofa::component;
 using ::sofa::core::objectmodel::New;
 using ::sofa::simulation::Node;
 
-/// Of a node below the body's: its states and the mesh over them.
+/// A node below the body's, its states and the mesh over them.
 struct Surface {
     Node::SPtr node;
     SoftStates::SPtr states;

@@ -11,7 +11,7 @@ namespace filasofia::sofaengine {
 /// A collision model as its node in SOFA is made: checked, plain data of ours, made on any thread.
 struct CollisionPlan {
     physics::CollisionDef def = {};
-    geometry::TriangleMesh mesh = {}; ///< [m] of a soft body in the world at rest, of a rigid body in its element
+    geometry::TriangleMesh mesh = {}; ///< [m] a soft body's in the world at rest, a rigid body's in its element
     std::vector<int> nodes = {};      ///< the body's node of each vertex; empty if the mesh is embedded, or rigid
 };
 

@@ -13,14 +13,14 @@
 namespace filasofia::sofaengine {
 namespace {
 
-namespace geometry = ::sofa::component::collision::geometry;
+namespace models = ::sofa::component::collision::geometry;
 namespace response = ::sofa::component::collision::response::contact;
 namespace model = ::sofa::component::constraint::lagrangian::model;
 using ::sofa::core::behavior::ConstraintResolution;
 using ::sofa::core::objectmodel::New;
-using Points = geometry::PointCollisionModel<Vec3Types>;
-using Lines = geometry::LineCollisionModel<Vec3Types>;
-using Triangles = geometry::TriangleCollisionModel<Vec3Types>;
+using Points = models::PointCollisionModel<Vec3Types>;
+using Lines = models::LineCollisionModel<Vec3Types>;
+using Triangles = models::TriangleCollisionModel<Vec3Types>;
 
 /// SOFA divides by how far an impulse moves the two points: nothing may be done where both are held, as at pins.
 class FrictionResolution final : public model::UnilateralConstraintResolutionWithFriction {
@@ -65,17 +65,19 @@ const ModelTag& tagOf(const ::sofa::core::CollisionModel* each) { return dynamic
 double frictionOf(const ModelTag& a, const ModelTag& b) { return std::sqrt(a.friction * b.friction); }
 
 /// In our order: the first body is the one with the smaller id. `normal` leads from a to b, `force` [N] is on b.
-frame::Contact contactOf(const ModelTag& a, const ModelTag& b, Vec3 normal, Vec3 force)
+FoundContact contactOf(const ModelTag& a, const ModelTag& b, Vec3 normal, Vec3 force)
 {
     const bool turned = a.body < b.body;
     const double pressed = dot(force, normal);
     const Vec3 across = force - pressed * normal;
     const double sign = turned ? -1.0 : 1.0;
-    return {.first = turned ? a.body : b.body,
-            .second = turned ? b.body : a.body,
-            .normal = sign * normal,
-            .normalForce = pressed,
-            .friction = sign * across};
+    return {.contact = {.first = turned ? a.body : b.body,
+                        .second = turned ? b.body : a.body,
+                        .normal = sign * normal,
+                        .normalForce = pressed,
+                        .friction = sign * across},
+            .firstElement = turned ? a.element : b.element,
+            .secondElement = turned ? b.element : a.element};
 }
 
 template <class First, class Second> class Friction final : public response::FrictionContact<First, Second>,
@@ -93,7 +95,7 @@ public:
     {
         this->m_constraint = New<ContactRows>(first, second);
     }
-    void read(std::span<const double> impulses, double dt, std::vector<frame::Contact>& out) const override
+    void read(std::span<const double> impulses, double dt, std::vector<FoundContact>& out) const override
     {
         const auto* rows = dynamic_cast<const ContactRows*>(this->m_constraint.get());
         if (!rows) return;
@@ -103,8 +105,8 @@ public:
             Vec3 impulse = impulses[row.id] * fromSofa(row.norm);
             if (rough) impulse += impulses[row.id + 1] * fromSofa(row.t) + impulses[row.id + 2] * fromSofa(row.s);
             out.push_back(contactOf(tagOf(this->model1), tagOf(this->model2), fromSofa(row.norm), impulse / dt));
-            out.back().point = 0.5 * (fromSofa(row.P) + fromSofa(row.Q));
-            out.back().gap = dot(fromSofa(row.P) - fromSofa(row.Q), fromSofa(row.norm)) - row.contactDistance;
+            out.back().contact.point = 0.5 * (fromSofa(row.P) + fromSofa(row.Q));
+            out.back().contact.gap = dot(fromSofa(row.P) - fromSofa(row.Q), fromSofa(row.norm)) - row.contactDistance;
         }
     }
 };
@@ -125,7 +127,7 @@ public:
         for (auto& each : contacts) each.ks = tagOf(this->model1).stiffness; // SOFA's is divided by the distance
         this->ff->contacts.endEdit();
     }
-    void read(std::span<const double> /*impulses*/, double /*dt*/, std::vector<frame::Contact>& out) const override
+    void read(std::span<const double> /*impulses*/, double /*dt*/, std::vector<FoundContact>& out) const override
     {
         if (!this->ff) return;
         const auto x1 = this->ff->getMState1()->readPositions(), x2 = this->ff->getMState2()->readPositions();
@@ -133,8 +135,8 @@ public:
             const Vec3 normal = fromSofa(each.norm);
             const double force = each.pen > 0.0 ? each.ks * each.pen : 0.0;
             out.push_back(contactOf(tagOf(this->model1), tagOf(this->model2), normal, force * normal));
-            out.back().point = 0.5 * (fromSofa(x1[each.m1]) + fromSofa(x2[each.m2]));
-            out.back().gap = -each.pen;
+            out.back().contact.point = 0.5 * (fromSofa(x1[each.m1]) + fromSofa(x2[each.m2]));
+            out.back().contact.gap = -each.pen;
         }
     }
 };

@@ -10,12 +10,19 @@
 
 namespace filasofia::sofaengine {
 
+/// A contact, and the elements of its bodies if these are rigid.
+struct FoundContact {
+    frame::Contact contact = {};
+    int firstElement = 0;
+    int secondElement = 0;
+};
+
 /// What SOFA's contact manager makes for two models that touch, as it tells us of its contacts.
 class ContactSource {
 public:
     virtual ~ContactSource() = default;
-    /// Adds its contacts of the last step. `impulses`: of all constraints [N s]; dt [s].
-    virtual void read(std::span<const double> impulses, double dt, std::vector<frame::Contact>& out) const = 0;
+    /// Adds its contacts of the last step. `impulses`: those by all constraints [N s]; dt [s].
+    virtual void read(std::span<const double> impulses, double dt, std::vector<FoundContact>& out) const = 0;
 
     ContactSource() = default;
     ContactSource(const ContactSource&) = delete;

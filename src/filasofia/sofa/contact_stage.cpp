@@ -2,7 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
-#include "filasofia/sofa/contact_response.h"
+#include "filasofia/sofa/make_tie.h"
 
 #include <sofa/component/animationloop/FreeMotionAnimationLoop.h>
 #include <sofa/component/collision/detection/algorithm/BVHNarrowPhase.h>
@@ -23,15 +23,14 @@ using namespace ::sofa::component;
 using ::sofa::core::objectmodel::New;
 using ConstraintSolver = constraint::lagrangian::solver::NNCGConstraintSolver;
 
-constexpr double kSkin = 0.2;    // [-] of the proximity, as the native engine's inset
+constexpr double kSkin = 0.2;    // [-] times the proximity, as the native engine's inset
 constexpr double kAhead = 1.5;   // steps that contacts are looked for ahead, as in the native engine
 constexpr double kFarAhead = 20; // [-] but not farther than so many proximities
 // [-] sine of the angle by which a neighbour of a vertex may lie nearer, as in the native engine: with 0 only the
 // lowest vertex of a face counts, in each step another.
 constexpr double kCone = 0.1;
-constexpr int kSweeps = 40; // per round of ExactContact
-constexpr double kLength =
-    1e-6; // [m] of which ExactContact::tolerance is the share that sweeps may still move a contact
+constexpr int kSweeps = 40;      // per round of ExactContact
+constexpr double kLength = 1e-6; // [m] by ExactContact::tolerance times this a sweep may still move a contact
 
 ConstraintSolver::SPtr solverOf(const physics::ExactContact& exact)
 {
@@ -73,6 +72,9 @@ double ContactStage::skin(double proximity) const { return isExact() ? kSkin * p
 void ContactStage::check(const physics::BodyDef& def) const
 {
     const auto* soft = std::get_if<physics::SoftBodyDef>(&def);
+    const auto* rigid = std::get_if<physics::RigidBodyDef>(&def);
+    const bool ties = soft ? std::ranges::any_of(soft->attachments, isTie) : rigid && !rigid->attachments.empty();
+    if (ties) checkTies(describeBody(def) + ": attachments");
     if (!soft || isExact() || soft->collision.empty() ||
         !std::holds_alternative<physics::ImplicitEuler>(soft->integrator))
         return;
@@ -80,6 +82,13 @@ void ContactStage::check(const physics::BodyDef& def) const
     if (!iterative || iterative->assembled)
         fail(describeBody(def), ": solver: a matrix and collision by PenaltyContact are not available together with "
                                 "the engine 'sofa': use ConjugateGradient");
+}
+
+void ContactStage::checkTies(const std::string& object) const
+{
+    if (!isExact())
+        fail(object, ": attachments between bodies, and ones that break, are not available by PenaltyContact with the "
+                     "engine 'sofa'");
 }
 
 void ContactStage::start(::sofa::simulation::Node& root)
@@ -126,25 +135,29 @@ void ContactStage::prepare(double speed, double dt)
     parts_->distances->setAlarmDistance(apart + ahead);
 }
 
-void ContactStage::read(double dt, std::vector<frame::Contact>& out, physics::StepReport& report) const
+void ContactStage::read(double dt, std::vector<FoundContact>& out, physics::StepReport& report) const
 {
     out.clear();
     if (!isOn()) return;
-    std::span<const double> impulses;
-    if (parts_->solver) impulses = parts_->solver->d_constraintForces.getValue();
     for (const auto& each : parts_->contacts->getContacts())
-        if (const auto* source = dynamic_cast<const ContactSource*>(each.get())) source->read(impulses, dt, out);
+        if (const auto* source = dynamic_cast<const ContactSource*>(each.get())) source->read(impulses(), dt, out);
     report.contacts.found = static_cast<int>(out.size());
-    for (const frame::Contact& contact : out) {
+    for (const auto& [contact, firstElement, secondElement] : out) {
         report.contacts.active += contact.normalForce > 0.0 ? 1 : 0;
         report.contacts.penetration = std::max(report.contacts.penetration, -contact.gap);
     }
-    if (out.empty()) return;
-    report.contacts.rounds = 1;
-    if (!parts_->solver) return;
+    if (!out.empty()) report.contacts.rounds = 1;
+    if (impulses().empty()) return;
     const int sweeps = parts_->solver->d_currentIterations.getValue();
     report.contacts.rounds = (sweeps + kSweeps - 1) / kSweeps;
-    if (sweeps >= static_cast<int>(parts_->solver->d_maxIt.getValue())) report.set(physics::StepFlag::NotConverged);
+    // SOFA does not count the first sweep.
+    if (sweeps + 1 >= static_cast<int>(parts_->solver->d_maxIt.getValue())) report.set(physics::StepFlag::NotConverged);
+}
+
+std::span<const double> ContactStage::impulses() const
+{
+    if (!isOn() || !parts_->solver) return {};
+    return parts_->solver->d_constraintForces.getValue();
 }
 
 void ContactStage::forget()

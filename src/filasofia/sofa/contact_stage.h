@@ -2,8 +2,8 @@
 
 #include "filasofia/sofa/collision_plan.h"
 
-#include "filasofia/frame/contact.h"
 #include "filasofia/physics/step.h"
+#include "filasofia/sofa/contact_response.h"
 
 #include <sofa/simulation/Node.h>
 
@@ -25,13 +25,15 @@ public:
     /// Whether forces are found by constraints: then every body needs a correction.
     [[nodiscard]] bool isExact() const { return std::holds_alternative<physics::ExactContact>(method_); }
     [[nodiscard]] bool constrains() const { return isOn() && isExact(); }
-    /// [N/m] of each contact by penalty; else 0.
+    /// [N/m] that each contact has by penalty; else 0.
     [[nodiscard]] double stiffness() const;
     /// [m] At this distance a surface of this proximity begins to push.
     [[nodiscard]] double skin(double proximity) const;
 
     /// Throws an Error if a body cannot meet others by this method.
     void check(const physics::BodyDef& def) const;
+    /// Throws an Error that begins with `object` if bodies cannot be tied.
+    void checkTies(const std::string& object) const;
 
     void start(::sofa::simulation::Node& root);
     /// A body has come, with such collision models.
@@ -39,7 +41,9 @@ public:
     /// Before a step: how far contacts are looked for if nothing is faster than `speed` [m/s].
     void prepare(double speed, double dt);
     /// After a step: its contacts, in SOFA's order.
-    void read(double dt, std::vector<frame::Contact>& out, physics::StepReport& report) const;
+    void read(double dt, std::vector<FoundContact>& out, physics::StepReport& report) const;
+    /// [N s] The impulses of all constraints in the last step.
+    [[nodiscard]] std::span<const double> impulses() const;
     /// Drops all contacts: before a body goes, and after a step that failed.
     void forget();
 

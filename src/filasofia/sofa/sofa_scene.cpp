@@ -2,14 +2,19 @@
 
 namespace filasofia::sofaengine {
 
-void startContact(const std::vector<CollisionPlan>& collision, SofaScene& scene)
+void startConstraints(SofaScene& scene)
 {
-    scene.contact.join(collision);
-    if (collision.empty() || scene.contact.isOn()) return;
+    if (scene.contact.isOn()) return;
     scene.contact.start(*scene.root);
     if (!scene.contact.isExact()) return;
     for (const auto& body : scene.soft) body->joinConstraints();
     for (const auto& body : scene.rigid) body->joinConstraints();
+}
+
+void startContact(const std::vector<CollisionPlan>& collision, SofaScene& scene)
+{
+    scene.contact.join(collision);
+    if (!collision.empty()) startConstraints(scene);
 }
 
 SceneState stateOf(const SofaScene& scene)
@@ -20,6 +25,7 @@ SceneState stateOf(const SofaScene& scene)
         state.pins.push_back(body->pins());
     }
     for (const auto& body : scene.rigid) body->read(state.rigid.emplace_back());
+    for (const auto& tie : scene.ties) state.ties.push_back(tie->id());
     return state;
 }
 

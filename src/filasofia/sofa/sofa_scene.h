@@ -2,6 +2,7 @@
 
 #include "filasofia/sofa/rigid_node.h"
 #include "filasofia/sofa/soft_node.h"
+#include "filasofia/sofa/tie.h"
 
 #include <memory>
 #include <vector>
@@ -14,7 +15,9 @@ struct SofaScene {
     std::vector<std::unique_ptr<SoftNode>> soft = {};
     std::vector<std::unique_ptr<RigidNode>> rigid = {};
     ContactStage contact;
-    std::vector<frame::Contact> contacts = {}; ///< of the last step
+    std::vector<FoundContact> contacts = {};     ///< the last step's
+    std::vector<std::unique_ptr<Tie>> ties = {}; ///< in the order of ids
+    std::vector<physics::Grasp> grasps = {};     ///< those that wait for contacts in the next step
 };
 
 /// The state of a scene between two steps.
@@ -23,8 +26,11 @@ struct SceneState {
     std::vector<SoftState> soft = {};
     std::vector<RigidState> rigid = {};
     std::vector<std::vector<PinGroup>> pins = {}; ///< per soft body
+    std::vector<AttachmentId> ties = {};
 };
 
+/// From now on bodies may have constraints.
+void startConstraints(SofaScene& scene);
 /// A body comes with collision models, whose proximities [m] it has: contact begins with the first.
 void startContact(const std::vector<CollisionPlan>& collision, SofaScene& scene);
 

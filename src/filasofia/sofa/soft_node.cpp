@@ -24,6 +24,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace filasofia::sofaengine {
 namespace {
@@ -148,7 +149,8 @@ SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root, con
     : SoftNode(id, std::move(plan))
 {
     node_ = root.createChild(text("body", id.value));
-    addSolver(contact.isExact());
+    coupled_ = contact.isExact() && !plan_.collision.empty();
+    addSolver();
     node_->addObject(topologyOf(plan_.mesh));
     state_ = New<State>();
     state_->setName("state");
@@ -180,7 +182,7 @@ SoftNode::~SoftNode()
     if (node_) removeNode(node_);
 }
 
-void SoftNode::addSolver(bool constrained)
+void SoftNode::addSolver()
 {
     if (const auto* explicitly = std::get_if<physics::ExplicitEuler>(&plan_.def.integrator)) {
         auto euler = New<odesolver::forward::EulerExplicitSolver>();
@@ -191,9 +193,9 @@ void SoftNode::addSolver(bool constrained)
     auto euler = New<odesolver::backward::EulerImplicitSolver>();
     euler->d_rayleighMass.setValue(plan_.def.rayleigh.mass);
     euler->d_rayleighStiffness.setValue(plan_.def.rayleigh.stiffness);
-    node_->addObject(euler);
+    node_->addObject(euler_ = euler);
     // Constraints need how far each other's forces move a body: only a factor gives that.
-    solver_ = solverOf(constrained && isCoupled() ? physics::Solver{physics::Cholesky{}} : plan_.def.solver);
+    solver_ = solverOf(coupled_ ? physics::Solver{physics::Cholesky{}} : plan_.def.solver);
     node_->addObject(solver_);
 }
 
@@ -209,20 +211,35 @@ void SoftNode::addLaw()
 
 void SoftNode::joinConstraints()
 {
-    if (isCoupled() && solver_) {
-        using Factor = constraint::lagrangian::correction::LinearSolverConstraintCorrection<Vec3Types>;
-        const auto correction = New<Factor>();
-        node_->addObject(correction);
-        correction->init();
-        return;
+    if (correction_) node_->removeObject(correction_);
+    if (coupled_ && solver_) {
+        correction_ = New<constraint::lagrangian::correction::LinearSolverConstraintCorrection<Vec3Types>>();
+    } else {
+        const auto free = New<FreeCorrection<Vec3Types>>();
+        if (coupled_)
+            free->respond = [this](std::size_t node, const Vec3Types::Deriv& impulse, double) {
+                return impulse / plan_.masses[node];
+            };
+        correction_ = free;
     }
-    const auto correction = New<FreeCorrection<Vec3Types>>();
-    if (isCoupled())
-        correction->respond = [this](std::size_t node, const Vec3Types::Deriv& impulse, double) {
-            return impulse / plan_.masses[node];
-        };
-    node_->addObject(correction);
-    correction->init();
+    node_->addObject(correction_);
+    correction_->init();
+}
+
+void SoftNode::couple()
+{
+    if (std::exchange(coupled_, true)) return;
+    if (solver_ && !std::holds_alternative<physics::Cholesky>(plan_.def.solver)) {
+        // The system that the old solver made would be found by the new one, and the old one by the integrator.
+        for (auto* system : node_->getNodeObjects<::sofa::core::behavior::BaseMatrixLinearSystem>())
+            node_->removeObject(system);
+        node_->removeObject(solver_);
+        node_->removeObject(euler_);
+        addSolver();
+        solver_->init();
+        euler_->init();
+    }
+    joinConstraints();
 }
 
 double SoftNode::speed() const

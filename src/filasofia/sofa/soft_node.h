@@ -37,6 +37,7 @@ public:
     [[nodiscard]] const SoftPlan& plan() const { return plan_; }
     [[nodiscard]] ::sofa::simulation::Node& node() const { return *node_; }
     [[nodiscard]] BodyLoads& loads() const { return *loads_; }
+    [[nodiscard]] ::sofa::component::statecontainer::MechanicalObject<Vec3Types>& states() const { return *state_; }
 
     /// Writes the state into lists, whose memory is reused.
     void read(SoftState& out) const;
@@ -45,9 +46,11 @@ public:
     [[nodiscard]] bool isUsable() const;
     [[nodiscard]] SolveOutcome outcome() const;
 
-    [[nodiscard]] double speed() const; ///< [m/s] of the fastest node
+    [[nodiscard]] double speed() const; ///< [m/s] the fastest node's
     /// The scene has constraints from now on: without it they would hold the body where it is.
     void joinConstraints();
+    /// Constraints act on the body from now on: the scene has them. It then has the solver that they need.
+    void couple();
 
     /// Attachments to space.
     [[nodiscard]] const std::vector<PinGroup>& pins() const { return pins_; }
@@ -60,8 +63,7 @@ private:
 
     SoftNode(BodyId id, SoftPlan plan) : id_(id), plan_(std::move(plan)) {}
     void addLaw();
-    [[nodiscard]] bool isCoupled() const { return !plan_.collision.empty(); }
-    void addSolver(bool constrained);
+    void addSolver();
 
     BodyId id_;
     SoftPlan plan_;
@@ -69,7 +71,8 @@ private:
     ::sofa::simulation::Node::SPtr node_;
     State::SPtr state_;
     BodyLoads::SPtr loads_;
-    ::sofa::core::objectmodel::BaseObject::SPtr law_, fixed_, solver_;
+    ::sofa::core::objectmodel::BaseObject::SPtr law_, fixed_, euler_, solver_, correction_;
+    bool coupled_ = false; ///< constraints act on it
 };
 
 } // namespace filasofia::sofaengine
