@@ -5,7 +5,12 @@ if(NOT FILASOFIA_SOFA STREQUAL OFF)
   set(parts Sofa.Simulation.Graph Sofa.Component.StateContainer Sofa.Component.Mass Sofa.Component.ODESolver.Backward
     Sofa.Component.ODESolver.Forward Sofa.Component.LinearSolver.Iterative Sofa.Component.LinearSolver.Direct
     Sofa.Component.Constraint.Projective Sofa.Component.SolidMechanics.FEM.Elastic
-    Sofa.Component.SolidMechanics.FEM.HyperElastic Sofa.Component.SolidMechanics.Spring Sofa.Component.Topology.Container.Dynamic)
+    Sofa.Component.SolidMechanics.FEM.HyperElastic Sofa.Component.SolidMechanics.Spring Sofa.Component.Topology.Container.Constant
+    Sofa.Component.Topology.Container.Dynamic Sofa.Component.Mapping.Linear Sofa.Component.Mapping.NonLinear
+    Sofa.Component.AnimationLoop Sofa.Component.Collision.Geometry Sofa.Component.Collision.Detection.Algorithm
+    Sofa.Component.Collision.Detection.Intersection Sofa.Component.Collision.Response.Contact
+    Sofa.Component.Constraint.Lagrangian.Correction Sofa.Component.Constraint.Lagrangian.Model
+    Sofa.Component.Constraint.Lagrangian.Solver)
   set(missing)
   foreach(part IN LISTS parts)
     find_package(${part} QUIET)

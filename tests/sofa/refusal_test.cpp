@@ -78,18 +78,15 @@ TEST_CASE("a soft body that asks for what SOFA lacks is refused when it is added
     }
     SECTION("collision")
     {
-        def.collision = {{}};
-        refuses(def, "collision");
+        def.collision = {{.cutting = true}};
+        refuses(def, "collision[0].cutting");
+        def.collision = {{.proximity = 0.0}};
+        refuses(def, "collision[0].proximity must be > 0 m");
     }
     SECTION("cuts")
     {
         def.dynamicTopology = true;
         refuses(def, "dynamicTopology");
-    }
-    SECTION("break")
-    {
-        def.attachments = {{.nodes = {0}, .breakForce = 1.0}};
-        refuses(def, "attachments[0].breakForce");
     }
 }
 
@@ -99,8 +96,9 @@ TEST_CASE("a rigid body or a rod that asks for what SOFA lacks is refused")
     SECTION("collision")
     {
         def.collision = {{.mesh = std::make_shared<const geometry::TriangleMesh>(
-                              geometry::TriangleMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {}})}};
-        refuses(def, "collision");
+                              geometry::TriangleMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {}}),
+                          .cutting = true}};
+        refuses(def, "collision[0].cutting");
     }
     SECTION("joints")
     {
@@ -110,7 +108,7 @@ TEST_CASE("a rigid body or a rod that asks for what SOFA lacks is refused")
     SECTION("attachment")
     {
         def.attachments = {{}};
-        refuses(def, "attachments");
+        refuses(def, "attachments[0]: attaching an element as a whole");
     }
     SECTION("damping")
     {
@@ -133,13 +131,13 @@ TEST_CASE("a command that SOFA cannot carry out is refused at its caller")
     const auto refused = [&](auto&& act, const std::string& says) {
         CHECK_THROWS_WITH(act(), Catch::Contains(says) && Catch::Contains("not available with the engine 'sofa'"));
     };
-    refused([&] { server->setHaptic(tool, {}); }, "rigid body 'tool': SetHaptic");
-    refused([&] { server->grasp(tool, body); }, "rigid body 'tool': Grasp");
     const BodyId stone = server->add(RigidBodyDef{.name = "stone", .dynamic = true, .mass = GivenInertia{}});
-    refused([&] { server->attach(stone, RigidAttachmentDef{}); }, "rigid body 'stone': AttachRigid");
+    refused([&] { server->attach(stone, RigidAttachmentDef{}); },
+            "rigid body 'stone': attach: attaching an element as a whole");
     refused([&] { server->setTissue(body, {.where = Listed{{0}}, .youngModulus = 1e3}); },
             "soft body 'tissue': SetTissue");
-    refused([&] { server->attach(body, AttachmentDef{.nodes = {0}, .to = tool}); }, "soft body 'tissue': attach.to");
+    refused([&] { server->attach(body, AttachmentDef{.nodes = {0}, .to = tool, .cutDistance = 0.01}); },
+            "soft body 'tissue': attach.cutDistance");
     server->step(1e-3);
     CHECK(server->latest()->softBodies.size() == 1);
 }

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
+#include "filasofia/sofa/make_tie.h"
 
 #include <algorithm>
 
@@ -21,24 +22,36 @@ struct ApplyCommand {
     {
         const std::unique_ptr<physics::BuiltBody> body = std::move(add.body);
         if (auto* soft = dynamic_cast<PlannedSoft*>(body.get())) {
-            std::uint32_t id = add.attachments.value;
-            for (PinGroup& group : soft->plan.pins) group.id = {id++};
-            scene.soft.push_back(std::make_unique<SoftNode>(add.id, std::move(soft->plan), *scene.root));
+            for (PinGroup& group : soft->plan.pins) group.id.value += add.attachments.value;
+            startContact(soft->plan.collision, scene);
+            scene.soft.push_back(std::make_unique<SoftNode>(add.id, std::move(soft->plan), *scene.root, scene.contact));
+            tieAll(add, scene.soft.back()->plan().def.attachments);
         } else if (auto* rigid = dynamic_cast<PlannedRigid*>(body.get())) {
-            scene.rigid.push_back(std::make_unique<RigidNode>(add.id, std::move(rigid->plan), *scene.root));
+            startContact(rigid->plan.collision, scene);
+            scene.rigid.push_back(
+                std::make_unique<RigidNode>(add.id, std::move(rigid->plan), *scene.root, scene.contact));
+            tieAll(add, scene.rigid.back()->plan().def.attachments);
         }
     }
     void operator()(const physics::RemoveBody& remove) const
     {
+        scene.contact.forget();
+        std::erase_if(scene.ties, [&](const auto& each) { return each->holds(remove.id); });
+        std::erase_if(scene.grasps,
+                      [&](const auto& each) { return each.rigid == remove.id || each.target == remove.id; });
         const auto isIt = [&](const auto& each) { return each->id() == remove.id; };
         std::erase_if(scene.soft, isIt);
         std::erase_if(scene.rigid, isIt);
+        std::erase_if(scene.contacts, [&](const FoundContact& each) {
+            return each.contact.first == remove.id || each.contact.second == remove.id;
+        });
     }
     void operator()(const physics::SetPose& set) const { rigid(set.id)->setPose(set.element, set.pose); }
     void operator()(const physics::SetWrench& set) const
     {
         rigid(set.id)->setWrench(set.element, {set.force, set.torque});
     }
+    void operator()(const physics::SetHaptic& set) const { rigid(set.id)->setHand(set.element, set.target); }
     void operator()(const physics::SetGravity& set) const { scene.root->setGravity(toSofa(set.gravity)); }
     void operator()(physics::SetMaterial& set) const
     {
@@ -46,15 +59,23 @@ struct ApplyCommand {
     }
     void operator()(const physics::SetForces& set) const { soft(set.id)->loads().forces = set.forces; }
     void operator()(const physics::SetPressure& set) const { soft(set.id)->loads().pressure = set.pressure; }
+    void operator()(const physics::AttachRigid& attach) const
+    {
+        addTie(attach.id, rigid(attach.body)->id(), attach.def, scene);
+    }
+    void operator()(const physics::Grasp& grasp) const { scene.grasps.push_back(grasp); }
     void operator()(const physics::Attach& attach) const
     {
+        if (isTie(attach.def)) {
+            if (!addTie(attach.id, soft(attach.body)->id(), attach.def, scene)) nothingAttached(attach.body);
+            return;
+        }
         SoftNode& body = *soft(attach.body);
         SoftState now;
         body.read(now);
         PinGroup group{.id = attach.id, .nodes = nodesOf(attach.def, now.positions), .stiffness = attach.def.stiffness};
         if (group.nodes.empty()) {
-            report.set(StepFlag::NothingAttached);
-            logWarning("soft body '", body.plan().def.name, "': an attachment found no node");
+            nothingAttached(attach.body);
             return;
         }
         for (const int node : group.nodes) group.places.push_back(now.positions[static_cast<std::size_t>(node)]);
@@ -64,6 +85,8 @@ struct ApplyCommand {
     }
     void operator()(const physics::Release& release) const
     {
+        std::erase_if(scene.ties, [&](const auto& each) { return each->id() == release.id; });
+        std::erase_if(scene.grasps, [&](const auto& each) { return each.id == release.id; });
         for (const auto& body : scene.soft) {
             std::vector<PinGroup> pins = body->pins();
             if (std::erase_if(pins, [&](const PinGroup& each) { return each.id == release.id; }) > 0)
@@ -72,6 +95,7 @@ struct ApplyCommand {
     }
     void operator()(const physics::Reset&) const
     {
+        scene.contacts.clear();
         for (const auto& body : scene.soft) {
             const std::vector<Vec3>& rest = body->plan().mesh.nodes;
             body->write({rest, std::vector<Vec3>(rest.size())});
@@ -94,6 +118,21 @@ struct ApplyCommand {
     template <class Refused> void operator()(const Refused&) const {} // see checkCommand()
 
 private:
+    void nothingAttached(BodyId body) const
+    {
+        report.set(StepFlag::NothingAttached);
+        logWarning("soft body '", soft(body)->plan().def.name, "': an attachment found no node");
+    }
+    /// The attachments of a new body's Def that are no pins.
+    template <class Def> void tieAll(const physics::AddBody& add, const std::vector<Def>& defs) const
+    {
+        for (std::size_t i = 0; i < defs.size(); ++i) {
+            const AttachmentId id{add.attachments.value + static_cast<std::uint32_t>(i)};
+            if constexpr (std::is_same_v<Def, physics::AttachmentDef>)
+                if (!isTie(defs[i])) continue;
+            if (!addTie(id, add.id, defs[i], scene)) nothingAttached(add.id);
+        }
+    }
     /// Throws an Error if SOFA could not make the body.
     template <class Body> static Body* made(Body* body, BodyId id)
     {
@@ -107,14 +146,11 @@ private:
 /// The command's name, if this engine has no such command at all.
 struct Missing {
     const char* operator()(const physics::SetJoint&) const { return "SetJoint"; }
-    const char* operator()(const physics::SetHaptic&) const { return "SetHaptic"; }
     const char* operator()(const physics::SetTissue&) const { return "SetTissue"; }
     const char* operator()(const physics::SetFibreStress&) const { return "SetFibreStress"; }
     const char* operator()(const physics::SetCavity&) const { return "SetCavity"; }
     const char* operator()(const physics::SetCurvature&) const { return "SetCurvature"; }
     const char* operator()(const physics::SetCutting&) const { return "SetCutting"; }
-    const char* operator()(const physics::AttachRigid&) const { return "AttachRigid"; }
-    const char* operator()(const physics::Grasp&) const { return "Grasp"; }
     const char* operator()(const physics::RemovePiece&) const { return "RemovePiece"; }
     template <class Known> const char* operator()(const Known&) const { return nullptr; }
 };
@@ -141,7 +177,9 @@ void checkCommand(const Command& command, const physics::BodyDef* def)
     const std::string object = def ? describeBody(*def) : std::string("physics");
     if (const char* name = std::visit(Missing{}, command))
         fail(object, ": ", name, " is not available with the engine 'sofa'");
-    if (const auto* attach = std::get_if<physics::Attach>(&command)) checkPin(attach->def, object + ": attach");
+    const auto* attach = std::get_if<physics::Attach>(&command);
+    if (attach && isTie(attach->def)) checkTie(attach->def, object + ": attach");
+    if (const auto* rigid = std::get_if<physics::AttachRigid>(&command)) checkTie(rigid->def, object + ": attach");
 }
 
 void applyCommands(std::span<Command> commands, physics::PhysicsEngine& self, SofaScene& scene,

@@ -6,11 +6,22 @@
 #include <vector>
 
 namespace filasofia::sofaengine {
+namespace {
+
+using Components = std::vector<::sofa::core::objectmodel::BaseObject::SPtr>;
+
+void addComponents(const ::sofa::simulation::Node& node, Components& out)
+{
+    for (const auto& each : node.object) out.push_back(each);
+    for (const auto& below : node.child) addComponents(*below, out);
+}
+
+} // namespace
 
 void removeNode(::sofa::simulation::Node::SPtr& node)
 {
-    std::vector<::sofa::core::objectmodel::BaseObject::SPtr> components;
-    for (const auto& each : node->object) components.push_back(each);
+    Components components;
+    addComponents(*node, components);
     ::sofa::simulation::node::unload(node);
     // SOFA's assembled systems give a component slaves that hold their master: without this neither would be deleted.
     for (const auto& each : components) {

@@ -1,6 +1,8 @@
 #include "filasofia/sofa/rigid_node.h"
 
 #include "filasofia/core/text.h"
+#include "filasofia/sofa/collision_node.h"
+#include "filasofia/sofa/free_correction.h"
 #include "filasofia/sofa/node_removal.h"
 
 #include <sofa/component/linearsolver/iterative/CGLinearSolver.h>
@@ -46,20 +48,9 @@ void addRigidSolver(const physics::RigidBodyDef& def, ::sofa::simulation::Node& 
 
 } // namespace
 
-void RigidLoads::addForce(const ::sofa::core::MechanicalParams* /*params*/, DataVecDeriv& f, const DataVecCoord& /*x*/,
-                          const DataVecDeriv& /*v*/)
-{
-    auto& force = *f.beginEdit();
-    const ::sofa::type::Vec3 weight = getContext()->getGravity() * weightless;
-    for (std::size_t i = 0; i < wrenches.size(); ++i) {
-        getVCenter(force[i]) += toSofa(wrenches[i].force) - weight;
-        getVOrientation(force[i]) += toSofa(wrenches[i].torque);
-    }
-    f.endEdit();
-}
-
 // Delegating: if what follows throws, the destructor takes the node out of the graph.
-RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root) : RigidNode(id, std::move(plan))
+RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root, const ContactStage& contact)
+    : RigidNode(id, std::move(plan))
 {
     const bool dynamic = plan_.def.dynamic;
     node_ = root.createChild(text("body", id.value));
@@ -77,15 +68,46 @@ RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root) 
         loads_ = New<RigidLoads>();
         loads_->setName("loads");
         loads_->wrenches.resize(plan_.def.elements.size());
+        loads_->hands.resize(plan_.def.elements.size());
         if (!plan_.def.gravity) loads_->weightless = plan_.inertia.mass;
         node_->addObject(loads_);
     }
+    for (const CollisionPlan& each : plan_.collision) {
+        for (const Vec3 vertex : each.mesh.vertices) reach_ = std::max(reach_, distance(vertex, plan_.inertia.centre));
+        addCollision(each, {.body = id, .moves = dynamic, .friction = plan_.def.friction}, contact, *state_,
+                     plan_.inertia.centre);
+    }
     ::sofa::simulation::node::init(node_.get());
+    if (contact.constrains()) joinConstraints();
 }
 
 RigidNode::~RigidNode()
 {
     if (node_) removeNode(node_);
+}
+
+void RigidNode::joinConstraints()
+{
+    constrained_ = true;
+    const auto correction = New<FreeCorrection<RigidTypes>>();
+    if (plan_.def.dynamic) // as the solver: the inertia keeps the axes of the world
+        correction->respond = [this](std::size_t element, const RigidTypes::Deriv& impulse, double dt) {
+            const RigidLoads::HandInertia hand = loads_->handInertia(element, dt);
+            const double damped = 1 + dt * plan_.def.linearDamping;
+            const Mat3 inertia = damped * plan_.inertia.inertia + hand.inertia * Mat3::identity();
+            return RigidTypes::Deriv(getVCenter(impulse) / (plan_.inertia.mass * damped + hand.mass),
+                                     toSofa(inverse(inertia) * fromSofa(getVOrientation(impulse))));
+        };
+    node_->addObject(correction);
+    correction->init();
+}
+
+double RigidNode::speed() const
+{
+    double fastest = 0.0;
+    for (const auto& each : state_->v.getValue())
+        fastest = std::max<double>(fastest, getVCenter(each).norm() + reach_ * getVOrientation(each).norm());
+    return fastest;
 }
 
 RigidState RigidNode::start() const
@@ -142,6 +164,21 @@ void RigidNode::setWrench(int element, const RigidLoads::Wrench& wrench)
     loads_->wrenches[static_cast<std::size_t>(element)] = wrench;
 }
 
+void RigidNode::setHand(int element, const physics::HapticTarget& target)
+{
+    if (!plan_.def.dynamic) {
+        setPose(element, target.pose);
+        return;
+    }
+    const VirtualCoupling& c = target.coupling;
+    auto& hand = loads_->hands[static_cast<std::size_t>(element)];
+    hand.reset();
+    if (c.linearStiffness == 0 && c.linearDamping == 0 && c.angularStiffness == 0 && c.angularDamping == 0) return;
+    const MotionState motion{
+        {target.pose.position, normalized(target.pose.orientation)}, target.velocity, target.angularVelocity};
+    hand = RigidLoads::Hand{.target = atPoint(motion, plan_.inertia.centre), .coupling = c};
+}
+
 void RigidNode::setPose(int element, const Pose& pose)
 {
     const auto at = static_cast<std::size_t>(element);
@@ -158,6 +195,7 @@ void RigidNode::setPose(int element, const Pose& pose)
 
 void RigidNode::beginMove(double dt)
 {
+    if (loads_) loads_->limitHands(dt);
     if (plan_.def.dynamic) return;
     RigidState now;
     read(now);
@@ -170,6 +208,8 @@ void RigidNode::beginMove(double dt)
         now.angularVelocities[i] = rotationVector(targets_[i]->orientation * conjugate(now.poses[i].orientation)) / dt;
     }
     write(now);
+    // What has no solver keeps the velocity with which SOFA first saw it.
+    if (constrained_) state_->write(::sofa::core::vec_id::write_access::freeVelocity)->setValue(state_->v.getValue());
 }
 
 void RigidNode::finishMove()

@@ -1,6 +1,7 @@
 #include "filasofia/sofa/rigid_plan.h"
 
 #include "filasofia/core/validate.h"
+#include "filasofia/sofa/make_tie.h"
 
 namespace filasofia::sofaengine {
 
@@ -12,12 +13,12 @@ RigidPlan planRigid(const physics::RigidBodyDef& def)
     check(physics::BodyDef{def});
     if (!def.articulation.joints.empty()) fail(object, ": articulation", lacks);
     if (def.needle) fail(object, ": needle", lacks);
-    if (!def.collision.empty()) fail(object, ": collision", lacks);
-    if (!def.attachments.empty()) fail(object, ": attachments", lacks);
+    for (std::size_t i = 0; i < def.attachments.size(); ++i)
+        checkTie(def.attachments[i], text(object, ": attachments[", i, "]"));
     if (def.dynamic && def.linearDamping != def.angularDamping)
         fail(object, ": an angularDamping that differs from linearDamping", lacks, ", got ", def.angularDamping,
              " and ", def.linearDamping);
-    return {.def = def, .inertia = inertiaOf(def)};
+    return {.def = def, .inertia = inertiaOf(def), .collision = planCollision(def, object)};
 }
 
 } // namespace filasofia::sofaengine

@@ -1,13 +1,14 @@
 #pragma once
 
-#include "filasofia/physics/defs.h"
+#include "filasofia/sofa/collision_plan.h"
 
 namespace filasofia::sofaengine {
 
 /// A rigid body as its node in SOFA is made: checked, plain data of ours, made on any thread.
 struct RigidPlan {
     physics::RigidBodyDef def = {};
-    physics::RigidInertia inertia = {}; ///< the same for each element; zero if the body is kinematic
+    physics::RigidInertia inertia = {};        ///< the same for each element; zero if the body is kinematic
+    std::vector<CollisionPlan> collision = {}; ///< its collision models
 };
 
 /// Throws an Error that names the body and the field if the Def is wrong, or if it asks for what this engine lacks.

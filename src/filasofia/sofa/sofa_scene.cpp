@@ -2,6 +2,21 @@
 
 namespace filasofia::sofaengine {
 
+void startConstraints(SofaScene& scene)
+{
+    if (scene.contact.isOn()) return;
+    scene.contact.start(*scene.root);
+    if (!scene.contact.isExact()) return;
+    for (const auto& body : scene.soft) body->joinConstraints();
+    for (const auto& body : scene.rigid) body->joinConstraints();
+}
+
+void startContact(const std::vector<CollisionPlan>& collision, SofaScene& scene)
+{
+    scene.contact.join(collision);
+    if (!collision.empty()) startConstraints(scene);
+}
+
 SceneState stateOf(const SofaScene& scene)
 {
     SceneState state{.gravity = fromSofa(scene.root->getGravity())};
@@ -10,6 +25,7 @@ SceneState stateOf(const SofaScene& scene)
         state.pins.push_back(body->pins());
     }
     for (const auto& body : scene.rigid) body->read(state.rigid.emplace_back());
+    for (const auto& tie : scene.ties) state.ties.push_back(tie->id());
     return state;
 }
 

@@ -2,6 +2,7 @@
 
 #include "filasofia/sofa/rigid_node.h"
 #include "filasofia/sofa/soft_node.h"
+#include "filasofia/sofa/tie.h"
 
 #include <memory>
 #include <vector>
@@ -13,6 +14,10 @@ struct SofaScene {
     ::sofa::simulation::Node::SPtr root = {};
     std::vector<std::unique_ptr<SoftNode>> soft = {};
     std::vector<std::unique_ptr<RigidNode>> rigid = {};
+    ContactStage contact;
+    std::vector<FoundContact> contacts = {};     ///< the last step's
+    std::vector<std::unique_ptr<Tie>> ties = {}; ///< in the order of ids
+    std::vector<physics::Grasp> grasps = {};     ///< those that wait for contacts in the next step
 };
 
 /// The state of a scene between two steps.
@@ -21,7 +26,13 @@ struct SceneState {
     std::vector<SoftState> soft = {};
     std::vector<RigidState> rigid = {};
     std::vector<std::vector<PinGroup>> pins = {}; ///< per soft body
+    std::vector<AttachmentId> ties = {};
 };
+
+/// From now on bodies may have constraints.
+void startConstraints(SofaScene& scene);
+/// A body comes with collision models, whose proximities [m] it has: contact begins with the first.
+void startContact(const std::vector<CollisionPlan>& collision, SofaScene& scene);
 
 SceneState stateOf(const SofaScene& scene);
 /// The scene must have the same bodies.

@@ -4,10 +4,12 @@
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/sofa/apply_commands.h"
+#include "filasofia/sofa/make_tie.h"
 #include "filasofia/sofa/sofa_process.h"
 
 #include <sofa/simulation/DefaultAnimationLoop.h>
 #include <sofa/simulation/DefaultVisualManagerLoop.h>
+#include <sofa/simulation/MechanicalOperations.h>
 #include <sofa/simulation/Simulation.h>
 
 namespace filasofia::sofaengine {
@@ -21,6 +23,38 @@ struct WorldState final : physics::EngineState {
     double time = 0.0;
     std::uint64_t steps = 0;
 };
+
+const SofaEngineDef& checked(const SofaEngineDef& def)
+{
+    validate(def, "SOFA engine");
+    return def;
+}
+
+/// Surfaces follow their bodies only within a step: those that were moved since must be brought along.
+void followBodies(::sofa::simulation::Node& root)
+{
+    ::sofa::simulation::common::MechanicalOperations operations(::sofa::core::mechanicalparams::defaultInstance(),
+                                                                &root);
+    operations.propagateXAndV(::sofa::core::vec_id::write_access::position,
+                              ::sofa::core::vec_id::write_access::velocity);
+}
+
+void writeConstraints(const SofaScene& scene, std::vector<frame::Contact>& contacts,
+                      std::vector<frame::Attachment>& attachments)
+{
+    contacts.clear();
+    for (const FoundContact& each : scene.contacts) contacts.push_back(each.contact);
+    attachments.clear();
+    for (const auto& tie : scene.ties) attachments.push_back(tie->report());
+}
+
+double fastest(const SofaScene& scene)
+{
+    double speed = 0.0;
+    for (const auto& body : scene.soft) speed = std::max(speed, body->speed());
+    for (const auto& body : scene.rigid) speed = std::max(speed, body->speed());
+    return speed;
+}
 
 /// One step of the whole graph. False, with a line in the log, if it ended with an exception.
 bool animate(::sofa::simulation::Node& root, double dt)
@@ -38,9 +72,8 @@ bool animate(::sofa::simulation::Node& root, double dt)
 
 } // namespace
 
-SofaWorld::SofaWorld(const SofaEngineDef& def)
+SofaWorld::SofaWorld(const SofaEngineDef& def) : scene_{.contact = ContactStage(checked(def).contact)}
 {
-    validate(def, "SOFA engine");
     const Lock lock(sofaMutex());
     startSofa();
     scene_.root = ::sofa::simulation::Simulation::theSimulation->createNewGraph("root");
@@ -55,6 +88,8 @@ SofaWorld::SofaWorld(const SofaEngineDef& def)
 SofaWorld::~SofaWorld()
 {
     const Lock lock(sofaMutex());
+    scene_.contact.forget();
+    scene_.ties.clear();
     scene_.soft.clear();
     scene_.rigid.clear();
     ::sofa::simulation::node::unload(scene_.root);
@@ -63,11 +98,20 @@ SofaWorld::~SofaWorld()
 
 physics::EngineInfo SofaWorld::info() const { return {.name = "sofa", .version = FILASOFIA_SOFA_VERSION}; }
 
-std::unique_ptr<physics::BuiltBody> SofaWorld::build(const physics::BodyDef& def) const { return planBody(def); }
+std::unique_ptr<physics::BuiltBody> SofaWorld::build(const physics::BodyDef& def) const
+{
+    scene_.contact.check(def);
+    return planBody(def);
+}
 
 void SofaWorld::check(const physics::Command& command, const physics::BodyDef* def) const
 {
     checkCommand(command, def);
+    const auto* attach = std::get_if<physics::Attach>(&command);
+    const bool ties = attach ? isTie(attach->def)
+                             : std::holds_alternative<physics::AttachRigid>(command) ||
+                                   std::holds_alternative<physics::Grasp>(command);
+    if (ties) scene_.contact.checkTies(def ? describeBody(*def) : std::string("physics"));
 }
 
 physics::StepReport SofaWorld::step(const physics::StepInput& in)
@@ -96,7 +140,14 @@ void SofaWorld::advance(double dt, physics::StepReport& report)
     scene_.root->setDt(dt);                                     // some components read it in place of the step's
     ::sofa::simulation::node::updateContext(scene_.root.get()); // a step of SOFA hands gravity down only at its end
     for (const auto& body : scene_.rigid) body->beginMove(dt);
+    if (scene_.contact.isOn()) {
+        followBodies(*scene_.root);
+        scene_.contact.prepare(fastest(scene_) + length(before.gravity) * dt, dt);
+    }
+    std::erase_if(scene_.ties, [](const auto& each) { return each->isBroken(); });
+    for (const auto& tie : scene_.ties) tie->prepare(dt);
     const bool failed = !animate(*scene_.root, dt);
+    readConstraints(failed, dt, report);
     for (std::size_t b = 0; b < scene_.soft.size(); ++b)
         if (failed || !scene_.soft[b]->isUsable()) {
             const std::vector<Vec3>& positions = before.soft[b].positions;
@@ -115,6 +166,23 @@ void SofaWorld::advance(double dt, physics::StepReport& report)
         if (solve.atLimit) report.set(physics::StepFlag::NotConverged);
         report.solves.push_back({body->id(), solve.iterations, solve.residual, body->id()});
     }
+}
+
+void SofaWorld::readConstraints(bool failed, double dt, physics::StepReport& report)
+{
+    scene_.contacts.clear();
+    if (failed) {
+        scene_.contact.forget();
+        return;
+    }
+    scene_.contact.read(dt, scene_.contacts, report);
+    for (const auto& tie : scene_.ties) tie->finish(scene_.contact.impulses(), dt);
+    for (const physics::Grasp& grasp : std::exchange(scene_.grasps, {}))
+        if (!addTie(grasp, scene_)) {
+            report.set(physics::StepFlag::NothingAttached);
+            logWarning("rigid body '", findBody(scene_.rigid, grasp.rigid)->plan().def.name,
+                       "': grasp.target: no contact with body ", grasp.target.value, "; nothing is attached");
+        }
 }
 
 void SofaWorld::capture(frame::Frame& out) const
@@ -140,8 +208,7 @@ void SofaWorld::capture(frame::Frame& out) const
                               .velocities = std::move(state.velocities),
                               .angularVelocities = std::move(state.angularVelocities)};
     }
-    out.contacts.clear();
-    out.attachments.clear();
+    writeConstraints(scene_, out.contacts, out.attachments);
     out.channels.clear();
 }
 
@@ -154,8 +221,7 @@ void SofaWorld::record(physics::StepRecord& out) const
         body->read(state);
         out.rigidPoses.insert(out.rigidPoses.end(), state.poses.begin(), state.poses.end());
     }
-    out.contacts.clear();
-    out.attachments.clear();
+    writeConstraints(scene_, out.contacts, out.attachments);
     out.channels.clear();
 }
 
@@ -195,6 +261,7 @@ void SofaWorld::restore(const physics::EngineState& saved)
     const Lock lock(sofaMutex());
     if (state->scene.soft.size() != scene_.soft.size() || state->scene.rigid.size() != scene_.rigid.size())
         fail("restore: the state has other bodies");
+    if (state->scene.ties != stateOf(scene_).ties) fail("restore: the state has other attachments between bodies");
     setState(state->scene, scene_);
     time_ = state->time;
     steps_ = state->steps;

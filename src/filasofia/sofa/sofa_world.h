@@ -28,6 +28,7 @@ public:
 
 private:
     void advance(double dt, physics::StepReport& report);
+    void readConstraints(bool failed, double dt, physics::StepReport& report);
 
     SofaScene scene_;
     double time_ = 0.0; ///< [s]

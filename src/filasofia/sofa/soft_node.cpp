@@ -1,11 +1,14 @@
 #include "filasofia/sofa/soft_node.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/sofa/collision_node.h"
 #include "filasofia/sofa/corotational.h"
+#include "filasofia/sofa/free_correction.h"
 #include "filasofia/sofa/node_removal.h"
 
 #include "filasofia/physics/rigid_body_def.h"
 
+#include <sofa/component/constraint/lagrangian/correction/LinearSolverConstraintCorrection.h>
 #include <sofa/component/constraint/projective/FixedProjectiveConstraint.h>
 #include <sofa/component/linearsolver/direct/SparseLDLSolver.h>
 #include <sofa/component/linearsolver/iterative/CGLinearSolver.h>
@@ -21,6 +24,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace filasofia::sofaengine {
 namespace {
@@ -141,9 +145,11 @@ template <class Gradients> SolveOutcome outcomeOf(const Gradients& solver)
 } // namespace
 
 // Delegating: if what follows throws, the destructor takes the node out of the graph.
-SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root) : SoftNode(id, std::move(plan))
+SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root, const ContactStage& contact)
+    : SoftNode(id, std::move(plan))
 {
     node_ = root.createChild(text("body", id.value));
+    coupled_ = contact.isExact() && !plan_.collision.empty();
     addSolver();
     node_->addObject(topologyOf(plan_.mesh));
     state_ = New<State>();
@@ -164,7 +170,10 @@ SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root) : S
     loads_->pressure = plan_.def.pressure;
     if (!plan_.def.gravity) loads_->weightless = plan_.masses;
     node_->addObject(loads_);
+    for (const CollisionPlan& each : plan_.collision)
+        addCollision(each, {.body = id, .soft = true, .friction = plan_.def.friction}, contact, *state_);
     ::sofa::simulation::node::init(node_.get());
+    if (contact.constrains()) joinConstraints();
     setPins(plan_.pins);
 }
 
@@ -184,8 +193,9 @@ void SoftNode::addSolver()
     auto euler = New<odesolver::backward::EulerImplicitSolver>();
     euler->d_rayleighMass.setValue(plan_.def.rayleigh.mass);
     euler->d_rayleighStiffness.setValue(plan_.def.rayleigh.stiffness);
-    node_->addObject(euler);
-    solver_ = solverOf(plan_.def.solver);
+    node_->addObject(euler_ = euler);
+    // Constraints need how far each other's forces move a body: only a factor gives that.
+    solver_ = solverOf(coupled_ ? physics::Solver{physics::Cholesky{}} : plan_.def.solver);
     node_->addObject(solver_);
 }
 
@@ -197,6 +207,46 @@ void SoftNode::addLaw()
         law_ = continuumOf(plan_, std::get<physics::FemMaterial>(plan_.def.material).law);
     law_->setName("law");
     node_->addObject(law_);
+}
+
+void SoftNode::joinConstraints()
+{
+    if (correction_) node_->removeObject(correction_);
+    if (coupled_ && solver_) {
+        correction_ = New<constraint::lagrangian::correction::LinearSolverConstraintCorrection<Vec3Types>>();
+    } else {
+        const auto free = New<FreeCorrection<Vec3Types>>();
+        if (coupled_)
+            free->respond = [this](std::size_t node, const Vec3Types::Deriv& impulse, double) {
+                return impulse / plan_.masses[node];
+            };
+        correction_ = free;
+    }
+    node_->addObject(correction_);
+    correction_->init();
+}
+
+void SoftNode::couple()
+{
+    if (std::exchange(coupled_, true)) return;
+    if (solver_ && !std::holds_alternative<physics::Cholesky>(plan_.def.solver)) {
+        // The system that the old solver made would be found by the new one, and the old one by the integrator.
+        for (auto* system : node_->getNodeObjects<::sofa::core::behavior::BaseMatrixLinearSystem>())
+            node_->removeObject(system);
+        node_->removeObject(solver_);
+        node_->removeObject(euler_);
+        addSolver();
+        solver_->init();
+        euler_->init();
+    }
+    joinConstraints();
+}
+
+double SoftNode::speed() const
+{
+    double squared = 0.0;
+    for (const auto& each : state_->v.getValue()) squared = std::max<double>(squared, each.norm2());
+    return std::sqrt(squared);
 }
 
 void SoftNode::read(SoftState& out) const

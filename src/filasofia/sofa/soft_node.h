@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/sofa/body_loads.h"
+#include "filasofia/sofa/contact_stage.h"
 
 #include "filasofia/frame/frame.h"
 #include "filasofia/physics/step.h"
@@ -26,8 +27,8 @@ struct SoftState {
 /// A soft body in SOFA: a node with its state, mass, law, loads, pins and solvers.
 class SoftNode {
 public:
-    /// Makes the node below `root`. Throws what SOFA throws.
-    SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root);
+    /// Makes the node below `root`; `contact` has been started if the body collides. Throws what SOFA throws.
+    SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root, const ContactStage& contact);
     ~SoftNode();
     SoftNode(const SoftNode&) = delete;
     SoftNode& operator=(const SoftNode&) = delete;
@@ -36,6 +37,7 @@ public:
     [[nodiscard]] const SoftPlan& plan() const { return plan_; }
     [[nodiscard]] ::sofa::simulation::Node& node() const { return *node_; }
     [[nodiscard]] BodyLoads& loads() const { return *loads_; }
+    [[nodiscard]] ::sofa::component::statecontainer::MechanicalObject<Vec3Types>& states() const { return *state_; }
 
     /// Writes the state into lists, whose memory is reused.
     void read(SoftState& out) const;
@@ -43,6 +45,12 @@ public:
     /// Whether every position and velocity is finite and near enough.
     [[nodiscard]] bool isUsable() const;
     [[nodiscard]] SolveOutcome outcome() const;
+
+    [[nodiscard]] double speed() const; ///< [m/s] the fastest node's
+    /// The scene has constraints from now on: without it they would hold the body where it is.
+    void joinConstraints();
+    /// Constraints act on the body from now on: the scene has them. It then has the solver that they need.
+    void couple();
 
     /// Attachments to space.
     [[nodiscard]] const std::vector<PinGroup>& pins() const { return pins_; }
@@ -63,7 +71,8 @@ private:
     ::sofa::simulation::Node::SPtr node_;
     State::SPtr state_;
     BodyLoads::SPtr loads_;
-    ::sofa::core::objectmodel::BaseObject::SPtr law_, fixed_, solver_;
+    ::sofa::core::objectmodel::BaseObject::SPtr law_, fixed_, euler_, solver_, correction_;
+    bool coupled_ = false; ///< constraints act on it
 };
 
 } // namespace filasofia::sofaengine

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/validate.h"
 #include "filasofia/geometry/surface.h"
+#include "filasofia/sofa/make_tie.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +52,6 @@ void checkMaterial(const FemMaterial& material, const std::string& object)
 void checkBody(const SoftBodyDef& def, const std::string& object)
 {
     if (std::holds_alternative<physics::ShellMaterial>(def.material)) fail(object, ": material: a shell", kLacks);
-    if (!def.collision.empty()) fail(object, ": collision", kLacks);
     if (def.dynamicTopology) fail(object, ": dynamicTopology", kLacks);
 }
 
@@ -113,7 +113,6 @@ PinGroup pinsOf(const physics::AttachmentDef& def, const std::string& object, co
     for (const int node : def.nodes)
         if (node < 0 || node >= count) fail(object, ".nodes must be in [0, ", count, "), got ", node);
     if (def.box && geometry::isEmpty(*def.box)) fail(object, ".box: high must be >= low in every axis");
-    checkPin(def, object);
     PinGroup group{.nodes = nodesOf(def, rest), .stiffness = def.stiffness};
     if (group.nodes.empty()) fail(object, ": must hold at least one node, got none");
     for (const int node : group.nodes) group.places.push_back(rest[static_cast<std::size_t>(node)]);
@@ -121,12 +120,6 @@ PinGroup pinsOf(const physics::AttachmentDef& def, const std::string& object, co
 }
 
 } // namespace
-
-void checkPin(const physics::AttachmentDef& def, const std::string& object)
-{
-    if (def.to) fail(object, ".to: an attachment to another body", kLacks);
-    if (std::isfinite(def.breakForce)) fail(object, ".breakForce", kLacks);
-}
 
 std::vector<int> nodesOf(const physics::AttachmentDef& def, const std::vector<Vec3>& at)
 {
@@ -149,8 +142,16 @@ SoftPlan planSoft(const SoftBodyDef& def)
     checkBody(def, object);
     SoftPlan plan{.def = def, .mesh = worldMesh(def)};
     addMaterial(object + ": material", plan);
-    for (std::size_t i = 0; i < def.attachments.size(); ++i)
-        plan.pins.push_back(pinsOf(def.attachments[i], text(object, ": attachments[", i, "]"), plan.mesh.nodes));
+    plan.collision = planCollision(def, plan.mesh, object);
+    for (std::size_t i = 0; i < def.attachments.size(); ++i) {
+        const std::string field = text(object, ": attachments[", i, "]");
+        PinGroup pins = pinsOf(def.attachments[i], field, plan.mesh.nodes);
+        pins.id = {static_cast<std::uint32_t>(i)};
+        if (isTie(def.attachments[i]))
+            checkTie(def.attachments[i], field);
+        else
+            plan.pins.push_back(std::move(pins));
+    }
     for (const physics::NodalForce& each : def.forces)
         if (static_cast<std::size_t>(each.node) >= plan.mesh.nodes.size())
             fail(object, ": forces: node must be in [0, ", plan.mesh.nodes.size(), "), got ", each.node);

@@ -3,6 +3,7 @@
 #include "filasofia/core/attachment_id.h"
 #include "filasofia/geometry/tet_mesh.h"
 #include "filasofia/physics/commands.h"
+#include "filasofia/sofa/collision_plan.h"
 
 #include <array>
 #include <vector>
@@ -25,7 +26,8 @@ struct SoftPlan {
     std::vector<double> youngModulus = {};        ///< [Pa] per tetrahedron; empty if the material is of springs
     std::vector<double> poissonRatio = {};        ///< [-] per tetrahedron; empty if the material is of springs
     std::vector<std::array<int, 2>> edges = {};   ///< those of the mesh, once each; empty unless it is of springs
-    std::vector<PinGroup> pins = {};              ///< those of the Def, in its order
+    std::vector<PinGroup> pins = {};              ///< those of the Def; ids count its attachments from 0
+    std::vector<CollisionPlan> collision = {};    ///< its collision models
     std::vector<std::array<int, 3>> surface = {}; ///< faces of one tetrahedron, counter-clockwise from outside
 };
 
@@ -34,8 +36,5 @@ SoftPlan planSoft(const physics::SoftBodyDef& def);
 
 /// Nodes that an attachment selects, ascending. `at`: where they are now.
 std::vector<int> nodesOf(const physics::AttachmentDef& def, const std::vector<Vec3>& at);
-
-/// Throws an Error that begins with `object` if an attachment is more than a hold in space.
-void checkPin(const physics::AttachmentDef& def, const std::string& object);
 
 } // namespace filasofia::sofaengine

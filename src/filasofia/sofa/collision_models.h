@@ -1,0 +1,49 @@
+#pragma once
+
+#include "filasofia/core/body_id.h"
+
+#include <sofa/core/CollisionModel.h>
+
+namespace filasofia::sofaengine {
+
+/// What our rules of collision ask about a collision model of SOFA.
+struct ModelTag {
+    BodyId body = {};
+    int element = 0;        ///< in a rigid body
+    bool soft = false;      ///< the body is soft
+    bool moves = true;      ///< by forces; false for a kinematic body
+    int group = 0;          ///< only models of the same group meet
+    bool self = false;      ///< whether it meets its own body
+    double friction = 0.0;  ///< [-] the body's
+    double stiffness = 0.0; ///< [N/m] a contact's, if contacts are penalties
+};
+/// Has a tag, whatever kind of model it is.
+class Tagged {
+public:
+    Tagged() = default;
+    virtual ~Tagged() = default;
+    Tagged(const Tagged&) = delete;
+    Tagged& operator=(const Tagged&) = delete;
+    ModelTag tag = {};
+};
+
+inline bool mayMeet(const ModelTag& a, const ModelTag& b)
+{
+    if (a.group != b.group || !(a.moves || b.moves)) return false;
+    if (a.body != b.body) return true;
+    return a.self && b.self && (a.soft || a.element != b.element);
+}
+
+/// A collision model of SOFA with our rules. SOFA's own are the opposite: models of the same group do not collide.
+template <class Base> class TaggedModel final : public Base, public Tagged {
+public:
+    SOFA_CLASS(SOFA_TEMPLATE(TaggedModel, Base), Base);
+
+    bool canCollideWith(::sofa::core::CollisionModel* other) override
+    {
+        const auto* tagged = dynamic_cast<const Tagged*>(other);
+        return tagged ? mayMeet(tag, tagged->tag) : Base::canCollideWith(other); // a user's, added by tune()
+    }
+};
+
+} // namespace filasofia::sofaengine

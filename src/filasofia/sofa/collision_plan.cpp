@@ -1,0 +1,57 @@
+#include "filasofia/sofa/collision_plan.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/geometry/surface.h"
+
+namespace filasofia::sofaengine {
+namespace {
+
+void checkModel(const physics::CollisionDef& def, const std::string& field)
+{
+    const physics::Primitives& p = def.primitives;
+    if (!p.points && !p.lines && !p.triangles)
+        fail(field, ".primitives must have points, lines or triangles, got none");
+    if (def.cutting) fail(field, ".cutting is not available with the engine 'sofa'");
+    // Surfaces at rest on each other must have a distance: its direction is the normal.
+    if (!(def.proximity > 0.0)) fail(field, ".proximity must be > 0 m with the engine 'sofa', got ", def.proximity);
+}
+
+} // namespace
+
+std::vector<CollisionPlan> planCollision(const physics::SoftBodyDef& def, const geometry::TetMesh& world,
+                                         const std::string& object)
+{
+    std::vector<CollisionPlan> plans;
+    for (std::size_t i = 0; i < def.collision.size(); ++i) {
+        const std::string field = text(object, ": collision[", i, "]");
+        checkModel(def.collision[i], field);
+        CollisionPlan& plan = plans.emplace_back(CollisionPlan{.def = def.collision[i]});
+        if (const auto given = physics::loadMesh(plan.def.mesh, field + ".mesh")) {
+            plan.mesh = *given;
+            const Pose pose = physics::unitPose(def.pose, object);
+            for (Vec3& vertex : plan.mesh.vertices) vertex = transform(pose, vertex);
+        } else {
+            geometry::Surface surface = geometry::extractSurface(world);
+            plan.mesh = std::move(surface.mesh);
+            plan.nodes = std::move(surface.nodes);
+        }
+    }
+    return plans;
+}
+
+std::vector<CollisionPlan> planCollision(const physics::RigidBodyDef& def, const std::string& object)
+{
+    std::vector<CollisionPlan> plans;
+    for (std::size_t i = 0; i < def.collision.size(); ++i) {
+        const std::string field = text(object, ": collision[", i, "]");
+        checkModel(def.collision[i], field);
+        CollisionPlan& plan = plans.emplace_back(CollisionPlan{.def = def.collision[i]});
+        auto mesh = physics::loadMesh(plan.def.mesh, field + ".mesh");
+        if (!mesh) mesh = physics::loadMesh(def.mesh, object + ": mesh");
+        if (!mesh) fail(field, ".mesh: no mesh is given, and the body has none");
+        plan.mesh = *mesh;
+    }
+    return plans;
+}
+
+} // namespace filasofia::sofaengine

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "filasofia/sofa/sofa_scene.h"
+
+#include <string>
+
+namespace filasofia::sofaengine {
+
+/// Whether an attachment needs constraints: one to a body, or one that may break. All others are pins.
+bool isTie(const physics::AttachmentDef& def);
+
+/// Throws an Error that begins with `object` if this engine lacks what a tie asks for.
+void checkTie(const physics::AttachmentDef& def, const std::string& object);
+void checkTie(const physics::RigidAttachmentDef& def, const std::string& object);
+
+/// Ties nodes, or points of an element; false if there are none. Throws what SOFA throws.
+bool addTie(AttachmentId id, BodyId body, const physics::AttachmentDef& def, SofaScene& scene);
+bool addTie(AttachmentId id, BodyId body, const physics::RigidAttachmentDef& def, SofaScene& scene);
+/// Ties a body to what it touched of another in the last step; false if that is nothing.
+bool addTie(const physics::Grasp& grasp, SofaScene& scene);
+
+} // namespace filasofia::sofaengine
