@@ -13,7 +13,7 @@ namespace laparoscopy {
 inline constexpr int kPegs = 6;                ///< on each side, from the back to the front, the outer ones first
 inline constexpr double kPegHeight = 18e-3;    ///< [m]
 inline constexpr double kRingHeight = 7e-3;    ///< [m]
-inline constexpr double kRingRadius = 7.15e-3; ///< [m], of the middle of its wall
+inline constexpr double kRingRadius = 7.15e-3; ///< [m] to the middle of its wall
 enum Side { LeftSide, RightSide };
 
 /// [m], where a peg stands, on the board.

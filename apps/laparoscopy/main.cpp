@@ -12,7 +12,7 @@ struct Difficulty {
     bool guided;    ///< instructions from the start
     double seconds; ///< [s], limit of the whole task
 };
-constexpr double kCutoff = 300.0; ///< [s], of the published score
+constexpr double kCutoff = 300.0; ///< [s] in the published score
 constexpr Difficulty kDifficulties[] = {
     {"easy", 3, false, true, kCutoff}, {"normal", 6, true, false, kCutoff}, {"hard", 6, true, false, 120}};
 

@@ -4,7 +4,8 @@ using namespace filasofia;
 
 int main(int argc, char** argv)
 try {
-    Simulation sim({.window = {"Bladder", 640, 480}, .look = {.around = Box{{-0.04, -0.03, -0.03}, {0.04, 0.03, 0.03}}}});
+    Simulation sim(
+        {.window = {"Bladder", 640, 480}, .look = {.around = Box{{-0.04, -0.03, -0.03}, {0.04, 0.03, 0.03}}}});
     SoftBodyDef organ{.name = "bladder", .mesh = shapes::bladder({25_mm, 20_mm, 20_mm}, 2_mm, {10, 1})};
     organ.material = FemMaterial{.youngModulus = 10_kPa, .poissonRatio = 0.45};
     organ.cavities = {{.fill = CavityFill::Liquid}}; // full of water, without pressure

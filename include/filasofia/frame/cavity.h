@@ -8,7 +8,7 @@ namespace filasofia::frame {
 struct Cavity {
     BodyId body = {};
     int cavity = 0;        ///< index in SoftBodyDef::cavities
-    double volume = 0.0;   ///< [m^3]; of an open one, up to a flat lid on each opening
+    double volume = 0.0;   ///< [m^3]; if it is open, up to a flat lid on each opening
     double pressure = 0.0; ///< [Pa], above that outside
     bool open = false;     ///< a cut or a tear has joined it to the outside
     double opening = 0.0;  ///< [m^2] area of all its openings: 0 while their lips lie on each other

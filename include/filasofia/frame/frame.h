@@ -46,7 +46,7 @@ struct Frame {
     std::vector<Contact> contacts = {};           ///< the contacts of the step with their forces
     std::vector<Attachment> attachments = {};     ///< in the order of their ids
     std::vector<Channel> channels = {};           ///< needles in tissue, in the order in which they began
-    std::vector<Cavity> cavities = {};            ///< of all soft bodies, in the order of their ids
+    std::vector<Cavity> cavities = {};            ///< in all soft bodies, in the order of their ids
 
     [[nodiscard]] const SoftBodyFrame* softBody(BodyId id) const;   ///< nullptr if there is none
     [[nodiscard]] const RigidBodyFrame* rigidBody(BodyId id) const; ///< nullptr if there is none

@@ -28,7 +28,7 @@ struct CavityDef {
     std::optional<Vec3> at = {};
     CavityFill fill = CavityFill::Gas;
     double pressure = 0.0; ///< [Pa], in (-101325, 1e8): at the start, above that outside
-    /// [Pa], in (0, 1e10]: of a Liquid, by how much its pressure rises per relative change of volume. Water has 2.2e9;
+    /// [Pa], in (0, 1e10]: by how much the pressure of a Liquid rises per relative loss of volume. Water has 2.2e9;
     /// beyond a thousand times the stiffness of the wall, only the solver's work grows
     double bulkModulus = 1e6;
     /// [kg/m^3], in [0, 1e5]: sets how fast it flows out through an opening, and the weight of a Liquid. None: 1.2 for

@@ -59,7 +59,7 @@ constexpr auto fields(const ElectrodeDef*)
 /// What an electrode has done since it was added or reset. Tissue takes no more than power * (active - inAir).
 struct EnergyBalance {
     double active = 0.0;    ///< [s], with its pedal pressed
-    double inAir = 0.0;     ///< [s], of these, in which it gave nothing: it touched no tissue that burns
+    double inAir = 0.0;     ///< [s] among these in which it gave nothing: it touched no tissue that burns
     double delivered = 0.0; ///< [J], taken by tissue
     friend bool operator==(const EnergyBalance&, const EnergyBalance&) = default;
 };

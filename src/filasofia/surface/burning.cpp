@@ -11,7 +11,7 @@ namespace filasofia::surface {
 namespace {
 
 constexpr double kBoiling = 373.15;     ///< [K]
-constexpr double kLatentHeat = 2.257e6; ///< [J/kg], of water at its boiling point
+constexpr double kLatentHeat = 2.257e6; ///< [J/kg] for water at its boiling point
 constexpr double kHarmless = 316.15;    ///< [K], 43 degrees Celsius: below it nothing is damaged within hours
 constexpr double kCool = 1e-3;          ///< [K] above rest, from which on nothing is computed
 constexpr double kMostDamage = 1e9;     ///< [-], keeps the number finite

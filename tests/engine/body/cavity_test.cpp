@@ -328,8 +328,7 @@ TEST_CASE("a cut through the wall opens a cavity: what flows out obeys Torricell
         const double y = i < 300 ? 0.03 - 0.016 * i / 300.0 : i < 600 ? 0.014 + 0.016 * (i - 300) / 300.0 : 0.03;
         stage.post(SetPose{blade, 0, at(y)});
         const double pressure = i > 0 ? report(stage).pressure : full;
-        for (const Rupture& each : stage.step(1e-3).topology.ruptures)
-            opened += static_cast<int>(each.cavities.size());
+        for (const Rupture& each : stage.step(1e-3).topology.ruptures) opened += static_cast<int>(each.cavities.size());
         const frame::Cavity& now = report(stage);
         if (!now.open) CHECK(now.lost == 0.0);
         wasOpen = wasOpen || now.open;

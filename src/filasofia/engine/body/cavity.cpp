@@ -13,8 +13,8 @@
 namespace filasofia::engine {
 namespace {
 
-// [-] As a share of the volume at the start. A cavity that is squeezed flatter, or inside out, keeps the pressure that it has
-// there.
+// [-] As a share of the volume at the start. A cavity that is squeezed flatter, or inside out, keeps the pressure that
+// it has there.
 constexpr double kSmallestVolume = 1e-3;
 
 /// [m^3] Six times the volume of a tetrahedron with a corner at the origin.

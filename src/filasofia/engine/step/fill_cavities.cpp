@@ -8,7 +8,7 @@ namespace {
 
 using physics::CavityFill;
 
-constexpr double kContraction = 0.61; // [-] of a jet from a sharp edge, pi / (pi + 2)
+constexpr double kContraction = 0.61; // [-] for a jet from a sharp edge, pi / (pi + 2)
 
 /// The nodes of a wall and the gradient of the volume inside, dV / dx = a third of the areas around a node: those of
 /// the lids of its rims are left out, because nothing pushes there.
