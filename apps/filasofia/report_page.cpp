@@ -165,6 +165,27 @@ std::string metricTables(const Report& report)
     return out + "</tbody></table>\n</section>\n";
 }
 
+const char* unitOf(metric::EventKind kind)
+{
+    using enum metric::EventKind;
+    switch (kind) {
+    case Tear:
+    case Cut:
+    case Burn:
+        return "m^2";
+    case Removed:
+    case Blood:
+        return "m^3";
+    case Energy:
+        return "J";
+    case Activation:
+    case InAir:
+        return "s";
+    default:
+        return "-";
+    }
+}
+
 std::string eventTable(const Report& report)
 {
     if (report.session.events.empty()) return "<p class=\"absent\">No event was recorded.</p>\n";
@@ -174,9 +195,7 @@ std::string eventTable(const Report& report)
     std::size_t count = 0;
     for (const metric::Event& event : report.session.events) {
         if (++count > kMaxRows) break;
-        const bool area = event.kind == metric::EventKind::Tear || event.kind == metric::EventKind::Cut;
-        const char* unit = area ? "m^2" : event.kind == metric::EventKind::Removed ? "m^3" : "-";
-        const std::string amount = event.amount ? withUnit(*event.amount, unit) : "";
+        const std::string amount = event.amount ? withUnit(*event.amount, unitOf(event.kind)) : "";
         out += text("<tr><td data-label=\"Moment\">", momentButton(event.time),
                     "</td><td data-label=\"Event\"><span class=\"kind ", metric::name(event.kind), "\">",
                     metric::name(event.kind), "</span></td><td data-label=\"What\">", escaped(shownName(event.what)),

@@ -106,6 +106,37 @@ TEST_CASE("blood lost is the sum over bodies and over what they lost between res
     CHECK(reason("blood_lost", withEvents({})) == "the case has no body that can bleed");
 }
 
+TEST_CASE("what electrodes did is the sum over them, in air and in all, between resets")
+{
+    const Session session = withEvents({{1.0, EventKind::Activation, "hook", 0.0},
+                                        {2.0, EventKind::Activation, "hook", 0.7},
+                                        {2.0, EventKind::InAir, "hook", 0.2},
+                                        {2.0, EventKind::Energy, "hook", 15.0},
+                                        {3.0, EventKind::Activation, "hook, electrode 1", 0.5},
+                                        {3.0, EventKind::InAir, "hook, electrode 1", 0.0},
+                                        {3.0, EventKind::Energy, "hook, electrode 1", 4.0},
+                                        {4.0, EventKind::Activation, "hook", 0.0}, // it was reset
+                                        {5.0, EventKind::Activation, "hook", 0.1}});
+    CHECK(number("activation_time", session) == exactly(1.3));
+    CHECK(*measured("activation_time", session).moment == 2.0);
+    CHECK(number("activation_in_air", session) == exactly(0.2));
+    CHECK(number("energy_delivered", session) == exactly(19.0));
+    for (const char* id : {"activation_time", "activation_in_air", "energy_delivered"})
+        CHECK(reason(id, withEvents({})) == "the case has no electrode");
+}
+
+TEST_CASE("an unintended burn is the largest burnt area of each body that is no target")
+{
+    const Session session = withEvents({{1.0, EventKind::Burn, "bowel", 0.0},
+                                        {2.0, EventKind::Burn, "bowel", 8e-6},
+                                        {2.5, EventKind::Burn, "duct", 1e-6},
+                                        {3.0, EventKind::Burn, "bowel", 5e-6}}); // a piece of it was cut off
+    CHECK(number("burnt_unintended", session) == exactly(9e-6));
+    CHECK(*measured("burnt_unintended", session).moment == 2.0);
+    CHECK(number("burnt_unintended", withEvents({{1.0, EventKind::Burn, "bowel", 0.0}})) == 0.0);
+    CHECK(reason("burnt_unintended", withEvents({})) == "the case has no body that burns and is no target");
+}
+
 TEST_CASE("the horizon error is the mean roll of the picture")
 {
     const auto before = [](double) { return Vec3{0, 0, -0.1}; };

@@ -346,6 +346,43 @@ TEST_CASE("a session has the blood that its bodies lose")
     }
 }
 
+TEST_CASE("a session has what electrodes do, and what they burn beside the target")
+{
+    Simulation sim;
+    const auto add = [&](const char* name, double x, bool target) {
+        SoftBodyDef def{.name = name, .mesh = shapes::block({20_mm, 20_mm, 20_mm}, {8, 4, 8})};
+        def.pose.position = {x, 0, 0};
+        def.attachments = {{.box = Box{{-1, -1, -1}, {1, 1, 1}}}};
+        const BodyId id = sim.add(def);
+        sim.burn(id, {.depth = 0.5_mm, .target = target});
+        return id;
+    };
+    add("liver", 0.0, true);
+    const BodyId bowel = add("bowel", 20.5_mm, false);
+    const BodyId stick = sim.add(RigidBodyDef{.name = "stick", .elements = {{{10.25_mm, 10_mm, 0}}}});
+    sim.addElectrode(stick, {.mode = EnergyMode::Coagulate, .power = 20.0, .radius = 3_mm});
+    sim.everyStep([&](double time) { // on for a second, then for half a second in air
+        sim.physics().setPose(stick, {{10.25_mm, time > 1.5 ? 50_mm : 10_mm, 0}});
+        sim.activate(stick, time < 1.0 || (time > 2.0 && time < 2.5));
+    });
+    MetricTracker tracker(sim, {.bodies = {{.body = stick}}, .keep = true});
+    sim.run({.headless = true, .steps = 3100});
+    tracker.close();
+    const auto values = metric::measure(tracker.session());
+    const auto number = [&](std::string_view id) {
+        for (std::size_t i = 0; i < values.size(); ++i)
+            if (metric::catalog()[i].id == id) return values[i].value.value_or(-1.0);
+        return -1.0;
+    };
+    CHECK(number("activation_time") == Approx(sim.energy(stick).active));
+    CHECK(number("activation_time") == Approx(1.5).margin(0.003));
+    CHECK(number("activation_in_air") == Approx(0.5).margin(0.02));
+    CHECK(number("energy_delivered") == Approx(sim.energy(stick).delivered));
+    CHECK(number("energy_delivered") > 5.0);
+    CHECK(number("burnt_unintended") == Approx(sim.heat(bowel).burnt));
+    CHECK(number("burnt_unintended") > 1e-6);
+}
+
 TEST_CASE("a file for spreadsheets has a row per moment, and names that cannot act as formulas")
 {
     const std::string file = temporary(".csv");

@@ -36,3 +36,54 @@ def test_wrong_heat_is_an_error():
         sim.treat(tissue, fs.Heat(power=-1))
     with pytest.raises(fs.Error, match="depth"):
         burning(depth=0)
+
+
+def touching(electrode):
+    """A block that keeps its shape, and a stick whose tip is on it."""
+    sim = fs.Simulation(rate=500)
+    fixed = fs.AttachmentDef(box=fs.Box((-1, -1, -1), (1, 1, 1)))
+    tissue = sim.add(block(mesh=fs.shapes.block((0.04, 0.012, 0.03), (16, 4, 12)), attachments=[fixed]))
+    sim.burn(tissue, fs.BurningDef(rate=50))
+    stick = sim.add(fs.RigidBodyDef(name="stick", elements=[(0, 0.006, 0)]))
+    return sim, tissue, stick, sim.add_electrode(stick, electrode)
+
+
+def test_an_electrode_gives_its_power_while_its_pedal_is_pressed_and_it_touches():
+    sim, tissue, stick, index = touching(fs.ElectrodeDef(mode="coagulate", power=2.0, radius=0.003))
+    told = []
+    sim.on(fs.EnergyEvent, told.append)
+    assert index == 0
+    sim.activate(stick)
+    sim.step(250)
+    sim.activate(stick, on=False)
+    sim.step(50)
+    sim.set_pose(stick, (0, 0.05, 0))
+    sim.step(50)
+    sim.activate(stick, True, electrode=0)
+    sim.step(100)
+    energy = sim.energy(stick)
+    assert energy.active == pytest.approx(0.7)
+    assert energy.in_air == pytest.approx(0.2)
+    assert energy.delivered == pytest.approx(1.0, rel=1e-9)
+    assert sim.heat(tissue).delivered == pytest.approx(1.0, rel=1e-9)
+    assert [each.active for each in told[:3]] == [True, False, True]
+    assert told[0].body == stick and told[0].electrode == 0
+    assert told[-1].balance.active > 0
+
+
+def test_wrong_electrodes_are_errors():
+    sim, tissue, stick, _ = touching(fs.ElectrodeDef(mode="coagulate"))
+    with pytest.raises(ValueError, match="cut, coagulate or bipolar"):
+        fs.ElectrodeDef(mode="fry")
+    with pytest.raises(fs.Error, match="needs a rigid body"):
+        sim.add_electrode(tissue)
+    with pytest.raises(fs.Error, match="mode cut needs a blade"):
+        sim.add_electrode(stick)
+    with pytest.raises(fs.Error, match="power must be > 0"):
+        sim.add_electrode(stick, fs.ElectrodeDef(mode="coagulate", power=0))
+    with pytest.raises(fs.Error, match="other must be given"):
+        sim.add_electrode(stick, fs.ElectrodeDef(mode="bipolar"))
+    with pytest.raises(fs.Error, match=r"electrode must be in \[0, 1\), got 1"):
+        sim.activate(stick, electrode=1)
+    with pytest.raises(fs.Error, match="has none"):
+        sim.energy(tissue)

@@ -27,6 +27,7 @@ const DefTable& table()
         out.add<surface::BleedingDef>();
         out.add<surface::BurningDef>();
         out.add<surface::Treatment>();
+        out.add<surface::ElectrodeDef>();
         out.add<runtime::PictureDef>();
         out.add<runtime::ViewerDef>();
         out.add<runtime::ReplayDef>();

@@ -80,8 +80,16 @@ void bindEvents(nb::module_& module)
         .def_prop_ro(
             "body", [](const runtime::BurnEvent& self) { return Convert<BodyId>::make(self.body); },
             nb::for_getter(nb::sig(id("body").c_str())))
+        .def_ro("target", &runtime::BurnEvent::target)
         .def_ro("injury", &runtime::BurnEvent::injury)
         .def_ro("balance", &runtime::BurnEvent::balance);
+    eventClass<runtime::EnergyEvent>(module, "EnergyEvent", "What an electrode has done.")
+        .def_prop_ro(
+            "body", [](const runtime::EnergyEvent& self) { return Convert<BodyId>::make(self.body); },
+            nb::for_getter(nb::sig(id("body").c_str())))
+        .def_ro("electrode", &runtime::EnergyEvent::electrode)
+        .def_ro("active", &runtime::EnergyEvent::active)
+        .def_ro("balance", &runtime::EnergyEvent::balance);
     eventClass<runtime::FileFailedEvent>(module, "FileFailedEvent", "A file that the run writes takes no more data.")
         .def_ro("problem", &runtime::FileFailedEvent::problem);
     eventClass<event::PhysicsUpdateEvent>(module, "PhysicsUpdateEvent", "A step is done.");
@@ -95,6 +103,7 @@ std::size_t alternativeOf(nb::handle given)
                                   nb::type<runtime::IntersectionEvent>(),
                                   nb::type<runtime::BleedingEvent>(),
                                   nb::type<runtime::BurnEvent>(),
+                                  nb::type<runtime::EnergyEvent>(),
                                   nb::type<runtime::FileFailedEvent>(),
                                   nb::type<event::PhysicsUpdateEvent>()};
     static_assert(std::size(classes) == std::variant_size_v<Arrived>);
@@ -102,7 +111,7 @@ std::size_t alternativeOf(nb::handle given)
         if (given.is(classes[i])) return i;
     throw nb::type_error(
         text("on: the event must be ContactEvent, CutEvent, TearEvent, IntersectionEvent, BleedingEvent, "
-             "BurnEvent, FileFailedEvent or PhysicsUpdateEvent, got ",
+             "BurnEvent, EnergyEvent, FileFailedEvent or PhysicsUpdateEvent, got ",
              shown(given))
             .c_str());
 }

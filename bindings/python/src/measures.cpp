@@ -19,7 +19,8 @@ metric::EventKind kindOf(const std::string& word, const char* what)
 {
     if (const std::optional<metric::EventKind> kind = metric::eventKind(word)) return *kind;
     fail(what,
-         " must be one of grasp, release, tear, cut, perforation, blood, removed, seen, residual, step, mistake, note, "
+         " must be one of grasp, release, tear, cut, perforation, blood, energy, activation, in_air, burn, removed, "
+         "seen, residual, step, mistake, note, "
          "got '",
          word, "'");
 }
@@ -76,7 +77,8 @@ void addMeasures(nb::module_& module, nb::class_<HeldSimulation>& sim)
         nb::arg("watched"), nb::arg("force_limit").none());
     sim.def("mark", &mark, nb::arg("kind"), nb::arg("what") = "", nb::arg("amount").none() = nb::none(),
             "Notes an event at the present time in the session that measure() writes: kind is grasp, release, tear, "
-            "cut, perforation, blood, removed, seen, residual, step, mistake or note. Error if nothing is measured.");
+            "cut, perforation, blood, energy, activation, in_air, burn, removed, seen, residual, step, mistake or "
+            "note. Error if nothing is measured.");
     module.def("measures", &measuresOf, nb::arg("file").none(),
                nb::sig("def measures(file: str | os.PathLike[str]) -> dict[str, float | None]"),
                "The measures of a session file by their names (docs/guide/metrics.md), in SI units; None if the "

@@ -169,6 +169,41 @@ void addPictures(nb::class_<HeldSimulation>& sim)
         },
         nb::arg("body").none(), nb::sig("def heat(self, body: filasofia.BodyId) -> filasofia.HeatBalance"),
         "What has become of its heat, and how much of it is burnt.");
+    sim.def(
+        "add_electrode",
+        [](HeldSimulation& self, nb::handle body, nb::handle def) {
+            const auto read =
+                def.is_none() ? surface::ElectrodeDef{} : readDef<surface::ElectrodeDef>(def, "add_electrode");
+            return usable(self, "add_electrode")
+                .simulation()
+                .addElectrode(readArgument<BodyId>(body, "add_electrode", "body"), read);
+        },
+        nb::arg("body").none(), nb::arg("electrode").none() = nb::none(),
+        nb::sig(
+            "def add_electrode(self, body: filasofia.BodyId, electrode: filasofia.ElectrodeDef | None = None) -> int"),
+        "Makes a rigid body heat what its tip touches while it is active; returns its index among those of the body.");
+    sim.def(
+        "activate",
+        [](HeldSimulation& self, nb::handle body, nb::handle on, nb::handle electrode) {
+            usable(self, "activate")
+                .simulation()
+                .activate(readArgument<BodyId>(body, "activate", "body"), readArgument<bool>(on, "activate", "on"),
+                          readArgument<int>(electrode, "activate", "electrode"));
+        },
+        nb::arg("body").none(), nb::arg("on").none() = true, nb::arg("electrode").none() = 0,
+        nb::sig("def activate(self, body: filasofia.BodyId, on: bool = True, electrode: int = 0) -> None"),
+        "Presses the pedal of an electrode, or releases it.");
+    sim.def(
+        "energy",
+        [](HeldSimulation& self, nb::handle body, nb::handle electrode) {
+            return usable(self, "energy")
+                .simulation()
+                .energy(readArgument<BodyId>(body, "energy", "body"),
+                        readArgument<int>(electrode, "energy", "electrode"));
+        },
+        nb::arg("body").none(), nb::arg("electrode").none() = 0,
+        nb::sig("def energy(self, body: filasofia.BodyId, electrode: int = 0) -> filasofia.EnergyBalance"),
+        "What an electrode has done.");
     sim.def("_render", &render);
     sim.def("_render_depth", &renderDepth);
     sim.def("_open_viewer", &openViewer);

@@ -182,6 +182,11 @@ void bindRun(nb::module_& module)
         .def_ro("peak", &HeatBalance::peak, "[K], since the body was added or reset")
         .def_ro("burnt", &HeatBalance::burnt, "[m^2], damaged")
         .def_ro("charred", &HeatBalance::charred, "[m^2], without water");
+    using surface::EnergyBalance;
+    nb::class_<EnergyBalance>(module, "EnergyBalance", "What an electrode has done.")
+        .def_ro("active", &EnergyBalance::active, "[s], with its pedal pressed")
+        .def_ro("in_air", &EnergyBalance::inAir, "[s], of these, without tissue that burns at its tip")
+        .def_ro("delivered", &EnergyBalance::delivered, "[J], taken by tissue");
     nb::class_<RunReport>(module, "RunReport",
                           "How a run went. str() of it is the summary that the command line prints.")
         .def_ro("steps", &RunReport::steps)

@@ -222,6 +222,8 @@ void Session::collect(std::size_t alternative, bool on)
     case 5:
         return observe<runtime::BurnEvent>(alternative);
     case 6:
+        return observe<runtime::EnergyEvent>(alternative);
+    case 7:
         return observe<runtime::FileFailedEvent>(alternative);
     default:
         return observe<event::PhysicsUpdateEvent>(alternative);

@@ -40,7 +40,8 @@ struct MetricTrackerDef {
     /// Also gets the lines of the .jsonl file; if it throws an Error, writing ends.
     std::function<void(std::string_view)> write = {};
     /// Trainee, task, date (empty: now), software (empty: Filasofia), limits, targets and steps; `watched` lists the
-    /// kinds of events that the simulator marks. The tracker itself adds tracks, tears, cuts, blood and samples.
+    /// kinds of events that the simulator marks. The tracker itself adds tracks, tears, cuts, blood,
+    /// burns, what electrodes do, and samples.
     metric::Session session = {};
 };
 constexpr auto fields(const MetricTrackerDef*)

@@ -62,8 +62,9 @@ struct SceneBody {
     std::vector<runtime::PaintDef> paint = {};         ///< marks on what is drawn of it
     std::optional<surface::BleedingDef> bleeding = {}; ///< how a soft body bleeds where it is opened; none: it does not
     std::optional<surface::BurningDef> burning = {};   ///< how a soft body burns where it is heated; none: it does not
-    std::vector<ElementMotion> motions = {};           ///< a kinematic rigid body's elements
-    std::vector<JointMotion> jointMotions = {};        ///< an articulated body's joints
+    std::vector<surface::ElectrodeDef> electrodes = {}; ///< parts of a rigid body that heat what they touch
+    std::vector<ElementMotion> motions = {};            ///< a kinematic rigid body's elements
+    std::vector<JointMotion> jointMotions = {};         ///< an articulated body's joints
     Places places = {}; ///< where it stands, by the empty path, and its members by theirs
 };
 constexpr auto fields(const SceneBody*)
@@ -73,6 +74,7 @@ constexpr auto fields(const SceneBody*)
                     field("show", &T::show, "how it is drawn"), field("paint", &T::paint, "marks on it"),
                     field("bleeding", &T::bleeding, "how it bleeds where it is opened"),
                     field("burning", &T::burning, "how it burns where it is heated"),
+                    field("electrodes", &T::electrodes, "parts that heat what they touch"),
                     field("motions", &T::motions, "motions of a kinematic body's elements"),
                     field("jointMotions", &T::jointMotions, "commands of its joints"));
 }
@@ -143,13 +145,26 @@ constexpr auto fields(const Treat*)
                     field("treatment", &Treat::treatment, "what is done"));
 }
 
+/// Presses the pedal of an electrode or releases it, as Simulation::activate().
+struct Activate {
+    BodyId id = {};
+    int electrode = 0; ///< [-], >= 0, index among those of the body
+    bool on = true;
+};
+constexpr auto fields(const Activate*)
+{
+    return describe("Activate", field("id", &Activate::id, "the rigid body"),
+                    field("electrode", &Activate::electrode, "-", nonNegative(), "index among those of the body"),
+                    field("on", &Activate::on, "whether its pedal is pressed"));
+}
+
 /// What a scene may command.
 using SceneCommand =
     std::variant<physics::Attach, physics::AttachRigid, physics::Grasp, physics::Release, physics::RemovePiece,
                  physics::RemoveBody, physics::SetForces, physics::SetWrench, physics::SetPressure,
                  physics::SetFibreStress, physics::SetCavity, physics::SetCurvature, physics::SetCutting,
-                 physics::SetTissue, physics::SetGravity, SetMaterial, Treat, physics::SetPose, physics::SetJoint,
-                 physics::SetHaptic, physics::Reset>;
+                 physics::SetTissue, physics::SetGravity, SetMaterial, Treat, Activate, physics::SetPose,
+                 physics::SetJoint, physics::SetHaptic, physics::Reset>;
 
 /// A command that physics gets once, in the step that ends at its time. An AttachmentId{n} in it means an attachment of
 /// the scene: the first ones are those of the bodies' Defs, in their order; the command that makes another one says its
@@ -179,6 +194,7 @@ struct SceneDef {
     std::vector<SceneInstrument> instruments = {}; ///< BodyIds of a scene count them after the bodies
     std::vector<TimedCommand> commands = {};       ///< at any times; those of the same time in this order
     std::vector<runtime::HapticInterfaceDef> haptics = {};
+    std::vector<ScenePedal> pedals = {};            ///< how a person activates electrodes
     std::optional<SceneTask> task = {};             ///< what a trainee has to do
     std::vector<prefab::TrackedBody> measured = {}; ///< what is observed if a session is written, at most 64
     Places places = {};                             ///< where the members of its lists stand, "cameras[0].on"
@@ -197,6 +213,7 @@ constexpr auto fields(const SceneDef*)
                     field("commands", &T::commands, "commands at their times"),
                     field("instruments", &T::instruments, "instruments, which come after the bodies"),
                     field("haptics", &T::haptics, "haptic interfaces"),
+                    field("pedals", &T::pedals, "how a person activates electrodes"),
                     field("task", &T::task, "what a trainee has to do"),
                     field("measured", &T::measured, "what is observed if a session is written"));
 }

@@ -62,8 +62,9 @@ using InstrumentDef = std::variant<prefab::ArticulatedInstrumentDef, prefab::End
 struct SceneInstrument {
     InstrumentDef def = prefab::ArticulatedInstrumentDef{}; ///< its name must be the only one in the scene
     std::vector<KeyPose> keys = {}; ///< poses of its pivot or tip; times ascend, and at 0 s in place of the Def's
-    std::vector<KeyTrocar> trocarKeys = {}; ///< in a trocar, in place of keys; times ascend
-    std::vector<KeyGrip> grip = {};         ///< what its jaws do; times ascend
+    std::vector<KeyTrocar> trocarKeys = {};             ///< in a trocar, in place of keys; times ascend
+    std::vector<KeyGrip> grip = {};                     ///< what its jaws do; times ascend
+    std::vector<surface::ElectrodeDef> electrodes = {}; ///< parts of it that heat what they touch
 };
 constexpr auto fields(const SceneInstrument*)
 {
@@ -71,7 +72,25 @@ constexpr auto fields(const SceneInstrument*)
     return describe("SceneInstrument", field("", &T::def, "its Def, whose fields stand beside the others"),
                     field("keys", &T::keys, "poses and the times at which they are reached, ascending"),
                     field("trocarKeys", &T::trocarKeys, "poses in its trocar and their times, ascending"),
-                    field("grip", &T::grip, "what its jaws do from which time on, ascending"));
+                    field("grip", &T::grip, "what its jaws do from which time on, ascending"),
+                    field("electrodes", &T::electrodes, "parts that heat what they touch"));
+}
+
+/// How a person activates an electrode: while a key of the window is held, or a button of the haptic interface that
+/// holds the body. At least one of both is given.
+struct ScenePedal {
+    BodyId body = {};
+    int electrode = 0;              ///< [-], >= 0, index among those of the body
+    std::string key = {};           ///< a letter or a digit; empty: none
+    std::optional<int> button = {}; ///< [-], >= 0, of a haptic interface; button 0 of an instrument closes its jaws
+};
+constexpr auto fields(const ScenePedal*)
+{
+    using T = ScenePedal;
+    return describe("ScenePedal", field("body", &T::body, "the rigid body"),
+                    field("electrode", &T::electrode, "-", nonNegative(), "index among those of the body"),
+                    field("key", &T::key, "a letter or a digit"),
+                    field("button", &T::button, "-", nonNegative(), "of the haptic interface that holds the body"));
 }
 
 /// A point of a body is near a place, or near another body.

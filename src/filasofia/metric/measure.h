@@ -56,6 +56,10 @@ Value unintendedTears(const Material&);
 Value unintendedCuts(const Material&);
 Value unintendedArea(const Material&);
 Value bloodLost(const Material&);
+Value unintendedBurn(const Material&);
+Value activationTime(const Material&);
+Value activationInAir(const Material&);
+Value energyDelivered(const Material&);
 Value volumeRemoved(const Material&);
 // View.
 Value horizonError(const Material&);

@@ -69,6 +69,26 @@ Value newestAmount(const Material& m, EventKind kind)
     return found(*events.back()->amount, events.back()->time);
 }
 
+constexpr const char* kNoElectrode = "the case has no electrode";
+
+/// The sum over bodies of an amount that is reported as it grows.
+Value grown(const Material& m, EventKind kind, const char* absent)
+{
+    const auto events = eventsOf(m, [kind](const Event& event) { return event.kind == kind && event.amount; });
+    if (events.empty()) return none(absent);
+    std::map<std::string_view, double> last; // per body; one that is reset begins at 0 again
+    double sum = 0.0;
+    std::optional<double> first;
+    for (const Event* event : events) {
+        double& before = last[event->what];
+        const double more = *event->amount - (*event->amount < before ? 0.0 : before);
+        if (more > 0.0 && !first) first = event->time;
+        sum += more;
+        before = *event->amount;
+    }
+    return found(sum, first);
+}
+
 std::string noScope(const Material& m)
 {
     if (!m.scope) return "no scope was observed";
@@ -103,22 +123,27 @@ Value unintendedArea(const Material& m)
     return found(area, firstOf(events));
 }
 
-Value bloodLost(const Material& m)
+Value bloodLost(const Material& m) { return grown(m, EventKind::Blood, "the case has no body that can bleed"); }
+
+/// The largest burnt area of each body, because what is cut off later was burnt all the same.
+Value unintendedBurn(const Material& m)
 {
-    const auto events = eventsOf(m, [](const Event& event) { return event.kind == EventKind::Blood && event.amount; });
-    if (events.empty()) return none("the case has no body that can bleed");
-    std::map<std::string_view, double> last; // [m^3], per body; a body that is reset begins at 0 again
-    double lost = 0.0;
+    const auto events = eventsOf(m, [](const Event& event) { return event.kind == EventKind::Burn && event.amount; });
+    if (events.empty()) return none("the case has no body that burns and is no target");
+    std::map<std::string_view, double> largest; // [m^2], per body
     std::optional<double> first;
     for (const Event* event : events) {
-        double& before = last[event->what];
-        const double more = *event->amount - (*event->amount < before ? 0.0 : before);
-        if (more > 0.0 && !first) first = event->time;
-        lost += more;
-        before = *event->amount;
+        if (*event->amount > 0.0 && !first) first = event->time;
+        largest[event->what] = std::max(largest[event->what], *event->amount);
     }
-    return found(lost, first);
+    double area = 0.0;
+    for (const auto& [body, most] : largest) area += most;
+    return found(area, first);
 }
+
+Value activationTime(const Material& m) { return grown(m, EventKind::Activation, kNoElectrode); }
+Value activationInAir(const Material& m) { return grown(m, EventKind::InAir, kNoElectrode); }
+Value energyDelivered(const Material& m) { return grown(m, EventKind::Energy, kNoElectrode); }
 
 Value volumeRemoved(const Material& m)
 {

@@ -422,7 +422,8 @@ MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef d
                              [weak](const std::any&) {
                                  if (const auto impl = weak.lock()) impl->checkBack();
                              }});
-    const auto happened = [weak, &simulation](EventKind kind, double time, BodyId body, double amount) {
+    const auto happened = [weak, &simulation](EventKind kind, double time, BodyId body, double amount,
+                                              const std::string& which) {
         const auto impl = weak.lock();
         if (!impl) return;
         std::string what;
@@ -430,16 +431,25 @@ MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef d
             what = nameOf(simulation, body);
         } catch (const Error&) { // removed meanwhile
         }
-        impl->add({time, kind, std::move(what), amount});
+        impl->add({time, kind, what + which, amount});
     };
     const auto opened = [happened](EventKind kind, const auto& event) {
-        happened(kind, event.time, event.rupture.body, event.rupture.area);
+        happened(kind, event.time, event.rupture.body, event.rupture.area, {});
     };
     impl_->observers = {
         simulation.on<runtime::TearEvent>([opened](const runtime::TearEvent& tear) { opened(EventKind::Tear, tear); }),
         simulation.on<runtime::CutEvent>([opened](const runtime::CutEvent& cut) { opened(EventKind::Cut, cut); }),
         simulation.on<runtime::BleedingEvent>([happened](const runtime::BleedingEvent& blood) {
-            happened(EventKind::Blood, blood.time, blood.body, blood.balance.welled);
+            happened(EventKind::Blood, blood.time, blood.body, blood.balance.welled, {});
+        }),
+        simulation.on<runtime::BurnEvent>([happened](const runtime::BurnEvent& burn) {
+            if (!burn.target) happened(EventKind::Burn, burn.time, burn.body, burn.balance.burnt, {});
+        }),
+        simulation.on<runtime::EnergyEvent>([happened](const runtime::EnergyEvent& energy) {
+            const std::string which = energy.electrode == 0 ? "" : text(", electrode ", energy.electrode);
+            happened(EventKind::Activation, energy.time, energy.body, energy.balance.active, which);
+            happened(EventKind::InAir, energy.time, energy.body, energy.balance.inAir, which);
+            happened(EventKind::Energy, energy.time, energy.body, energy.balance.delivered, which);
         })};
 }
 

@@ -134,15 +134,17 @@ bool Electrodes::Electrode::owes() const
            std::ranges::any_of(spent, [this](const auto& of) { return balance.active > of.second; });
 }
 
-std::optional<bool> Electrodes::activate(BodyId id, bool on, int electrode)
+Electrodes::Moved Electrodes::activate(BodyId id, bool on, int electrode)
 {
     const std::lock_guard lock(mutex_);
     Electrode& asked = state_.all[find(id, electrode)];
+    if (asked.active == on) return {};
     asked.active = on;
-    if (asked.def.mode != EnergyMode::Cut) return std::nullopt;
-    return std::ranges::any_of(state_.all, [&](const Electrode& each) {
+    if (asked.def.mode != EnergyMode::Cut) return {.moved = true};
+    const bool cuts = std::ranges::any_of(state_.all, [&](const Electrode& each) {
         return each.body == id && each.active && each.def.mode == EnergyMode::Cut;
     });
+    return {.moved = true, .cuts = cuts};
 }
 
 surface::EnergyBalance Electrodes::balance(BodyId id, int electrode) const

@@ -12,9 +12,12 @@ class Electrodes {
 public:
     /// Any thread. Returns its index among those of the body. Error as Simulation::addElectrode().
     int add(BodyId id, const surface::ElectrodeDef& def, const physics::PhysicsServer& physics);
-    /// Any thread. Returns whether the body's blades cut from now on; nothing if this does not concern them. Error if
-    /// there is no such electrode.
-    std::optional<bool> activate(BodyId id, bool on, int electrode);
+    struct Moved {
+        bool moved = false;            ///< false: the pedal was there already
+        std::optional<bool> cuts = {}; ///< whether the body's blades cut from now on; nothing: as before
+    };
+    /// Any thread. Error if there is no such electrode.
+    Moved activate(BodyId id, bool on, int electrode);
     /// Any thread. Error if there is no such electrode.
     [[nodiscard]] surface::EnergyBalance balance(BodyId id, int electrode) const;
     [[nodiscard]] int count(BodyId id) const;

@@ -134,8 +134,9 @@ int Simulation::addElectrode(BodyId id, const surface::ElectrodeDef& def)
 void Simulation::activate(BodyId id, bool on, int electrode)
 {
     static_cast<void>(impl_->physics.def(id)); // an Error if it was removed
-    if (const auto cuts = impl_->electrodes.activate(id, on, electrode)) impl_->physics.setCutting(id, *cuts);
-    impl_->recordScene(SceneActivated{id, electrode, on});
+    const Electrodes::Moved pedal = impl_->electrodes.activate(id, on, electrode);
+    if (pedal.cuts) impl_->physics.setCutting(id, *pedal.cuts);
+    if (pedal.moved) impl_->recordScene(SceneActivated{id, electrode, on});
 }
 surface::EnergyBalance Simulation::energy(BodyId id, int electrode) const
 {

@@ -2,6 +2,7 @@
 #include "filasofia/scene/dress.h"
 #include "filasofia/scene/instruments.h"
 #include "filasofia/scene/motion.h"
+#include "filasofia/scene/pedals.h"
 #include "filasofia/scene/places.h"
 #include "filasofia/scene/scene_numbers.h"
 #include "filasofia/scene/task.h"
@@ -26,6 +27,7 @@ BodyId addBody(runtime::Simulation& simulation, const SceneBody& body, const std
     for (const runtime::PaintDef& each : body.paint) simulation.paint(id, each);
     if (body.bleeding) simulation.bleed(id, *body.bleeding);
     if (body.burning) simulation.burn(id, *body.burning);
+    addElectrodes(simulation, id, body.electrodes, before);
     followMotions(simulation, id, body);
     return id;
 }
@@ -84,16 +86,19 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
             gone && gone->id.value > scene.bodies.size())
             fail(each.place, ".id must not be an instrument: what moves it would go on");
     followCommands(simulation, scene.commands, ids);
+    Hands hands;
     for (std::size_t i = 0; i < scene.haptics.size(); ++i) try {
             runtime::HapticInterfaceDef haptic = scene.haptics[i];
             SceneNumbers(ids).replaceIn(haptic);
             const BodyId body = haptic.body;
             haptic.body = heldFor(instruments, body);
-            giveToHand(simulation, instruments, body, simulation.add(haptic));
+            hands.emplace_back(simulation.add(haptic), body);
+            giveToHand(simulation, instruments, body, hands.back().first);
         } catch (const Error& error) {
             const std::string path = text("haptics[", i, "]");
             failAtPlace(scene.places, path, text(path, ": ", error.what()));
         }
+    followPedals(simulation, scene, ids, hands);
     try {
         added.tracker = addTracker(simulation, scene, ids, std::move(tracker));
         const bool dressed = !scene.cameras.empty() || std::ranges::any_of(instruments, &Instrument::isScope);

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/physics/give.h"
+#include "filasofia/scene/pedals.h"
 #include "filasofia/scene/remember_past.h"
 #include "filasofia/scene/scene_numbers.h"
 
@@ -32,6 +33,7 @@ struct TargetOf {
     Target operator()(const physics::SetTissue& c) const { return {c.id, true}; }
     Target operator()(const SetMaterial& c) const { return {c.id, true}; }
     Target operator()(const Treat& c) const { return {c.id, true}; }
+    Target operator()(const Activate& c) const { return {c.id, false}; }
     Target operator()(const physics::SetPose& c) const { return {c.id, false}; }
     Target operator()(const physics::SetJoint& c) const { return {c.id, false}; }
     Target operator()(const physics::SetHaptic& c) const { return {c.id, false}; }
@@ -78,6 +80,8 @@ private:
             server.setMaterial(command.id, command.material);
         else if constexpr (std::is_same_v<Command, Treat>)
             simulation_.treat(command.id, command.treatment);
+        else if constexpr (std::is_same_v<Command, Activate>)
+            simulation_.activate(command.id, command.on, command.electrode);
         else if constexpr (std::is_same_v<Command, physics::Reset>)
             simulation_.reset(); // removes the paint, too
         else if (const AttachmentId made = physics::give(server, command))
@@ -103,6 +107,8 @@ void followCommands(runtime::Simulation& simulation, std::vector<TimedCommand> c
         const physics::BodyDef& def = *server.def(target.body);
         if (target.soft && *target.soft == physics::isRigid(def))
             fail(each.place, ": needs a ", *target.soft ? "soft" : "rigid", " body, got ", physics::describeBody(def));
+        if (const auto* pedal = std::get_if<Activate>(&each.command))
+            checkElectrode(simulation, target.body, pedal->electrode, each.place);
     }
     std::map<AttachmentId, AttachmentId> attachments;
     for (const BodyId id : ids)

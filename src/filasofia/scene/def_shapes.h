@@ -71,7 +71,7 @@ template <class T> std::vector<std::string_view> required()
     else if constexpr (std::is_same_v<T, TimedCommand>)
         return {"time", "type"};
     else if constexpr (IsAnyOf<T, physics::Attach, physics::AttachRigid, SceneFollow, Reached, Held, Parted, Pierced,
-                               prefab::TrackedBody>)
+                               prefab::TrackedBody, ScenePedal>)
         return {"body"};
     else if constexpr (std::is_same_v<T, Touched>)
         return {"first", "second"};
@@ -81,7 +81,7 @@ template <class T> std::vector<std::string_view> required()
         return {"rigid", "target"};
     else if constexpr (IsAnyOf<T, physics::SetForces, physics::SetWrench, physics::SetPressure, physics::SetFibreStress,
                                physics::SetTissue, physics::SetCurvature, physics::SetCutting, physics::SetCavity,
-                               physics::Release, physics::RemovePiece, physics::RemoveBody>)
+                               physics::Release, physics::RemovePiece, physics::RemoveBody, Activate>)
         return {"id"};
     else if constexpr (std::is_same_v<T, physics::RodSection>)
         return {"curvature"};

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/scene/motion.h"
+#include "filasofia/scene/pedals.h"
 #include "filasofia/scene/places.h"
 #include "filasofia/scene/remember_past.h"
 
@@ -168,6 +169,7 @@ Instruments addInstruments(runtime::Simulation& simulation, const SceneDef& scen
         const std::string path = text("instruments[", i, "]");
         try {
             added.push_back(addInstrument(simulation, scene.instruments[i], path, scene.places));
+            addElectrodes(simulation, added.back().body, scene.instruments[i].electrodes, ids);
         } catch (const Error& error) {
             const std::string words = error.what();
             failAtPlace(scene.places, words.starts_with(path) ? words : text(path, ": ", words));

@@ -215,6 +215,8 @@ private:
     void noteLater(const runtime::SceneBled&) { note("bodies that began to bleed during the run do not"); }
     void noteLater(const runtime::SceneBurnt&) { note("bodies that began to burn during the run do not"); }
     void noteLater(const runtime::SceneTreated&) { note("what was done to blood and heat is left out"); }
+    void noteLater(const runtime::SceneElectrode&) { note("bodies that became electrodes during the run are none"); }
+    void noteLater(const runtime::SceneActivated&) { note("pedals that were pressed are left out"); }
     void noteLater(const runtime::SceneFile&) {}
     void noteLater(const runtime::SceneBegan& event) { show(event); }
     void noteLater(const runtime::SceneStage& stage)
@@ -268,6 +270,14 @@ private:
         if (const BodyId number = numberOf(burnt.body)) scene_.bodies[number.value - 1].burning = burnt.def;
     }
     void show(const runtime::SceneTreated&) { note("what was done to blood and heat is left out"); }
+    void show(const runtime::SceneElectrode& electrode)
+    {
+        const BodyId number = numberOf(electrode.body);
+        if (!number) return;
+        surface::ElectrodeDef& def = scene_.bodies[number.value - 1].electrodes.emplace_back(electrode.def);
+        if (def.other && def.other->body) def.other->body = numberOf(def.other->body);
+    }
+    void show(const runtime::SceneActivated&) { note("pedals that were pressed are left out"); }
     void show(const runtime::SceneCleaned&)
     {
         for (SceneBody& each : scene_.bodies) each.paint.clear();

@@ -56,6 +56,7 @@ public:
             scene.commands.push_back(reader_.readCommand(json, place));
         });
         readList("haptics", scene.haptics, scene.places);
+        readList("pedals", scene.pedals, scene.places);
         readMembers("task", scene.task, &scene.places);
         readList("measured", scene.measured, scene.places);
         checkDefaults();

@@ -73,9 +73,10 @@ private:
             return std::visit([&](const auto& mesh) { return Written(meshFile(mesh)); }, it);
         else if constexpr (IsFile<T>)
             return std::visit([&](const auto& file) { return Written(otherFile(file)); }, it);
-        else if constexpr (kIsOptional<T>)
-            return it ? value(*it, base ? *base : typename T::value_type{}) : Written();
-        else if constexpr (kIsVariant<T>)
+        else if constexpr (kIsOptional<T>) {
+            static const typename T::value_type kFresh{}; // GCC warns of a temporary as uninitialized
+            return it ? value(*it, base ? *base : kFresh) : Written();
+        } else if constexpr (kIsVariant<T>)
             return std::visit([&]<class Held>(const Held& held) { return alternative(held, base); }, it);
         else if constexpr (kIsVector<T> || kIsArray<T>)
             return list(it);
