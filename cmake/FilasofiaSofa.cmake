@@ -2,7 +2,7 @@
 # FILASOFIA_SOFA as it was found: a static library of ours leaves linking SOFA to the program.
 set(FILASOFIA_SOFA_LIBRARIES)
 if(NOT FILASOFIA_SOFA STREQUAL OFF)
-  set(parts Sofa.Simulation.Graph Sofa.Component.StateContainer Sofa.Component.Mass Sofa.Component.ODESolver.Backward
+  set(parts Sofa.Simulation.Graph Sofa.Simulation.Common Sofa.Component.StateContainer Sofa.Component.Mass Sofa.Component.ODESolver.Backward
     Sofa.Component.ODESolver.Forward Sofa.Component.LinearSolver.Iterative Sofa.Component.LinearSolver.Direct
     Sofa.Component.Constraint.Projective Sofa.Component.SolidMechanics.FEM.Elastic
     Sofa.Component.SolidMechanics.FEM.HyperElastic Sofa.Component.SolidMechanics.Spring Sofa.Component.Topology.Container.Constant

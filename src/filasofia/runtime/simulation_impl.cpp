@@ -2,7 +2,9 @@
 
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/core/word.h"
 #include "filasofia/runtime/engines.h"
+#include "filasofia/sofa/load.h"
 
 #include <limits>
 #include <utility>
@@ -46,6 +48,8 @@ void Simulation::Impl::useEngine(const std::string& name)
 {
     if (control.running()) fail("simulation: the engine must be chosen before a run, but one is going on");
     if (name == physics.engine().info().name) return;
+    if (sofaengine::isLoadedScene(physics.engine()))
+        fail("engine: a loaded scene of SOFA runs with no other engine, got ", shownWord(name));
     SimulationDef other = def;
     other.engine = name;
     physics.useEngine(engineFor(other));

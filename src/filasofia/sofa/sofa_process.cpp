@@ -14,12 +14,16 @@ namespace {
 
 using ::sofa::helper::logging::Message;
 
+std::vector<std::string>* collected = nullptr; // where errors go, if not to the log
+
 class LogHandler final : public ::sofa::helper::logging::MessageHandler {
 public:
     void process(Message& message) override
     {
         const bool error = message.type() == Message::Error || message.type() == Message::Fatal;
-        if (error)
+        if (error && collected)
+            collected->push_back(message.messageAsString());
+        else if (error)
             logError("SOFA: ", message.sender(), ": ", message.messageAsString());
         else if (message.type() == Message::Warning)
             logWarning("SOFA: ", message.sender(), ": ", message.messageAsString());
@@ -27,6 +31,9 @@ public:
 };
 
 } // namespace
+
+CollectErrors::CollectErrors() { collected = &messages_; }
+CollectErrors::~CollectErrors() { collected = nullptr; }
 
 std::recursive_mutex& sofaMutex()
 {

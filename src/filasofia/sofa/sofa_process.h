@@ -2,6 +2,7 @@
 
 #include <mutex>
 #include <string>
+#include <vector>
 
 /// What SOFA keeps once per process.
 namespace filasofia::sofaengine {
@@ -13,5 +14,18 @@ std::recursive_mutex& sofaMutex();
 /// Makes SOFA ready, once per process, and sends its messages to our log: warnings as warnings, errors as errors, and
 /// nothing else. Call it under the lock.
 void startSofa();
+
+/// While it exists, SOFA's errors are kept here and not logged. One at a time, under the lock.
+class CollectErrors {
+public:
+    CollectErrors();
+    ~CollectErrors();
+    CollectErrors(const CollectErrors&) = delete;
+    CollectErrors& operator=(const CollectErrors&) = delete;
+    [[nodiscard]] const std::vector<std::string>& messages() const { return messages_; }
+
+private:
+    std::vector<std::string> messages_;
+};
 
 } // namespace filasofia::sofaengine

@@ -56,7 +56,8 @@ double fastest(const SofaScene& scene)
     return speed;
 }
 
-/// One step of the whole graph. False, with a line in the log, if it ended with an exception.
+} // namespace
+
 bool animate(::sofa::simulation::Node& root, double dt)
 {
     try {
@@ -69,8 +70,6 @@ bool animate(::sofa::simulation::Node& root, double dt)
     }
     return false;
 }
-
-} // namespace
 
 SofaWorld::SofaWorld(const SofaEngineDef& def) : scene_{.contact = ContactStage(checked(def).contact)}
 {

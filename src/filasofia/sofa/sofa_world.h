@@ -1,12 +1,13 @@
 #pragma once
 
+#include "filasofia/sofa/graph_owner.h"
 #include "filasofia/sofa/sofa_engine.h"
 #include "filasofia/sofa/sofa_scene.h"
 
 namespace filasofia::sofaengine {
 
 /// The engine: a root node, and a node per body below it.
-class SofaWorld final : public physics::PhysicsEngine {
+class SofaWorld final : public physics::PhysicsEngine, public GraphOwner {
 public:
     explicit SofaWorld(const SofaEngineDef& def);
     ~SofaWorld() override;
@@ -23,8 +24,8 @@ public:
     [[nodiscard]] std::shared_ptr<const physics::EngineState> save() const override;
     void restore(const physics::EngineState& state) override;
 
-    [[nodiscard]] ::sofa::simulation::Node& root() const { return *scene_.root; }
-    [[nodiscard]] ::sofa::simulation::Node* nodeOf(BodyId id) const; ///< null if there is none
+    [[nodiscard]] ::sofa::simulation::Node& root() const override { return *scene_.root; }
+    [[nodiscard]] ::sofa::simulation::Node* nodeOf(BodyId id) const override;
 
 private:
     void advance(double dt, physics::StepReport& report);

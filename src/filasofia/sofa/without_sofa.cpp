@@ -1,4 +1,5 @@
 #include "filasofia/core/error.h"
+#include "filasofia/sofa/load.h"
 #include "filasofia/sofa/sofa_engine.h"
 #include "filasofia/sofa/tune.h"
 
@@ -12,6 +13,14 @@ std::unique_ptr<physics::PhysicsEngine> makeSofaEngine(const SofaEngineDef& /*de
     fail("engine 'sofa' is not built in: install SOFA 25.12 and build again with -DFILASOFIA_SOFA=ON "
          "(docs/guide/sofa.md)");
 }
+
+LoadedScene load(physics::PhysicsServer& /*server*/, const LoadDef& def)
+{
+    fail(def.file, ": SOFA is not built in: install SOFA 25.12 and build again with -DFILASOFIA_SOFA=ON "
+                   "(docs/guide/sofa.md)");
+}
+
+bool isLoadedScene(const physics::PhysicsEngine& /*engine*/) { return false; }
 
 void tune(physics::PhysicsServer& /*server*/,
           std::function<void(::sofa::simulation::Node& root, const NodeOf& nodeOf)> /*change*/)
