@@ -35,7 +35,7 @@ struct FuzzCommandOptions {
 };
 
 constexpr double kKnotSeconds = 60.0; ///< [s]
-constexpr int kCuts = 2000, kPerBody = 4, kScenes = 200;
+constexpr int kCuts = 2000, kPerBody = 4, kContactScenes = 200;
 
 int given(int value, int standard) { return value == kNotGiven ? standard : value; }
 
@@ -210,7 +210,7 @@ int fuzzContacts(const FuzzCommandOptions& options)
 {
     JsonFile file(options.file);
     const testing::ContactFuzzReport report = testing::fuzzContacts({.seed = static_cast<std::uint64_t>(options.seed),
-                                                                     .scenes = given(options.scenes, kScenes),
+                                                                     .scenes = given(options.scenes, kContactScenes),
                                                                      .first = given(options.first, 0),
                                                                      .twice = options.twice});
     print(report, options.twice);
@@ -307,7 +307,7 @@ Command fuzzCommand()
               .meaning = "contact only: number of scenes",
               .type = "N",
               .bound = {closed(1, 100000000), "-"},
-              .standard = text(kScenes)},
+              .standard = text(kContactScenes)},
              {.name = "--seconds",
               .target = &options.seconds,
               .meaning = "knots only: simulated time",

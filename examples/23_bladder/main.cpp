@@ -12,13 +12,11 @@ try {
     organ.attachments = {{.box = Box{{-1, -1, -1}, {1, -0.018, 1}}}};
     organ.dynamicTopology = true; // it may be cut
     const BodyId bladder = sim.add(organ);
-    const auto above = [](double height) { return Pose{{0.7_mm, height, 0.4_mm}}; };
-    RigidBodyDef knife{.name = "knife", .mesh = shapes::box({14_mm, 40_mm, 0.4_mm}), .elements = {above(60_mm)}};
-    const TriangleMesh edge{.vertices = {{-7_mm, -20_mm, 0}, {7_mm, -20_mm, 0}, {7_mm, 20_mm, 0}, {-7_mm, 20_mm, 0}},
-                            .triangles = {{0, 1, 2}, {0, 2, 3}}};
-    knife.collision = {{.mesh = std::make_shared<const TriangleMesh>(edge), .proximity = 0, .cutting = true}};
+    const auto above = [](double height) { return Pose{{0.7_mm, height, 0.4_mm}, axisAngle({1, 0, 0}, 90_deg)}; };
+    RigidBodyDef knife{.name = "knife", .elements = {above(60_mm)}, .mesh = shapes::box({14_mm, 0.4_mm, 40_mm})};
+    knife.collision = {{.mesh = shapes::sheet(14_mm, 40_mm, {1, 1}), .proximity = 0, .cutting = true}}; // its outline
     const BodyId blade = sim.add(knife);
-    sim.show(bladder, {.material = TissueMaterial{.vessels = 0.6}, .subdivision = 1});
+    sim.show(bladder, {.subdivision = 1, .material = TissueMaterial{.vessels = 0.6}});
     sim.show(blade, {.material = MetalMaterial{}});
 
     sim.everyStep([&](double time) { // 20 ml flow in within a second; then the blade opens the top
