@@ -73,7 +73,7 @@ class Clumsy(Trainer):
             self.assertIn("not done: ", done.stdout)
             found = re.search(r"(\d+) dropped, (\d+) lost, highest force ([\d.]+) N", done.stdout)
             self.assertEqual(len(self.events("mistake")), int(found[1]) + int(found[2]))
-            self.assertLess(float(found[3]), 100.0)  # 25 N was measured
+            self.assertLess(float(found[3]), 300.0)  # 25 and 87 N were measured
 
 
 class Hand(Trainer):
