@@ -104,8 +104,8 @@ std::vector<TaskStep> stepsOf(const Difficulty& difficulty, const Judge& judge)
                                  return judge.count(to) + judge.lost() >= i;
                              }});
     };
-    add(RightSide, "over ", "Take a ring with the left hand, give it to the right one in the air, put it onto a peg");
-    if (difficulty.back) add(LeftSide, "back ", "And back: take it with the right hand, put it down with the left one");
+    add(RightSide, "over ", "Take a ring with the left hand, give it to the right one, put it onto a peg");
+    if (difficulty.back) add(LeftSide, "back ", "And back: the right hand takes it, the left one gets it in the air");
     return steps;
 }
 
