@@ -25,13 +25,6 @@ TissueMaterial plain(Color color, double wetness = 0.15)
             .bump = 0.02};
 }
 
-void append(TriangleMesh& to, const TriangleMesh& part, Vec3 at)
-{
-    const int first = static_cast<int>(to.vertices.size());
-    for (const Vec3& vertex : part.vertices) to.vertices.push_back(vertex + at);
-    for (const auto& [a, b, c] : part.triangles) to.triangles.push_back({first + a, first + b, first + c});
-}
-
 /// A ring, as high as kRingHeight, with `around` points on each of its outlines and edges taken off by `bevel`.
 std::shared_ptr<const TriangleMesh> ringMesh(int around, double bevel)
 {
@@ -59,10 +52,14 @@ std::shared_ptr<const TriangleMesh> ringMesh(int around, double bevel)
 std::shared_ptr<const TriangleMesh> pegMesh(int sides)
 {
     TriangleMesh mesh;
-    for (const Side side : {LeftSide, RightSide})
-        for (int peg = 0; peg < kPegs; ++peg)
-            append(mesh, *shapes::cylinder(kPegRadius, kPegHeight + 4_mm, sides),
-                   pegAt(side, peg) + Vec3{0, 0.5 * (kBoard.y + kPegHeight) - 2_mm, 0});
+    const auto peg = shapes::cylinder(kPegRadius, kPegHeight + 4_mm, sides);
+    for (int i = 0; i < 2 * kPegs; ++i) {
+        const int first = static_cast<int>(mesh.vertices.size());
+        const Vec3 at =
+            pegAt(i < kPegs ? LeftSide : RightSide, i % kPegs) + Vec3{0, 0.5 * (kBoard.y + kPegHeight) - 2_mm, 0};
+        for (const Vec3& vertex : peg->vertices) mesh.vertices.push_back(vertex + at);
+        for (const auto& [a, b, c] : peg->triangles) mesh.triangles.push_back({first + a, first + b, first + c});
+    }
     return std::make_shared<const TriangleMesh>(mesh);
 }
 

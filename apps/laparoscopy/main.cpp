@@ -1,5 +1,7 @@
 #include "apps/laparoscopy/motion.h"
 
+#include <utility>
+
 using namespace filasofia;
 using namespace laparoscopy;
 
@@ -27,8 +29,7 @@ public:
     }
     std::function<void(EventKind, const std::string&)> mark; ///< called for what is recorded
 
-    [[nodiscard]] int over() const { return counts_[RightSide]; }
-    [[nodiscard]] int back() const { return counts_[LeftSide]; }
+    [[nodiscard]] int count(Side to) const { return counts_[to]; } ///< rings that were brought there
     [[nodiscard]] int lost() const { return lost_; }
     [[nodiscard]] int drops() const { return drops_; }
 
@@ -49,35 +50,41 @@ private:
     }
     void judge(Ring& ring, std::size_t index, const Pose& pose, double time)
     {
-        const std::array<bool, 2> before = ring.held;
-        for (const Side side : {LeftSide, RightSide})
-            ring.held[side] = tools_[side]->tool().holding() == box_.rings[index];
-        const bool held = ring.held[0] || ring.held[1], was = before[0] || before[1];
-        if (before[0] && before[1] && ring.held[0] != ring.held[1] && pose.position.y > 15_mm)
+        if (ring.lost) return;
+        const auto was = std::exchange(ring.held, {holds(LeftSide, index), holds(RightSide, index)});
+        const bool held = ring.held[LeftSide] || ring.held[RightSide];
+        if (was[LeftSide] && was[RightSide] && ring.held[LeftSide] != ring.held[RightSide] && pose.position.y > 15_mm)
             ring.given = ring.held[LeftSide] ? LeftSide : RightSide;
-        if (held) ring.let.reset();
-        if (was && !held) ring.let = time;
-        if (!ring.let || ring.lost || time - *ring.let < 0.4) return;
-        // It has come to rest.
+        if (!held && pose.position.y < -2_mm) { // it has left the board
+            ring.lost = true;
+            ++lost_;
+            return mark(EventKind::Mistake, text("ring ", index + 1, " lost"));
+        }
+        if (held)
+            ring.let.reset();
+        else if (was[LeftSide] || was[RightSide])
+            ring.let = time;
+        if (ring.let && time - *ring.let >= 0.4) rest(ring, index, pose);
+    }
+    /// A ring that was let go has come to rest.
+    void rest(Ring& ring, std::size_t index, const Pose& pose)
+    {
         ring.let.reset();
-        const std::string name = text("ring ", index + 1);
+        const auto given = std::exchange(ring.given, {});
         for (const Side side : {LeftSide, RightSide})
             if (pegOf(pose, side)) {
-                const bool right = ring.given == side && (side == RightSide || ring.counted[RightSide]);
-                if (right && !ring.counted[side]) {
-                    ring.counted[side] = true;
-                    ++counts_[side];
-                }
-                ring.given.reset();
+                const bool counts =
+                    given == side && !ring.counted[side] && (side == RightSide || ring.counted[RightSide]);
+                if (counts) ++counts_[side];
+                ring.counted[side] = ring.counted[side] || counts;
                 return;
             }
-        ring.given.reset();
         ++drops_;
-        mark(EventKind::Mistake, name + " dropped");
-        if (pose.position.y > -2_mm && length(Vec3{pose.position.x, 0, pose.position.z}) < 95_mm) return;
-        ring.lost = true;
-        ++lost_;
-        mark(EventKind::Mistake, name + " lost");
+        mark(EventKind::Mistake, text("ring ", index + 1, " dropped"));
+    }
+    [[nodiscard]] bool holds(Side side, std::size_t index) const
+    {
+        return tools_[side]->tool().holding() == box_.rings[index];
     }
 
     Simulation& sim_;
@@ -91,15 +98,14 @@ private:
 std::vector<TaskStep> stepsOf(const Difficulty& difficulty, const Judge& judge)
 {
     std::vector<TaskStep> steps;
-    for (int i = 1; i <= difficulty.rings; ++i)
-        steps.push_back(
-            {.name = text("over ", i),
-             .instruction = "Take a ring with the left hand, give it to the right one in the air, put it onto a peg",
-             .done = [&judge, i](const frame::Frame&) { return judge.over() + judge.lost() >= i; }});
-    for (int i = 1; difficulty.back && i <= difficulty.rings; ++i)
-        steps.push_back({.name = text("back ", i),
-                         .instruction = "And back: take it with the right hand, put it down with the left one",
-                         .done = [&judge, i](const frame::Frame&) { return judge.back() + judge.lost() >= i; }});
+    const auto add = [&](Side to, const char* name, const char* instruction) {
+        for (int i = 1; i <= difficulty.rings; ++i)
+            steps.push_back({.name = text(name, i), .instruction = instruction, .done = [&judge, to, i](const auto&) {
+                                 return judge.count(to) + judge.lost() >= i;
+                             }});
+    };
+    add(RightSide, "over ", "Take a ring with the left hand, give it to the right one, put it onto a peg");
+    if (difficulty.back) add(LeftSide, "back ", "And back: the right hand takes it, the left one gets it in the air");
     return steps;
 }
 

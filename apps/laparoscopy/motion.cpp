@@ -76,13 +76,13 @@ TrocarMove with(TrocarMove move, std::function<void()> begin, std::function<bool
     return move;
 }
 
-std::function<void()> open(const Shared& plan, Side side)
+auto open(const Shared& plan, Side side)
 {
-    return [plan, side] { plan->tool(side).tool().open(kOpen); };
+    return [=] { plan->tool(side).tool().open(kOpen); };
 }
-std::function<void()> shut(const Shared& plan, Side side)
+auto shut(const Shared& plan, Side side)
 {
-    return [plan, side] { plan->tool(side).tool().close(); };
+    return [=] { plan->tool(side).tool().close(); };
 }
 
 /// Up to three attempts to take a ring, each a little deeper.
@@ -104,11 +104,9 @@ void addTransfer(std::vector<TrocarMove>& moves, const Shared& plan, Side from, 
     const Side to = other(from);
     const bool first = moves.size() == 1;
     const auto picture = [&](const char* name) { return first ? plan->with.picture(name) : std::function<void()>(); };
-    const auto above = [plan, ring](Side side, double height) {
-        return [=] {
-            const Vec3 at = plan->ring(ring).position;
-            return carry(*plan, side, ring, {at.x, height, at.z});
-        };
+    const auto lifted = [=] {
+        const Vec3 at = plan->ring(ring).position;
+        return carry(*plan, from, ring, {at.x, kPegHeight + 12_mm, at.z});
     };
     const auto place = [plan, ring, to, peg](double height) {
         return [=] { return carry(*plan, to, ring, pegAt(to, peg) + Vec3{0, height, 0}); };
@@ -121,7 +119,7 @@ void addTransfer(std::vector<TrocarMove>& moves, const Shared& plan, Side from, 
         };
     };
     addTake(moves, plan, from, ring, picture("taken"));
-    moves.push_back(move(plan, from, 0.5, above(from, kPegHeight + 12_mm)));
+    moves.push_back(move(plan, from, 0.5, lifted));
     moves.push_back(move(plan, from, 0.8, [=] { return carry(*plan, from, ring, kMeeting); }));
     addTake(moves, plan, to, ring, picture("given"));
     moves.push_back(with(rest(plan, 0.15), open(plan, from)));

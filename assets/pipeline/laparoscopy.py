@@ -6,7 +6,7 @@ from instruments import ALLIGATOR, BLADE, BLADE_EDGE, BLADE_FOR_COLLISION, TOOL_
 from output import metre, write_json
 from suturing import POINTED, TIMES, larger
 
-BEND = 0.035          # [1/mm] curvature of the dissector's jaws, to the right
+BEND = 0.015          # [1/mm] curvature of the dissector's jaws, to the right; a port of 5 mm lets no more pass
 STRAIGHT = 4.0        # [mm] up to here behind the pin they are straight
 SCOPE_RADIUS = 5.0    # [mm] a laparoscope of 10 mm
 SCOPE_LENGTH = 320.0  # [mm]

@@ -80,8 +80,10 @@ TEST_CASE("the hysteroscope has the diameter of its sheath, begins at z = 0, and
 
 TEST_CASE("every tool has the stated radius and length, and its jaws turn about the pivot")
 {
-    // The tools for suturing are those of 5 Fr enlarged; others of that size pass the working channel (see above).
-    const auto [folder, size] = GENERATE(std::pair{"hysteroscopy", 1.0}, std::pair{"suturing", 3.0});
+    // The tools for suturing and laparoscopy are those of 5 Fr enlarged; others of that size pass the working channel
+    // (see above).
+    const auto [folder, size] =
+        GENERATE(std::pair{"hysteroscopy", 1.0}, std::pair{"suturing", 3.0}, std::pair{"laparoscopy", 3.0});
     const auto tools = facts("instruments.json", folder)["tools"];
     REQUIRE(tools.size() == 3);
     const double unit = size * kMillimetre;
@@ -118,7 +120,7 @@ TEST_CASE("every tool has the stated radius and length, and its jaws turn about 
 
 TEST_CASE("the edges of scissors lie on their blades, before the pivot, in the plane where the blades pass each other")
 {
-    const std::string folder = GENERATE("hysteroscopy", "suturing");
+    const std::string folder = GENERATE("hysteroscopy", "suturing", "laparoscopy");
     const auto tools = facts("instruments.json", folder)["tools"];
     int edges = 0;
     for (const auto& tool : tools)

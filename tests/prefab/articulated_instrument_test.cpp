@@ -103,6 +103,56 @@ TEST_CASE("a grasp breaks beyond its break force, and holds again only after it 
     CHECK_FALSE(forceps.holding());
 }
 
+TEST_CASE(
+    "with a finite grip stiffness two instruments hold one rigid body without fighting, and one gives it to the other")
+{
+    Simulation sim({.physics = {.gravity = {}}});
+    physics::RigidBodyDef rod{.name = "rod",
+                              .mesh = geometry::shapes::box({40_mm, 3_mm, 3_mm}, {8, 1, 1}),
+                              .dynamic = true,
+                              .mass = physics::Density{1100.0},
+                              .linearDamping = 2.0,
+                              .angularDamping = 10.0,
+                              .collision = {{}},
+                              .friction = 0.6};
+    const BodyId held = sim.add(rod);
+    const auto at = [](double x) {
+        return prefab::ArticulatedInstrumentDef{.name = x < 0.0 ? "left" : "right",
+                                                .kind = prefab::InstrumentKind::LaparoscopicGrasper,
+                                                .pose = {{x, 0.3_mm, 16_mm}, {}},
+                                                .opening = 0.5,
+                                                .gripStiffness = 1000.0};
+    };
+    ArticulatedInstrument left(sim, at(-9_mm)), right(sim, at(9_mm));
+    CHECK(distance(left.grip(), {-9_mm, 0.3_mm, 16_mm}) < 1e-12); // its pivot, while it holds nothing
+    double most = 0.0;
+    const auto run = [&](int steps) {
+        for (int i = 0; i < steps; ++i) {
+            sim.run({.headless = true, .backend = visual::Backend::Null, .steps = 1});
+            most = 0.0;
+            for (const frame::Contact& each : sim.physics().latest()->contacts) most += each.normalForce;
+        }
+    };
+    left.close();
+    run(600);
+    REQUIRE(left.holding() == held);
+    const auto middle = [&] { return sim.physics().latest()->rigidBody(held)->poses[0].position; };
+    CHECK(distance(left.grip(), middle()) < 0.5_mm); // where the rigid body's own origin is
+    CHECK(most < 0.1);                               // the spring alone holds it
+    right.close();
+    run(600);
+    REQUIRE(right.holding() == held);
+    CHECK(left.holding() == held);
+    CHECK(most < 0.1);
+    left.open();
+    run(300);
+    CHECK(!left.holding());
+    const Vec3 before = middle();
+    right.move({{9_mm, 5.3_mm, 16_mm}, {}});
+    run(300);
+    CHECK(distance(middle(), before + Vec3{0, 5_mm, 0}) < 0.5_mm);
+}
+
 TEST_CASE("closed jaws with nothing between them touch and hold nothing")
 {
     for (const auto kind : {InstrumentKind::Forceps, InstrumentKind::Grasper, InstrumentKind::Scissors,

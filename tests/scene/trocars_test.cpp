@@ -62,6 +62,15 @@ TEST_CASE("scenes: keys move an instrument in its trocar, its jaws follow the gr
     CHECK(hashes[0] == hashes[1]);
 }
 
+TEST_CASE("scenes: the grasper of the example takes the flap and lifts it")
+{
+    const SceneDef scene = loadScene(text(FILASOFIA_SOURCE_DIR, "/examples/scenes/retraction.json"));
+    Simulation sim(simulationDef(scene));
+    const AddedScene added = addScene(sim, scene);
+    run(sim, 2450);
+    CHECK(added.task->progress().state == prefab::TaskProgress::State::Done);
+}
+
 TEST_CASE("scenes: a person moves what has no keys, and a haptic device the handle of what is haptic")
 {
     const SceneFolder folder;

@@ -13,7 +13,7 @@ struct LaparoscopeDef {
     double zoom = 1.0; ///< [-], in [1, 4], how much larger the picture's middle is than without zoom
     /// The camera head turns against roll and tilt, so that what is up in the world is up in the picture.
     bool horizon = true;
-    double intensity = 8.0; ///< [cd], > 0, intensity of its light along the view
+    double intensity = 120.0; ///< [cd], > 0, intensity of its light along the view
     /// Mask, distortion, darkening to the rim; by default the picture is rectangular.
     visual::EndoscopeOptics optics = {
         .maskRadius = 2.0, .maskSoftness = 0.0, .distortion = 0.05, .vignette = 0.3, .rimBlur = 0.0};

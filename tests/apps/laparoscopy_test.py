@@ -1,0 +1,99 @@
+"""Runs the laparoscopy trainer as a user does. Usage: laparoscopy_test.py PROGRAM [CLASS]
+
+If TRAINER_STEPS is set in the environment, the planned motions are cut short: a sanitizer takes minutes for one."""
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+PROGRAM = sys.argv[1]
+STEPS = os.environ.get("TRAINER_STEPS")
+
+
+def run(*words, timeout=500):
+    return subprocess.run([PROGRAM, *words], capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=timeout)
+
+
+class Trainer(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.session = str(Path(self.folder.name) / "session.jsonl")
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def play(self, motion, *words):
+        return run("--motion", motion, "--headless", "--session", self.session, *words, *(["--steps", STEPS] if STEPS else []))
+
+    def events(self, *kinds):
+        lines = [json.loads(line) for line in Path(self.session).read_text().splitlines()]
+        return [(line["event"], line["what"]) for line in lines if line.get("event") in kinds]
+
+
+class Words(Trainer):
+    def test_unknown_words_are_refused_in_one_line(self):
+        for words, says in ((("--case", "stapling"), "--case must be peg-transfer, got 'stapling'"),
+                            (("--difficulty", "brutal"), "--difficulty must be easy, normal or hard, got 'brutal'"),
+                            (("--seed", "-1"), "--seed must be a whole number in [0, 999999999]")):
+            done = run("--headless", "--steps", "1", *words)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+            self.assertIn(says, done.stderr)
+
+
+class Expert(Trainer):
+    """One seed; docs/lab/laparoscopy.md reports thirty."""
+
+    def test_the_expert_gives_every_ring_from_hand_to_hand(self):
+        done = self.play("expert", "--seed", "2")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        if STEPS:
+            return
+        self.assertRegex(done.stdout, r"done: 3 of 3 steps in [\d.]+ s; score 27\d, 0 dropped, 0 lost")
+        self.assertEqual([what for _, what in self.events("step", "mistake")], ["over 1", "over 2", "over 3"])
+        for ring in ("ring 1", "ring 2", "ring 3"):  # each is taken by one hand, then by the other, then let go twice
+            kinds = [kind for kind, what in self.events("grasp", "release") if what == ring]
+            self.assertEqual(kinds, ["grasp", "grasp", "release", "release"])
+        force = float(re.search(r"highest force ([\d.]+) N", done.stdout)[1])
+        self.assertLess(force, 10.0)  # 5.8 N was measured
+
+
+class Clumsy(Trainer):
+    def test_clumsy_hands_drop_rings_and_nothing_breaks(self):
+        for seed in ("1", "2"):
+            done = self.play("clumsy", "--seed", seed)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            self.assertIn("rolled back 0", done.stdout)
+            if STEPS:
+                continue
+            self.assertIn("not done: ", done.stdout)
+            found = re.search(r"(\d+) dropped, (\d+) lost, highest force ([\d.]+) N", done.stdout)
+            self.assertEqual(len(self.events("mistake")), int(found[1]) + int(found[2]))
+            self.assertLess(float(found[3]), 300.0)  # 25 and 87 N were measured
+
+
+class Hand(Trainer):
+    def test_a_recorded_hand_moves_the_right_handle(self):
+        motion = Path(self.folder.name) / "in.csv"
+        motion.write_text("time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n0.2,0,0,0,1,0,0,0,0\n"
+                          "0.8,0.02,0,0,1,0,0,0,1\n1.2,0.02,0,0,1,0,0,0,0\n")
+        done = run("--motion", str(motion), "--headless", "--steps", "1200", "--session", self.session)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        lines = [json.loads(line) for line in Path(self.session).read_text().splitlines()]
+        self.assertIn("right grasper", json.dumps(lines[:4]))
+
+
+class Pictures(Trainer):
+    def test_the_expert_takes_pictures_on_the_way(self):
+        done = run("--motion", "expert", "--headless", "--steps", "1900", "--session", self.session,
+                   "--pictures", self.folder.name)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertGreater((Path(self.folder.name) / "taken.png").stat().st_size, 60_000)  # a black one is far smaller
+
+
+if __name__ == "__main__":
+    unittest.main(argv=[sys.argv[0], *sys.argv[2:]])
