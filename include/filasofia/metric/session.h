@@ -48,7 +48,7 @@ enum class EventKind {
     Blood,       ///< a body has lost so much blood since it was added or reset; amount: [m^3]
     Energy,      ///< an electrode has given so much heat since it was added or reset; amount: [J]
     Activation,  ///< an electrode has been active for so long since then; amount: [s]
-    InAir,       ///< of this, so long without touching tissue; amount: [s]
+    InAir,       ///< for so long in this it touched no tissue; amount: [s]
     Burn,        ///< so much of a body that is no target of heat is burnt; amount: [m^2]
     Removed,     ///< a piece was removed; amount: [m^3]
     Seen,        ///< the share of the surface to be inspected that has been seen; amount: [-], in [0, 1]

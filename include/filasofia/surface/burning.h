@@ -80,7 +80,7 @@ private:
     std::vector<double> water_;       ///< [-] per vertex, in [0, 1], share that has not boiled away
     std::vector<double> damage_;      ///< [-] per vertex, omega
     std::map<int, Heat> sources_;     ///< by their numbers
-    std::vector<TipHeat> tips_;       ///< in the next step, and by vertices within it
+    std::vector<TipHeat> tips_;       ///< for the next step, and by vertices within it
     std::map<int, double> taken_;     ///< [J]
     HeatBalance balance_;             ///< without what balance() adds
     std::vector<Vec3> places_;        ///< working memory, like those below

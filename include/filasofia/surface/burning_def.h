@@ -49,8 +49,8 @@ constexpr auto fields(const BurningDef*)
 struct Heat {
     Vec3 place = {};        ///< [m], in the world
     double radius = 0.0015; ///< [m], > 0; infinite: everywhere
-    double power = 0.0;     ///< [W], >= 0
-    double limit = 573.15;  ///< [K], > 0; what is as hot takes no more power: dry tissue conducts no current
+    double power = 0.0;     ///< [W], in [0, 1e6]
+    double limit = 573.15;  ///< [K], in (0, 1e7]; what is as hot takes no more power: dry tissue conducts no current
     int source = 0;         ///< [-], in [0, 1000], its number: sources of different numbers heat together
 };
 constexpr auto fields(const Heat*)
@@ -58,8 +58,8 @@ constexpr auto fields(const Heat*)
     using T = Heat;
     return describe("Heat", field("place", &T::place, "m", finite(), "where, in the world"),
                     field("radius", &T::radius, "m", positiveOrInfinite(), "reach"),
-                    field("power", &T::power, "W", nonNegative(), "0 ends it"),
-                    field("limit", &T::limit, "K", positive(), "what is as hot takes no more"),
+                    field("power", &T::power, "W", closed(0, 1e6), "0 ends it"),
+                    field("limit", &T::limit, "K", openClosed(0, 1e7), "what is as hot takes no more"),
                     field("source", &T::source, "-", closed(0, 1000), "sources of different numbers heat together"));
 }
 

@@ -39,9 +39,9 @@ constexpr auto fields(const ElectrodeTip*)
 /// a hook that cuts and coagulates has two at the same tip.
 struct ElectrodeDef {
     EnergyMode mode = EnergyMode::Cut;
-    double power = 30.0;    ///< [W], > 0, that tissue takes while it is touched
-    double radius = 0.0015; ///< [m], > 0, how far from the tip's line tissue is touched, and heated
-    double limit = 573.15;  ///< [K], > 0; what is as hot takes no more power: dry tissue conducts no current
+    double power = 30.0;    ///< [W], in (0, 1e6], that tissue takes while it is touched
+    double radius = 0.0015; ///< [m], in (0, 1], how far from the tip's line tissue is touched, and heated
+    double limit = 573.15;  ///< [K], in (0, 1e7]; what is as hot takes no more power: dry tissue conducts no current
     ElectrodeTip tip = {};
     std::optional<ElectrodeTip> other = {}; ///< the second tip of a bipolar one, and of no other
 };
@@ -49,9 +49,9 @@ constexpr auto fields(const ElectrodeDef*)
 {
     using T = ElectrodeDef;
     return describe("ElectrodeDef", field("mode", &T::mode, "what it does while it is active"),
-                    field("power", &T::power, "W", positive(), "that tissue takes while it is touched"),
-                    field("radius", &T::radius, "m", positive(), "reach around the tip's line"),
-                    field("limit", &T::limit, "K", positive(), "what is as hot takes no more"),
+                    field("power", &T::power, "W", openClosed(0, 1e6), "that tissue takes while it is touched"),
+                    field("radius", &T::radius, "m", openClosed(0, 1), "reach around the tip's line"),
+                    field("limit", &T::limit, "K", openClosed(0, 1e7), "what is as hot takes no more"),
                     field("tip", &T::tip, "the bare metal"),
                     field("other", &T::other, "the second tip of a bipolar one"));
 }
@@ -59,7 +59,7 @@ constexpr auto fields(const ElectrodeDef*)
 /// What an electrode has done since it was added or reset. Tissue takes no more than power * (active - inAir).
 struct EnergyBalance {
     double active = 0.0;    ///< [s], with its pedal pressed
-    double inAir = 0.0;     ///< [s] among these in which it gave nothing: it touched no tissue that burns
+    double inAir = 0.0;     ///< [s], the part in which it gave nothing: it touched no tissue that burns
     double delivered = 0.0; ///< [J], taken by tissue
     friend bool operator==(const EnergyBalance&, const EnergyBalance&) = default;
 };

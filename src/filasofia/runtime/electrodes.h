@@ -45,8 +45,8 @@ private:
         surface::ElectrodeDef def = {};
         bool active = false;
         surface::EnergyBalance balance = {};
-        double seen = 0.0;                   ///< [s] in balance.active during which it is known what it touched
-        std::map<BodyId, double> spent = {}; ///< [s] in balance.active before the last step of a body's heat
+        double seen = 0.0;                   ///< [s], the part of balance.active in which it is known what it touched
+        std::map<BodyId, double> spent = {}; ///< [s], the part of balance.active before the last step of a body's heat
         std::optional<bool> told = {};       ///< what the last event said of `active`
         surface::EnergyBalance toldOf = {};  ///< what the last event said
         double tellFrom = 0.0;               ///< [s], no event before, unless a pedal moves

@@ -50,7 +50,8 @@ public:
     struct Surface {
         BodyId body = {};
         std::span<const geometry::Triangle> skin = {}; ///< before it is cut; as long as its layer
-        double dt = 0.0; ///< [s] for the step that the layer begins in afterStep() of this time; 0: it begins none
+        double dt =
+            0.0; ///< [s], length of the step that the layer begins in afterStep() of this time; 0: it begins none
     };
     /// The stepping thread.
     [[nodiscard]] std::vector<Surface> surfaces(double time) const;
@@ -95,7 +96,7 @@ private:
         std::optional<double> told = {}; ///< what the last event said
         double tellFrom = 0.0;           ///< [s], no event before
         NodeFlags closed = {};
-        std::vector<surface::TipHeat> tips = {}; ///< in the step that begins
+        std::vector<surface::TipHeat> tips = {}; ///< for the step that begins
         std::map<int, double> taken = {};        ///< [J], by electrodes
         NodeFlags burnt = {};                    ///< takeBurnt() does not have it yet
         NodeFilm film = {};

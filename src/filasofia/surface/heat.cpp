@@ -27,7 +27,7 @@ std::vector<Vec3> pointsOf(const HeatReach& reach)
     const auto& [a, b, c, d] = reach.corners;
     if (reach.count == 1) return {a};
     const auto steps = [&](double length) {
-        return std::clamp(static_cast<int>(std::ceil(std::min(2.0 * length / reach.radius, 1.0 * kMost))), 1, kMost);
+        return std::clamp(static_cast<int>(std::ceil(std::min(1.0 * kMost, 2.0 * length / reach.radius))), 1, kMost);
     };
     const bool line = reach.count == 2;
     const int along = steps(line ? distance(a, b) : std::max(distance(a, b), distance(d, c)));
