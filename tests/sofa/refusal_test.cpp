@@ -142,4 +142,22 @@ TEST_CASE("a command that SOFA cannot carry out is refused at its caller")
     CHECK(server->latest()->softBodies.size() == 1);
 }
 
+TEST_CASE("a body that SOFA cannot make is refused when it is added, and the others go on")
+{
+    const auto server = serverWith("sofa");
+    const BodyId body = server->add(tissue());
+    // Each number is in its range, but not what SOFA makes of both.
+    SoftBodyDef odd = tissue();
+    std::get<FemMaterial>(odd.material).youngModulus = 1e300;
+    odd.mass = TotalMass{1e-300};
+    try {
+        server->add(odd);
+    } catch (const Error& error) {
+        CHECK_THAT(error.what(), Catch::StartsWith("soft body 'tissue': "));
+    }
+    const StepReport report = server->step(1e-3);
+    CHECK_FALSE(report.has(StepFlag::TuneRejected)); // what was accepted was made
+    CHECK(server->latest()->softBody(body)->positions[0].y < 0.0);
+}
+
 } // namespace refusal_test

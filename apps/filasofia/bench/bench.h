@@ -48,6 +48,10 @@ nlohmann::json benchLaws(bool quick);
 /// contact. If `quick`, only the smallest meshes are measured, with fewer steps.
 nlohmann::json benchContact(bool quick);
 
+/// A step's cost of some of these scenes with the native engine and with another, with the number of contacts, the
+/// deepest penetration and the forces. If `quick`, with fewer steps. Throws an Error if the engine cannot be had.
+nlohmann::json benchContactEngines(const std::string& other, bool quick);
+
 /// A step's cost of rods that hang, lie on a floor and touch themselves, of 200 and 1,000 nodes. If `quick`, with fewer
 /// steps.
 nlohmann::json benchRod(bool quick);

@@ -37,8 +37,10 @@ void checkOptions(const BenchCommandOptions& options)
     if (!std::isnan(options.seconds) && options.scene != "bunny" && options.scene != "haptics")
         fail("bench: --seconds applies to bunny and haptics only; ", options.scene, " makes a fixed number of steps");
     if (!std::isnan(options.soak) && options.scene != "contact") fail("bench: --soak applies to contact only");
-    if (options.engine != runtime::engineNames().front() && options.scene != "bunny")
-        fail("bench: --engine applies to bunny only: ", options.scene, " measures the native engine");
+    if (options.engine != runtime::engineNames().front() && options.scene != "bunny" && options.scene != "contact")
+        fail("bench: --engine applies to bunny and contact only: ", options.scene, " measures the native engine");
+    if (options.engine != runtime::engineNames().front() && !std::isnan(options.soak))
+        fail("bench: --soak and --engine ", options.engine, " exclude each other");
     if (options.engine != runtime::engineNames().front() && !std::isnan(options.seconds))
         fail("bench: --seconds and --engine ", options.engine,
              " exclude each other: the latter makes a fixed number of steps");
@@ -53,7 +55,9 @@ json measure(const BenchCommandOptions& options)
     if (options.scene == "rod") return benchRod(options.quick);
     if (options.scene == "visual") return benchVisual(options.quick);
     const double seconds = std::isnan(options.seconds) ? kSeconds : options.seconds;
-    if (options.engine != runtime::engineNames().front()) return benchEngines(options.engine, options.quick);
+    if (options.engine != runtime::engineNames().front())
+        return options.scene == "contact" ? benchContactEngines(options.engine, options.quick)
+                                          : benchEngines(options.engine, options.quick);
     if (options.scene == "bunny") return benchBunny(seconds, options.quick);
     if (options.scene == "haptics")
         return benchHaptics(std::isnan(options.seconds) && options.quick ? kQuickSeconds : seconds, options.quick);
@@ -130,8 +134,8 @@ Command benchCommand()
                     {.name = "--engine",
                      .target = &options.engine,
                      .meaning =
-                         "bunny only: instead of the paper's table, a step's cost and error with this engine and "
-                         "the native one",
+                         "bunny and contact only: instead of the table, a step's cost, with the error or the contacts, "
+                         "with this engine and the native one",
                      .choices = runtime::engineNames()},
                     {"--quick", &options.quick, "Measure only the smallest meshes"}},
         .run = [] { return bench(options); }};

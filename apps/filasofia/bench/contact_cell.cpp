@@ -23,9 +23,7 @@ void look(const physics::StepReport& report, ContactRun& run, ContactCell& cell)
     cell.pushing.push_back(report.contacts.active);
     cell.rounds.push_back(report.contacts.rounds);
     cell.mismatches.push_back(report.contacts.mismatch);
-    double force = 0.0;
-    for (const frame::Contact& contact : run.capture().contacts) force += contact.normalForce;
-    cell.forces.push_back(force);
+    cell.forces.push_back(pressedBy(run.capture()));
 }
 
 /// If `cell` is given, the contacts of the run are recorded there too.

@@ -1,10 +1,10 @@
 #include "apps/filasofia/bench/contact_run.h"
 
 #include "filasofia/core/text.h"
-#include "filasofia/engine/native_engine.h"
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/runtime/assets.h"
+#include "filasofia/runtime/engines.h"
 
 #include <algorithm>
 #include <cmath>
@@ -110,9 +110,10 @@ int ContactScene::elements() const
     return static_cast<int>(count);
 }
 
-ContactRun::ContactRun(const ContactScene& scene, int threads, bool contacts)
-    : engine_(engine::makeNativeEngine({.period = kContactStep, .threads = threads})), path_(scene.path),
-      gravity_(scene.gravity)
+ContactRun::ContactRun(const ContactScene& scene, int threads, bool contacts, const std::string& engine)
+    : engine_(runtime::makeEngine(engine.empty() ? runtime::engineNames().front() : engine,
+                                  {.period = kContactStep, .threads = threads})),
+      path_(scene.path), gravity_(scene.gravity)
 {
     commands_.emplace_back(physics::SetGravity{kGravity});
     std::uint32_t id = 0, attachments = 0;
@@ -144,6 +145,13 @@ const frame::Frame& ContactRun::capture()
 {
     engine_->capture(frame_);
     return frame_;
+}
+
+double pressedBy(const frame::Frame& frame)
+{
+    double force = 0.0;
+    for (const frame::Contact& contact : frame.contacts) force += contact.normalForce;
+    return force;
 }
 
 int iterationsOf(const physics::StepReport& report)

@@ -33,8 +33,8 @@ struct ContactScene {
 /// Makes steps of kContactStep from rest, under gravity.
 class ContactRun {
 public:
-    /// If `contacts` is false: what the scene is compared with.
-    ContactRun(const ContactScene& scene, int threads, bool contacts = true);
+    /// If `contacts` is false: what the scene is compared with. `engine`: by name; empty: the native one.
+    ContactRun(const ContactScene& scene, int threads, bool contacts = true, const std::string& engine = {});
     physics::StepReport step(const physics::StepBudget* budget = nullptr);
     const frame::Frame& capture(); ///< the present state of all bodies
     [[nodiscard]] double time() const { return time_; }
@@ -50,6 +50,9 @@ private:
 
 /// [-] Iterations of the solver in a step: bodies in contact are solved together, and each reports the same number.
 int iterationsOf(const physics::StepReport& report);
+
+/// [N] The sum of all contacts' normal forces.
+double pressedBy(const frame::Frame& frame);
 
 /// The Stanford bunny of `tets` tetrahedra, pinned at its feet or free on the floor; 10 kPa, friction 0.5.
 physics::SoftBodyDef contactBunny(int tets, bool pinned);

@@ -41,6 +41,15 @@ ConstraintSolver::SPtr solverOf(const physics::ExactContact& exact)
     return solver;
 }
 
+void warnOfPenalty()
+{
+    static const bool once = [] {
+        logWarning("SOFA: contacts by penalty have no friction with the engine 'sofa'");
+        return true;
+    }();
+    static_cast<void>(once);
+}
+
 } // namespace
 
 struct ContactStage::Parts {
@@ -103,7 +112,7 @@ void ContactStage::start(::sofa::simulation::Node& root)
         root.addObject(parts->solver = solverOf(*exact));
         loop->init();
     } else
-        logWarning("SOFA: contacts by penalty have no friction with the engine 'sofa'");
+        warnOfPenalty();
     const auto pipeline = New<collision::detection::algorithm::CollisionPipeline>();
     root.addObject(pipeline);
     root.addObject(New<collision::detection::algorithm::BruteForceBroadPhase>());

@@ -21,6 +21,7 @@ public:
     ContactStage(const ContactStage&) = delete;
     ContactStage& operator=(const ContactStage&) = delete;
 
+    [[nodiscard]] const physics::ContactMethod& method() const { return method_; }
     [[nodiscard]] bool isOn() const { return parts_ != nullptr; }
     /// Whether forces are found by constraints: then every body needs a correction.
     [[nodiscard]] bool isExact() const { return std::holds_alternative<physics::ExactContact>(method_); }

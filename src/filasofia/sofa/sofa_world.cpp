@@ -6,6 +6,7 @@
 #include "filasofia/sofa/apply_commands.h"
 #include "filasofia/sofa/make_tie.h"
 #include "filasofia/sofa/sofa_process.h"
+#include "filasofia/sofa/try_body.h"
 
 #include <sofa/simulation/DefaultAnimationLoop.h>
 #include <sofa/simulation/DefaultVisualManagerLoop.h>
@@ -100,7 +101,9 @@ physics::EngineInfo SofaWorld::info() const { return {.name = "sofa", .version =
 std::unique_ptr<physics::BuiltBody> SofaWorld::build(const physics::BodyDef& def) const
 {
     scene_.contact.check(def);
-    return planBody(def);
+    auto body = planBody(def);
+    tryBody(def, *body, scene_.contact.method());
+    return body;
 }
 
 void SofaWorld::check(const physics::Command& command, const physics::BodyDef* def) const
