@@ -4,7 +4,7 @@ from .markdown import ms, table
 
 def cells(data):
     def row(cell):
-        step = cell["step_s"]
+        step = cell["step_cpu_s"]
         return [cell["body"], cell["scene"], str(cell["tetrahedra"]), cell["engine"], ms(step["median"]),
                 ms(step["p99"]), f'{cell["found"]["median"]:.0f}', f'{cell["pushing"]["median"]:.0f}',
                 f'{cell["force_n"]["median"]:.3f}', f'{1e6 * cell["penetration_m"]:.1f}',
