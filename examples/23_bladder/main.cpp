@@ -19,11 +19,12 @@ try {
     sim.show(bladder, {.subdivision = 1, .material = TissueMaterial{.vessels = 0.6}});
     sim.show(blade, {.material = MetalMaterial{}});
 
+    sim.physics().setCavity({.id = bladder, .inflow = 20e-6}); // m^3/s
+    bool full = false;
     sim.everyStep([&](double time) { // 20 ml flow in within a second; then the blade opens the top
-        if (sim.physics().latest() && time < 1e-3) sim.physics().setCavity({.id = bladder, .inflow = 20e-6});
-        if (time >= 1.0 && time < 1.001) sim.physics().setCavity({.id = bladder, .inflow = 0.0});
+        if (!std::exchange(full, time > 1.0) && full) sim.physics().setCavity({.id = bladder, .inflow = 0.0});
         const double down = time < 1.5 ? std::clamp(time - 1.1, 0.0, 0.4) : std::max(0.0, 1.9 - time);
-        sim.physics().setPose(blade, above(60_mm - down / 0.4 * 22_mm));
+        sim.physics().setPose(blade, above(60_mm - down / 0.4 * 26_mm));
     });
     if (const int problem = sim.run(argc, argv)) return problem; // --headless --steps 3000: see --help
     const auto frame = sim.physics().latest();

@@ -168,11 +168,13 @@ TEST_CASE("every other kind of command comes back bit for bit")
     CHECK((bent.sections[0].curvature[1] == -2.0 && bent.sections[1].begin == 1.0 && std::isinf(bent.sections[1].end)));
     const auto blade = roundTrip(SetCutting{BodyId{3}, false});
     CHECK((blade.id == BodyId{3} && !blade.cutting));
+    const auto cavity = roundTrip(SetCavity{BodyId{3}, 1, kThird, {}});
+    CHECK((cavity.id == BodyId{3} && cavity.cavity == 1 && !cavity.inflow && sameBits(*cavity.pressure, kThird)));
     roundTrip(Reset{});
     CHECK(roundTrip(Pause{true}).paused);
     CHECK_FALSE(roundTrip(Pause{false}).paused);
     CHECK_FALSE(roundTrip(Tune{[](PhysicsEngine&) {}}).change); // only the fact that there was one can be kept
-    STATIC_REQUIRE(std::variant_size_v<Command> == 22);
+    STATIC_REQUIRE(std::variant_size_v<Command> == 23);
 }
 
 TEST_CASE("every law and all that a material may say come back bit for bit")
