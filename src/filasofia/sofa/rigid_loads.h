@@ -26,7 +26,7 @@ public:
     /// A hand on an element, as the next solve sees it: where its force or torque would exceed the limit, spring and
     /// damper are both weaker, as in the native engine.
     struct Hand {
-        MotionState target = {}; ///< of the hand, at the element's centre of mass
+        MotionState target = {}; ///< the hand's, at the element's centre of mass
         VirtualCoupling coupling = {};
         double linear = 1.0;  ///< [-] factor of the force
         double angular = 1.0; ///< [-] factor of the torque
