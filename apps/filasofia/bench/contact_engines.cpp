@@ -18,7 +18,7 @@ using runtime::Spread;
 struct TouchCell {
     ContactScene scene = {};
     std::string engine = {};
-    std::vector<double> costs = {};   ///< [s] of processor time per step, after it has settled
+    std::vector<double> costs = {};   ///< [s] processor time per step, after it has settled
     std::vector<double> found = {};   ///< [-] contacts per step
     std::vector<double> pushing = {}; ///< [-] those with a force
     std::vector<double> forces = {};  ///< [N] sum of normal forces per step
