@@ -807,7 +807,7 @@ class Bench(Program):
             self.refused("bench", "bunny", "--seconds", "3600", "--json", missing, says=[missing])
         self.refused("bench", "cat", says=["'cat'", "bunny", "solver", "visual"])
         self.refused("bench", "bunny", "--seconds", "0", says=["--seconds", "got 0"])
-        self.refused("bench", "contact", "--engine", "sofa", says=["--engine", "bunny only"])
+        self.refused("bench", "solver", "--engine", "sofa", says=["--engine", "bunny and contact only"])
         self.refused("bench", "bunny", "--engine", "sofa", "--seconds", "1", says=["--seconds", "--engine"])
 
 

@@ -19,7 +19,7 @@ def test_gas_keeps_its_pressure_times_its_volume():
     body = sim.add(bladder(pressure=500.0))
     sim.step()
     start = sim.frame.cavities[0].copy()
-    assert start["body"] == body.value and start["cavity"] == 0 and not start["open"]
+    assert start["body"] == body and start["cavity"] == 0 and not start["open"]
     sim.set_pressure(body, 2000.0)  # from outside
     sim.step(500)
     now = sim.frame.cavities[0]

@@ -76,7 +76,7 @@ physics::StepReport World::step(const physics::StepInput& in)
 
     planRigid(scene_, in.dt, coupling_.rigid); // 2 how rigid bodies would move without constraints
     planArticulations(scene_, in.dt, coupling_.rigid, coupling_.articulations);
-    followSheaths(in.dt, scene_, report.topology); //   blades that are switched off and still in tissue
+    followSheaths(scene_, report.topology);        //   blades that are switched off and still in tissue
     findContacts(context, scene_, coupling_);      //   constraints: contacts
     partLines(scene_);                             //   threads that were released follow no needle
     leaveToChannels(scene_, coupling_);            //   contacts, but not of needles with the tissue that they are in

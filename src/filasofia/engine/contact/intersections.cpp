@@ -13,8 +13,16 @@
 namespace filasofia::engine {
 namespace {
 
+// [s] Intersections last. At 1 kHz `filasofia bench contact` shows no cost of one test per 10 ms beside its spread.
+constexpr double kInterval = 0.01;
 // Relative to the sum of the proximities: what passes right through a wall by less may be rounding.
 constexpr double kShallow = 0.05;
+
+bool isDue(double time, double dt)
+{
+    // In the middle between two steps, where rounding decides nothing.
+    return dt >= kInterval || std::floor((time + 0.5 * dt) / kInterval) != std::floor((time - 0.5 * dt) / kInterval);
+}
 
 /// Whether contact has lost the place: it is deeper than contacts are followed, or beyond a wall. The rim of a plate
 /// that is scraped over tissue at 1 m/s passes through its surface by up to 0.85 mm and is pushed out again.
@@ -150,7 +158,7 @@ private:
 void reportIntersections(const StepContext& context, const Scene& scene, const std::vector<SurfaceOwner>& owners,
                          bool changed, Coupling& coupling)
 {
-    if (changed || isWatchDue(scene.time, context.dt)) Finder(context, scene, owners, coupling).run();
+    if (changed || isDue(scene.time, context.dt)) Finder(context, scene, owners, coupling).run();
     context.report.intersections = coupling.detection.intersections;
     if (!context.report.intersections.empty()) context.report.set(physics::StepFlag::Intersecting);
 }

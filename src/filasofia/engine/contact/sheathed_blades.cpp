@@ -1,7 +1,6 @@
 #include "filasofia/engine/contact/sheathed_blades.h"
 
 #include "filasofia/engine/body/elements.h"
-#include "filasofia/engine/scene/step_context.h"
 #include "filasofia/geometry/box.h"
 
 #include <algorithm>
@@ -50,18 +49,34 @@ std::vector<Vec3> bladeCorners(const RigidBody& body, const CollisionModel& blad
     return corners;
 }
 
+/// Per point one bit for each side of a box that it is beyond (Cohen and Sutherland): the box around points overlaps
+/// this one unless all of them have a bit in common.
+std::vector<std::uint8_t> sidesBeyond(const geometry::Box& box, std::span<const Vec3> points)
+{
+    std::vector<std::uint8_t> out;
+    out.reserve(points.size());
+    for (const Vec3& p : points)
+        out.push_back(static_cast<std::uint8_t>((p.x < box.low.x) | (p.x > box.high.x) << 1 | (p.y < box.low.y) << 2 |
+                                                (p.y > box.high.y) << 3 | (p.z < box.low.z) << 4 |
+                                                (p.z > box.high.z) << 5));
+    return out;
+}
+
 int elementsAt(const std::vector<Vec3>& corners, const SoftBody& body)
 {
     const std::span<const Vec3> all(corners);
     const geometry::Box around = geometry::grown(geometry::boxAround(all), kTouching);
+    const std::vector<std::uint8_t> beyond = sidesBeyond(around, body.state.x);
     int count = 0;
     for (std::size_t e = 0; e < elementCount(body.model); ++e) {
         const geometry::Tetrahedron nodes = elementNodes(body.model, e);
+        std::uint8_t common = 0x3f;
+        for (const int node : nodesOf(nodes)) common &= beyond[static_cast<std::size_t>(node)];
+        if (common != 0 || allHeld(body.model, e)) continue;
         std::array<Vec3, 4> places{};
         std::size_t n = 0;
         for (const int node : nodesOf(nodes)) places[n++] = body.state.x[static_cast<std::size_t>(node)];
         const std::span<const Vec3> element(places.data(), n);
-        if (!overlap(geometry::boxAround(element), around) || allHeld(body.model, e)) continue;
         for (std::size_t t = 0; t + 2 < corners.size(); t += 3)
             if (isNear(all.subspan(t, 3), element, kTouching)) {
                 ++count;
@@ -102,9 +117,8 @@ int elementsAtBlades(const Scene& scene, const RigidBody& body)
     return count;
 }
 
-void followSheaths(double dt, Scene& scene, physics::TopologyReport& report)
+void followSheaths(Scene& scene, physics::TopologyReport& report)
 {
-    if (!isWatchDue(scene.time, dt)) return;
     for (RigidBody& body : scene.rigid) {
         if (body.state.sheath == 0) continue;
         const int now = elementsAtBlades(scene, body);

@@ -19,7 +19,7 @@ int elementsAtBlades(const Scene& scene, const RigidBody& body);
 bool isNear(std::span<const Vec3> triangle, std::span<const Vec3> element, double margin);
 
 /// Draws blades that are out of the tissue, and counts those that were pushed on into it
-/// (physics::TopologyReport::bladeOff), every 10 ms.
-void followSheaths(double dt, Scene& scene, physics::TopologyReport& report);
+/// (physics::TopologyReport::bladeOff).
+void followSheaths(Scene& scene, physics::TopologyReport& report);
 
 } // namespace filasofia::engine
