@@ -218,6 +218,8 @@ TEST_CASE("poseAt and pivotOf are each other's inverse, whatever the trocar's ax
     const TrocarPose far = withinLimits(trocar, {.yaw = 1.4, .pitch = -1.2, .insertion = 3.0});
     CHECK_NOTHROW(checkLimits(trocar, far, "far"));
     CHECK(far.insertion == trocar.mostInsertion);
+    for (const double yaw : {6.2, -6.2832, 40.0}) // more than once around
+        CHECK_NOTHROW(checkLimits(trocar, withinLimits(trocar, {.yaw = yaw, .insertion = 0.1}), "around"));
 }
 
 TEST_CASE("a wrong trocar, start or motion is refused in one line that says the field and the bound")

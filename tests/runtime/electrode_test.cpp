@@ -265,6 +265,29 @@ TEST_CASE("a body that begins to burn late gets no energy of the time before")
     CHECK(report.energy.at(0).balance.inAir == Approx(1.0).epsilon(0.03));
 }
 
+TEST_CASE("an electrode that is added during a run gives nothing for the time before")
+{
+    StillTheatre theatre(kWeak);
+    const BodyId other = theatre.add("other", 60_mm, {.rate = 50});
+    const BodyId late =
+        theatre.sim.add(RigidBodyDef{.name = "late", .elements = {{{60_mm, 6_mm, 0}}, {{60_mm, 6_mm, 5_mm}}}});
+    theatre.run(500);
+    theatre.sim.addElectrode(late, kWeak);
+    theatre.sim.activate(late, true);
+    const RunReport report = theatre.run(250);
+    CHECK(theatre.sim.energy(late).active == Approx(0.5));
+    CHECK(theatre.sim.heat(other).delivered == Approx(1.0).epsilon(0.05));
+    CHECK(report.energy.at(1).balance.inAir == Approx(0.0).margin(0.03));
+
+    Simulation sim{SimulationDef{.physics = {.rate = 500, .threads = 1}}}; // the first electrode of all
+    const BodyId stick = sim.add(RigidBodyDef{.name = "stick"});
+    sim.run({.headless = true, .steps = 500});
+    sim.addElectrode(stick, kWeak);
+    sim.activate(stick, true);
+    sim.run({.headless = true, .steps = 250});
+    CHECK(sim.energy(stick).active == Approx(0.5));
+}
+
 TEST_CASE("a state has the electrodes, and a reset releases their pedals and stops the blades")
 {
     Theatre theatre;

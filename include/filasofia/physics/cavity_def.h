@@ -6,6 +6,7 @@
 
 #include <array>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace filasofia::physics {
@@ -27,12 +28,13 @@ struct CavityDef {
     /// [m] a point inside it, at the start, in the world. None: cavities are taken by their volumes, the largest first
     std::optional<Vec3> at = {};
     CavityFill fill = CavityFill::Gas;
-    double pressure = 0.0; ///< [Pa], in (-101325, 1e8): at the start, above that outside
-    /// [Pa], in (0, 1e10]: by how much the pressure of a Liquid rises per relative loss of volume. Water has 2.2e9;
+    /// [Pa], in (-101325, 1e8), for a Liquid > -bulkModulus: at the start, above that outside
+    double pressure = 0.0;
+    /// [Pa], in [100, 1e10]: by how much the pressure of a Liquid rises per relative loss of volume. Water has 2.2e9;
     /// beyond a thousand times the stiffness of the wall, only the solver's work grows
     double bulkModulus = 1e6;
-    /// [kg/m^3], in [0, 1e5]: sets how fast it flows out through an opening, and the weight of a Liquid. None: 1.2 for
-    /// Gas, 1000 for Liquid and Source
+    /// [kg/m^3], in [1e-3, 1e5]: sets how fast it flows out through an opening, and the weight of a Liquid. None: 1.2
+    /// for Gas, 1000 for Liquid and Source
     std::optional<double> density = {};
 };
 
@@ -40,29 +42,35 @@ struct CavityDef {
 struct SetCavity {
     BodyId id = {};
     int cavity = 0; ///< index in SoftBodyDef::cavities
-    /// [Pa], in (-101325, 1e8): it is filled or emptied to this pressure at once; the pressure of a Source
+    /// [Pa], in (-101325, 1e8), for a Liquid > -bulkModulus: it is filled or emptied to this pressure at once; the
+    /// pressure of a Source
     std::optional<double> pressure = {};
-    /// [m^3/s] what flows in, negative for out, until the next such command: volume at the pressure outside. Not for a
-    /// Source. A Reset keeps it
+    /// [m^3/s], in [-1e3, 1e3]: what flows in, negative for out, until the next such command: volume at the pressure
+    /// outside. Not for a Source. A Reset keeps it
     std::optional<double> inflow = {};
 };
+
+/// Throws an Error that begins with `name` if a cavity cannot have this pressure [Pa]: there is no less than nothing of
+/// a liquid.
+void checkPressure(const CavityDef& cavity, double pressure, const std::string& name);
 
 constexpr auto fields(const CavityDef*)
 {
     using T = CavityDef;
-    return describe("CavityDef", field("at", &T::at, "m", finite(), "a point inside it; none: the largest come first"),
-                    field("fill", &T::fill, "what it holds"),
-                    field("pressure", &T::pressure, "Pa", open(-kAtmosphere, 1e8), "at the start, above that outside"),
-                    field("bulkModulus", &T::bulkModulus, "Pa", openClosed(0, 1e10), "stiffness of a liquid"),
-                    field("density", &T::density, "kg/m^3", closed(0, 1e5), "of the fill; none: of air or of water"));
+    return describe(
+        "CavityDef", field("at", &T::at, "m", finite(), "a point inside it; none: the largest come first"),
+        field("fill", &T::fill, "what it holds"),
+        field("pressure", &T::pressure, "Pa", open(-kAtmosphere, 1e8), "at the start, above that outside"),
+        field("bulkModulus", &T::bulkModulus, "Pa", closed(100, 1e10), "stiffness of a liquid"),
+        field("density", &T::density, "kg/m^3", closed(1e-3, 1e5), "of the fill; none: of air or of water"));
 }
 constexpr auto fields(const SetCavity*)
 {
     using T = SetCavity;
-    return describe("SetCavity", field("id", &T::id, "the soft body"),
-                    field("cavity", &T::cavity, "index of the cavity"),
-                    field("pressure", &T::pressure, "Pa", open(-kAtmosphere, 1e8), "pressure above that outside"),
-                    field("inflow", &T::inflow, "m^3/s", finite(), "what flows in until the next such command"));
+    return describe(
+        "SetCavity", field("id", &T::id, "the soft body"), field("cavity", &T::cavity, "index of the cavity"),
+        field("pressure", &T::pressure, "Pa", open(-kAtmosphere, 1e8), "pressure above that outside"),
+        field("inflow", &T::inflow, "m^3/s", closed(-1e3, 1e3), "what flows in until the next such command"));
 }
 
 } // namespace filasofia::physics

@@ -85,6 +85,7 @@ physics::StepReport World::step(const physics::StepInput& in)
     addJointConstraints(in.dt, scene_, coupling_); //   limits and dry friction of joints
     report.times.contacts = watch.lap();
 
+    fillCavities(in.dt, scene_);         //   what flows into cavities
     assemble(context, scene_);           // 3 forces and stiffness
     tieBodies(in.dt, scene_, coupling_); //   what solvers know of attachments
     report.times.assemble = watch.lap();
@@ -95,7 +96,7 @@ physics::StepReport World::step(const physics::StepInput& in)
     keepChannels(in.dt, coupling_, scene_); //   needles slide and cut on
     puncture(in.dt, coupling_, scene_);     //   and pierce new surfaces
     keepJoints(in.dt, coupling_, scene_);
-    fillCavities(in.dt, scene_); //   what flows into cavities, and out of open ones
+    drainCavities(in.dt, scene_); //   what flows out of open cavities
     report.times.advance = watch.lap();
 
     flowTissue(context, scene_);                          // 5 tissue that yields gets a new shape at rest

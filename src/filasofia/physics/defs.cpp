@@ -63,6 +63,16 @@ void checkKind(const SoftBodyDef& def, const std::string& object)
              "block has tetrahedra, and only a ShellMaterial has triangles");
 }
 
+} // namespace
+
+void checkPressure(const CavityDef& cavity, double pressure, const std::string& name)
+{
+    if (cavity.fill == CavityFill::Liquid && !(pressure > -cavity.bulkModulus))
+        fail(name, " must be > -bulkModulus, ", -cavity.bulkModulus, " Pa, for a liquid, got ", pressure);
+}
+
+namespace {
+
 /// What fills cavities is part of the step's matrix, which only the default solver can do.
 void checkCavities(const SoftBodyDef& def, const std::string& object)
 {
@@ -72,6 +82,8 @@ void checkCavities(const SoftBodyDef& def, const std::string& object)
     const auto* cg = std::get_if<ConjugateGradient>(&def.solver);
     if (!cg || cg->assembled)
         fail(object, ": cavities need the default solver, got ", cg ? "an assembled ConjugateGradient" : "Cholesky");
+    for (std::size_t c = 0; c < def.cavities.size(); ++c)
+        checkPressure(def.cavities[c], def.cavities[c].pressure, text(object, ": cavities[", c, "].pressure"));
 }
 
 constexpr const char* kTouchesNothing = "a needle that touches nothing pierces nothing";

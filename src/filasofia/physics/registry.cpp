@@ -165,6 +165,8 @@ struct Registry::Check {
             fail(object, ": cavity must be in [0, ", count, "), the number of its cavities, got ", set.cavity);
         if (set.inflow && cavities[static_cast<std::size_t>(set.cavity)].fill == CavityFill::Source)
             fail(object, ": inflow cannot be set for cavities[", set.cavity, "]: its pressure is that of a source");
+        if (set.pressure)
+            checkPressure(cavities[static_cast<std::size_t>(set.cavity)], *set.pressure, object + ": pressure");
         if (!set.pressure && !set.inflow) fail(object, ": SetCavity must give a pressure or an inflow");
     }
     void operator()(const SetCurvature& set) const

@@ -23,7 +23,7 @@ inline BodyId addHandleBody(runtime::Simulation& simulation, const std::string& 
                               .gravity = false});
 }
 
-/// [rad], rotation of `turned` relative to `base` about its -Z.
+/// [rad], rotation of `turned` relative to `base` about its Z.
 inline double rollBetween(Quat base, Quat turned)
 {
     const Quat relative = conjugate(base) * turned;

@@ -81,8 +81,7 @@ TrocarPose withinLimits(const TrocarDef& trocar, TrocarPose pose)
     pose.pitch = std::clamp(pose.pitch, -trocar.mostTilt, trocar.mostTilt);
     // cos(tilt) = cos(yaw) cos(pitch); the margin keeps rounding from refusing what was limited here.
     const double most = std::acos(std::min(1.0, std::cos(trocar.mostTilt) / std::cos(pose.pitch)));
-    const double yaw = std::clamp(pose.yaw, -most, most);
-    if (tiltOf(pose) > trocar.mostTilt) pose.yaw = (1.0 - 1e-9) * yaw;
+    if (std::abs(pose.yaw) > most) pose.yaw = std::copysign((1.0 - 1e-9) * most, pose.yaw);
     return pose;
 }
 

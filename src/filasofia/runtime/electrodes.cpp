@@ -113,6 +113,7 @@ int Electrodes::add(BodyId id, const ElectrodeDef& def, const physics::PhysicsSe
     const physics::RigidBodyDef& rigid = rigidBody(*body, "electrode");
     check(def, rigid, physics, object);
     const std::lock_guard lock(mutex_);
+    if (state_.all.empty()) state_.last = now_; // what was before it is not its
     const auto before = std::ranges::count(state_.all, id, &Electrode::body);
     state_.all.push_back({.body = id, .index = static_cast<int>(before), .name = rigid.name, .def = def});
     any_ = true;
@@ -178,6 +179,7 @@ void Electrodes::restart()
 bool Electrodes::afterStep(std::uint64_t step, double time, physics::PhysicsServer& physics, Burnings& burnings,
                            const Post& post)
 {
+    now_ = time;
     if (!any_) return true;
     const std::lock_guard lock(mutex_);
     const double dt = std::max(time - std::exchange(state_.last, time), 0.0);

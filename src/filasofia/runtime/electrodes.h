@@ -64,6 +64,7 @@ private:
     mutable std::mutex mutex_;
     State state_;
     std::atomic<bool> any_ = false; ///< without electrodes a step costs nothing
+    std::atomic<double> now_ = 0.0; ///< [s], end of the last step, with or without electrodes
 };
 
 } // namespace filasofia::runtime

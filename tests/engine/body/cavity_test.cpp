@@ -281,6 +281,9 @@ TEST_CASE("a cavity that cannot be is one error with the body's name")
     def.cavities = {{.pressure = -2e5}};
     CHECK_THROWS_WITH(stage.add(def),
                       "soft body 'bag': cavities[0].pressure must be in (-101325, 100000000) Pa, got -200000");
+    def.cavities = {{.fill = CavityFill::Liquid, .pressure = -2e3, .bulkModulus = 1e3}};
+    CHECK_THROWS_WITH(stage.add(def), "soft body 'bag': cavities[0].pressure must be > -bulkModulus, -1000 Pa, for a "
+                                      "liquid, got -2000");
     def.cavities = {{}};
     def.solver = Cholesky{};
     CHECK_THROWS_WITH(stage.add(def), "soft body 'bag': cavities need the default solver, got Cholesky");
@@ -299,7 +302,8 @@ TEST_CASE("a cavity that cannot be is one error with the body's name")
 TEST_CASE("a cut through the wall opens a cavity: what flows out obeys Torricelli, and all of it is counted")
 {
     Stage stage;
-    SoftBodyDef def = bladder({.fill = CavityFill::Liquid}, 20e3);
+    const double bulk = GENERATE(1e6, 2.2e9);
+    SoftBodyDef def = bladder({.fill = CavityFill::Liquid, .bulkModulus = bulk}, 20e3);
     def.rayleigh = {5.0, 0.01};
     def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, -0.018, 1}}}};
     def.dynamicTopology = true;
@@ -332,7 +336,7 @@ TEST_CASE("a cut through the wall opens a cavity: what flows out obeys Torricell
         const frame::Cavity& now = report(stage);
         if (!now.open) CHECK(now.lost == 0.0);
         wasOpen = wasOpen || now.open;
-        // Against the pressure before: the flow is that at the step's end, which differs a little.
+        // Against the pressure and the opening of the step before, which the step is solved with.
         if (now.open && pressure > 50.0 && now.opening > 1e-8)
             worst = std::max(worst, now.outflow / (0.61 * now.opening * std::sqrt(2.0 * pressure / 1000.0)));
     }
@@ -343,14 +347,85 @@ TEST_CASE("a cut through the wall opens a cavity: what flows out obeys Torricell
     CHECK(stage.soft().cavities[0].content + now.lost == Approx(content).epsilon(1e-12));
     CHECK(now.lost > 0.3 * (content - stage.model().cavities[0].restVolume));
     INFO("largest outflow over Torricelli's " << worst << ", pressure at the end " << now.pressure);
-    CHECK(worst < 1.2);
-    CHECK(now.pressure < 0.5 * full);
+    CHECK(worst < 1.01);
+    CHECK(now.pressure < 0.7 * full); // the slit closes as the wall relaxes
+
+    // A motion as a whole changes no volume, open or not, and the gradient is that of the volume, lids included.
+    const Cavity& cavity = stage.model().cavities.at(0);
+    SoftState moving = stage.soft();
+    std::ranges::fill(moving.v, Vec3{3.0, -2.0, 1.0});
+    std::vector<Vec3> still(moving.x.size()), carried(moving.x.size()), heavy(moving.x.size());
+    std::vector<CavityStiffness> stiffness;
+    addCavityForces({{}, 1e-3}, stage.model(), moving, carried, stiffness);
+    std::ranges::fill(moving.v, Vec3{});
+    addCavityForces({{}, 1e-3}, stage.model(), moving, still, stiffness);
+    double apart = 0.0, slope = 0.0;
+    Vec3 weight;
+    SoftModel weighed = stage.model();
+    weighed.gravity = true;
+    addCavityForces({{0, -9.81, 0}, 1e-3}, weighed, moving, heavy, stiffness);
+    for (std::size_t i = 0; i < still.size(); ++i) {
+        apart = std::max(apart, length(still[i] - carried[i]));
+        weight += heavy[i] - still[i];
+    }
+    for (std::size_t i = 0; i < stiffness[0].nodes.size(); i += 7)
+        for (const Vec3 axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}) {
+            std::vector<Vec3> more = moving.x, less = moving.x;
+            const auto node = static_cast<std::size_t>(stiffness[0].nodes[i]);
+            more[node] += 1e-6 * axis;
+            less[node] = less[node] - 1e-6 * axis;
+            slope = std::max(slope, std::abs((volumeOf(cavity, more) - volumeOf(cavity, less)) / 2e-6 -
+                                             dot(stiffness[0].gradient[i], axis)));
+        }
+    CHECK(apart < 1e-9);
+    CHECK(slope < 1e-9);
+    CHECK(weight.y == Approx(-9.81 * 1000.0 * volumeOf(cavity, moving.x)).epsilon(0.03)); // it is open at the top
 
     stage.post(Reset{});
     stage.step(1e-3);
     CHECK_FALSE(report(stage).open);
     CHECK(report(stage).lost == 0.0);
     CHECK(stage.model().cavities[0].wall.size() == 200);
+}
+
+TEST_CASE("a bladder full of water falls as a stone does, and its weight is that of both")
+{
+    Stage stage;
+    SoftBodyDef def = bladder({.fill = CavityFill::Liquid}, 100e3);
+    def.gravity = true;
+    stage.add(def);
+    stage.post(SetGravity{{0, -9.81, 0}});
+    stage.run(100, 1e-3);
+    double mean = 0.0, mass = 0.0, without = 0.0;
+    const SoftModel& model = stage.model();
+    for (std::size_t i = 0; i < model.rest.size(); ++i) {
+        mean += model.masses[i] * stage.soft().v[i].y;
+        mass += model.masses[i];
+        without += model.masses[i] - model.filling[i];
+    }
+    CHECK(mean / mass == Approx(-0.981).epsilon(0.01));
+    CHECK(mass - without == Approx(1000.0 * model.cavities[0].restVolume).epsilon(1e-9));
+    CHECK(report(stage).volume == Approx(model.cavities[0].restVolume).epsilon(1e-3));
+}
+
+TEST_CASE("a cavity that is drained or sucked empty stops there, without turning inside out")
+{
+    for (const bool sucked : {false, true}) {
+        Stage stage;
+        SoftBodyDef def =
+            bladder({.fill = sucked ? CavityFill::Source : CavityFill::Liquid, .pressure = sucked ? -2e3 : 0}, 30e3);
+        def.rayleigh = {20.0, 0.01};
+        const BodyId id = stage.add(def);
+        if (!sucked) stage.post(SetCavity{.id = id, .inflow = -20e-6});
+        double least = 1.0;
+        for (int i = 0; i < 3000; ++i) {
+            stage.step(1e-3);
+            least = std::min(least, report(stage).volume / stage.model().cavities[0].restVolume);
+        }
+        INFO((sucked ? "sucked" : "drained") << ", smallest part of the volume " << least);
+        CHECK(least > -0.05);
+        CHECK(stage.soft().cavities[0].warned == (report(stage).volume < 0.02 * stage.model().cavities[0].restVolume));
+    }
 }
 
 TEST_CASE("a bladder that is filled, pressed and cut has the same bits for any number of threads, and after a restore")

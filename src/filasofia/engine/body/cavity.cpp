@@ -16,16 +16,11 @@ namespace {
 // [-] As a share of the volume at the start. A cavity that is squeezed flatter, or inside out, keeps the pressure that
 // it has there.
 constexpr double kSmallestVolume = 1e-3;
+// [-] The same: below this, suction fades. Else the walls would be drawn through each other.
+constexpr double kFading = 0.1;
 
 /// [m^3] Six times the volume of a tetrahedron with a corner at the origin.
 double tripleProduct(Vec3 a, Vec3 b, Vec3 c) { return dot(a, cross(b, c)); }
-
-Vec3 middleOfRim(const CavityRim& rim, std::span<const Vec3> x)
-{
-    Vec3 sum;
-    for (const auto& [a, b] : rim.edges) sum += x[static_cast<std::size_t>(a)];
-    return 1.0 / static_cast<double>(rim.edges.size()) * sum;
-}
 
 /// Sets of triangles that share edges.
 class TriangleSets {
@@ -156,27 +151,56 @@ struct Mixture {
     bool several = false;      ///< it has walls of other cavities as well, or edges without a neighbour
 };
 
+/// A liquid moves with its wall: its mass at the start is divided over the wall by areas. Its weight is not there, but
+/// in its pressure.
+void addInertia(const Cavity& cavity, SoftModel& model)
+{
+    if (cavity.def.fill != physics::CavityFill::Liquid) return;
+    const auto areaOf = [&](const geometry::Triangle& t) {
+        const auto at = [&](std::size_t k) { return model.rest[static_cast<std::size_t>(t[k])]; };
+        return 0.5 * length(cross(at(1) - at(0), at(2) - at(0)));
+    };
+    double whole = 0.0;
+    for (const geometry::Triangle& t : cavity.wall) whole += areaOf(t);
+    const double perArea = densityOf(cavity) * cavity.restVolume / whole;
+    model.filling.resize(model.rest.size());
+    for (const geometry::Triangle& t : cavity.wall)
+        for (int node : t) {
+            model.masses[static_cast<std::size_t>(node)] += perArea * areaOf(t) / 3.0;
+            model.filling[static_cast<std::size_t>(node)] += perArea * areaOf(t) / 3.0;
+        }
+}
+
 } // namespace
+
+Vec3 middleOf(const CavityRim& rim, std::span<const Vec3> x)
+{
+    Vec3 sum;
+    for (const auto& [a, b] : rim.edges) sum += x[static_cast<std::size_t>(a)];
+    return 1.0 / static_cast<double>(rim.edges.size()) * sum;
+}
 
 double densityOf(const Cavity& cavity)
 {
     return cavity.def.density.value_or(cavity.def.fill == physics::CavityFill::Gas ? 1.2 : 1000.0);
 }
 
-CavityPressure pressureIn(const Cavity& cavity, const CavityState& state, double volume)
+CavityPressure pressureIn(const Cavity& cavity, const CavityState& state, double volume, double dt)
 {
+    if (cavity.wall.empty()) return {};
     const double v = std::max(volume, kSmallestVolume * cavity.restVolume);
-    switch (cavity.def.fill) {
-    case physics::CavityFill::Gas:
-        return {state.content / v - physics::kAtmosphere, state.content / (v * v)};
-    case physics::CavityFill::Liquid: {
+    CavityPressure out{state.pressure, 0.0};
+    if (cavity.def.fill == physics::CavityFill::Gas)
+        out = {state.content / v - physics::kAtmosphere, state.content / (v * v)};
+    if (cavity.def.fill == physics::CavityFill::Liquid) {
         const double stiffness = cavity.def.bulkModulus / cavity.restVolume;
-        return {stiffness * (state.content - v), stiffness};
+        out = {stiffness * (state.content - v), stiffness};
     }
-    case physics::CavityFill::Source:
-        break;
-    }
-    return {state.pressure, 0.0};
+    const double flows = 1.0 / (1.0 + dt * out.stiffness * state.conductance);
+    const double left = std::clamp(volume / (kFading * cavity.restVolume), 0.0, 1.0);
+    if (v != volume) out.stiffness = 0.0;
+    if (out.pressure < 0.0) out.pressure *= left;
+    return {flows * out.pressure, flows * out.stiffness};
 }
 
 double contentAt(const Cavity& cavity, double pressure, double volume)
@@ -195,7 +219,7 @@ double volumeOf(const Cavity& cavity, std::span<const Vec3> x)
     double six = 0.0;
     for (const geometry::Triangle& t : cavity.wall) six += tripleProduct(at(t[0]), at(t[1]), at(t[2]));
     for (const CavityRim& rim : cavity.rims) {
-        const Vec3 middle = middleOfRim(rim, x) - origin;
+        const Vec3 middle = middleOf(rim, x) - origin;
         for (const auto& [a, b] : rim.edges) six += tripleProduct(at(b), at(a), middle);
     }
     return six / 6.0;
@@ -203,13 +227,27 @@ double volumeOf(const Cavity& cavity, std::span<const Vec3> x)
 
 double openingOf(const Cavity& cavity, std::span<const Vec3> x)
 {
-    double sum = 0.0;
+    struct Lid {
+        Vec3 middle, area;
+        double around = 0.0; ///< [m]
+    };
+    std::vector<Lid> lids;
     for (const CavityRim& rim : cavity.rims) {
-        const Vec3 middle = middleOfRim(rim, x);
-        Vec3 area;
-        for (const auto& [a, b] : rim.edges)
-            area += 0.5 * cross(x[static_cast<std::size_t>(a)] - middle, x[static_cast<std::size_t>(b)] - middle);
-        sum += length(area);
+        Lid& lid = lids.emplace_back();
+        lid.middle = middleOf(rim, x);
+        for (const auto& [a, b] : rim.edges) {
+            const Vec3 from = x[static_cast<std::size_t>(a)], to = x[static_cast<std::size_t>(b)];
+            lid.area += 0.5 * cross(from - lid.middle, to - lid.middle);
+            lid.around += distance(from, to);
+        }
+    }
+    double sum = 0.0;
+    for (const Lid& lid : lids) {
+        double open = length(lid.area);
+        for (const Lid& other : lids)
+            if (dot(lid.area, other.area) < 0.0)
+                open = std::min(open, 0.5 * lid.around * distance(lid.middle, other.middle));
+        sum += open;
     }
     return sum;
 }
@@ -245,6 +283,7 @@ void addCavities(const std::vector<physics::CavityDef>& defs, const std::string&
         for (std::size_t t = 0; t < parts.size(); ++t)
             if (model.wallOf[t] == static_cast<int>(c)) cavity.wall.push_back(fromTissue(model.surface[t], model));
         cavity.restVolume = volumeOf(cavity, model.rest);
+        addInertia(cavity, model);
     }
 }
 

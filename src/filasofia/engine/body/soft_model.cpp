@@ -136,6 +136,29 @@ bool mayBeCut(const SoftModel& model, int group)
     return model.collision.empty() ? group == 0 : std::ranges::any_of(model.collision, ofGroup);
 }
 
+namespace {
+
+void checkCavities(const SoftModel& model, const SoftState& state, const std::string& object)
+{
+    if (!model.filling.empty()) checkSize(object, "filling", model.filling.size(), model.rest.size());
+    checkSize(object, "cavities", state.cavities.size(), model.cavities.size());
+    if (!model.cavities.empty()) checkSize(object, "wallOf", model.wallOf.size(), model.surface.size());
+    for (std::size_t c = 0; c < model.cavities.size(); ++c) {
+        const std::string name = text(object, ": cavities[", c, "]");
+        const Cavity& cavity = model.cavities[c];
+        validate(cavity.def, name);
+        if (!positive().contains(cavity.restVolume)) fail(name, ".restVolume must be > 0 m^3, got ", cavity.restVolume);
+        for (const geometry::Triangle& each : cavity.wall) checkNodes(name, each, model.rest.size());
+        for (const CavityRim& rim : cavity.rims)
+            for (const std::array<int, 2>& edge : rim.edges) checkNodes(name, edge, model.rest.size());
+        const CavityState& now = state.cavities[c];
+        for (double each : {now.content, now.pressure, now.inflow, now.conductance, now.last, now.lost})
+            if (!std::isfinite(each)) fail(name, ": its state must be finite");
+    }
+}
+
+} // namespace
+
 void check(const SoftModel& model, const SoftState& state)
 {
     const std::string object = describe(model);
@@ -153,6 +176,7 @@ void check(const SoftModel& model, const SoftState& state)
     if (isRod(model) && !std::holds_alternative<physics::ImplicitEuler>(model.integrator))
         fail(object, ": integrator must be ImplicitEuler for a rod");
     checkPins(model, object);
+    checkCavities(model, state, object);
     for (const geometry::Triangle& triangle : model.surface) checkNodes(object, triangle, n);
     for (const geometry::Tetrahedron& each : model.tetrahedra) checkNodes(text(object, ": tetrahedra"), each, n);
     if (!nonNegative().contains(model.friction)) fail(object, ": friction must be >= 0, got ", model.friction);

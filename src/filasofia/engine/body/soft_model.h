@@ -36,11 +36,12 @@ struct BodyPiece {
 struct SoftModel {
     BodyId id;
     std::string name;
-    std::vector<Vec3> rest;                        ///< [m] nodes at the start, in world coordinates
-    std::vector<double> masses;                    ///< [kg] lumped: equal parts of each tetrahedron or triangle
-    physics::FemMaterial material;                 ///< FEM bodies only; what it says of parts is in the elements
-    std::vector<FemElement> elements;              ///< FEM bodies only; neighbours are near each other in the list
-    std::vector<Spring> springs;                   ///< mass-spring bodies only
+    std::vector<Vec3> rest;           ///< [m] nodes at the start, in world coordinates
+    std::vector<double> masses;       ///< [kg] lumped: equal parts of each tetrahedron or triangle
+    std::vector<double> filling;      ///< [kg] the part of these without weight: of liquids in cavities; empty: none
+    physics::FemMaterial material;    ///< FEM bodies only; what it says of parts is in the elements
+    std::vector<FemElement> elements; ///< FEM bodies only; neighbours are near each other in the list
+    std::vector<Spring> springs;      ///< mass-spring bodies only
     std::vector<geometry::Tetrahedron> tetrahedra; ///< mass-spring bodies only; a FEM body has elements
     Shell shell;                                   ///< bodies of triangles only
     Rod rod;                                       ///< rods only

@@ -54,7 +54,7 @@ void addCouplings(Hasher& hash, const RigidState& body)
 void addCavities(Hasher& hash, const SoftState& body)
 {
     for (const CavityState& cavity : body.cavities)
-        for (double each : {cavity.content, cavity.pressure, cavity.inflow, cavity.lost}) hash.add(each);
+        for (double each : {cavity.content, cavity.pressure, cavity.inflow, cavity.last, cavity.lost}) hash.add(each);
 }
 
 void addContacts(Hasher& hash, const Scene& scene)

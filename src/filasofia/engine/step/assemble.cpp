@@ -17,6 +17,8 @@ void addExternalForces(const SoftModel& model, Vec3 gravity, const SoftState& st
 {
     for (std::size_t i = 0; i < forces.size(); ++i)
         forces[i] = state.forces[i] + (model.gravity ? model.masses[i] * gravity : Vec3{});
+    if (model.gravity) // the weight of a liquid is in its pressure
+        for (std::size_t i = 0; i < model.filling.size(); ++i) forces[i] = forces[i] - model.filling[i] * gravity;
     addPinForces(model.pins, state.x, forces);
     if (state.pressure == 0.0 || model.leaks) return;
     for (std::size_t i = 0; i < model.surface.size(); ++i) {

@@ -1,5 +1,7 @@
 #include "filasofia/engine/step/fill_cavities.h"
 
+#include "filasofia/core/log.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -8,20 +10,48 @@ namespace {
 
 using physics::CavityFill;
 
-constexpr double kContraction = 0.61; // [-] for a jet from a sharp edge, pi / (pi + 2)
+constexpr double kContraction = 0.61;  // [-] for a jet from a sharp edge, pi / (pi + 2)
+constexpr double kLeastPressure = 1.0; // [Pa] below it, the flow is proportional to the pressure
 
-/// The nodes of a wall and the gradient of the volume inside, dV / dx = a third of the areas around a node: those of
-/// the lids of its rims are left out, because nothing pushes there.
+Vec3 areaOf(const geometry::Triangle& t, std::span<const Vec3> x)
+{
+    const auto at = [&](std::size_t k) { return x[static_cast<std::size_t>(t[k])]; };
+    return 0.5 * cross(at(1) - at(0), at(2) - at(0));
+}
+
+Vec3 middleOf(const geometry::Triangle& t, std::span<const Vec3> x)
+{
+    const auto at = [&](std::size_t k) { return x[static_cast<std::size_t>(t[k])]; };
+    return 1.0 / 3.0 * (at(0) + at(1) + at(2));
+}
+
+using NodePart = std::pair<int, Vec3>;
+
+/// What a rim's lid adds to the gradient: triangles (b, a, middle), whose middle moves with all nodes of the rim.
+void addLid(const CavityRim& rim, std::span<const Vec3> x, std::vector<NodePart>& parts)
+{
+    const Vec3 middle = middleOf(rim, x);
+    Vec3 lid;
+    for (const auto& [a, b] : rim.edges) {
+        const Vec3 from = x[static_cast<std::size_t>(b)];
+        const Vec3 area = 0.5 * cross(x[static_cast<std::size_t>(a)] - from, middle - from);
+        for (int node : {a, b}) parts.emplace_back(node, 1.0 / 3.0 * area);
+        lid += area;
+    }
+    const double share = 1.0 / (3.0 * static_cast<double>(rim.edges.size()));
+    for (const auto& [a, b] : rim.edges) parts.emplace_back(a, share * lid);
+}
+
+/// The gradient of volumeOf(), lids included. It sums up to zero over each part that is closed with its lids, so no
+/// motion of a part as a whole changes the volume.
 void gradientOf(const Cavity& cavity, std::span<const Vec3> x, CavityStiffness& out)
 {
-    std::vector<std::pair<int, Vec3>> parts;
+    std::vector<NodePart> parts;
     parts.reserve(3 * cavity.wall.size());
-    for (const geometry::Triangle& t : cavity.wall) {
-        const auto at = [&](std::size_t k) { return x[static_cast<std::size_t>(t[k])]; };
-        const Vec3 third = 1.0 / 6.0 * cross(at(1) - at(0), at(2) - at(0));
-        for (int node : t) parts.emplace_back(node, third);
-    }
-    std::ranges::stable_sort(parts, {}, &std::pair<int, Vec3>::first);
+    for (const geometry::Triangle& t : cavity.wall)
+        for (int node : t) parts.emplace_back(node, 1.0 / 3.0 * areaOf(t, x));
+    for (const CavityRim& rim : cavity.rims) addLid(rim, x, parts);
+    std::ranges::stable_sort(parts, {}, &NodePart::first);
     out.nodes.clear();
     out.gradient.clear();
     for (const auto& [node, part] : parts) {
@@ -33,62 +63,97 @@ void gradientOf(const Cavity& cavity, std::span<const Vec3> x, CavityStiffness& 
     }
 }
 
-/// The pressure of a liquid is given at the middle of its wall, and grows downwards from there.
-void addWeight(const Cavity& cavity, Vec3 gravity, std::span<const Vec3> x, std::vector<Vec3>& forces)
+/// [m] Where the pressure of a liquid is that of its fill: at the openings, otherwise in the middle of the wall.
+Vec3 levelOf(const Cavity& cavity, std::span<const Vec3> x)
 {
-    const auto middle = [&](const geometry::Triangle& t) {
-        return 1.0 / 3.0 *
-               (x[static_cast<std::size_t>(t[0])] + x[static_cast<std::size_t>(t[1])] +
-                x[static_cast<std::size_t>(t[2])]);
-    };
-    Vec3 centre;
-    for (const geometry::Triangle& t : cavity.wall) centre += middle(t);
-    centre = 1.0 / static_cast<double>(cavity.wall.size()) * centre;
-    const Vec3 perMetre = densityOf(cavity) * gravity;
+    Vec3 sum;
+    double weight = 0.0;
+    for (const CavityRim& rim : cavity.rims) {
+        const auto edges = static_cast<double>(rim.edges.size());
+        sum += edges * middleOf(rim, x);
+        weight += edges;
+    }
+    if (cavity.rims.empty())
+        for (const geometry::Triangle& t : cavity.wall) {
+            const double area = length(areaOf(t, x));
+            sum += area * middleOf(t, x);
+            weight += area;
+        }
+    return weight > 0.0 ? 1.0 / weight * sum : middleOf(cavity.wall.front(), x);
+}
+
+/// The pressure on the wall, which for a liquid grows downwards from its level. Nothing pushes on the lids.
+void addPressure(const Cavity& cavity, double pressure, Vec3 gravity, std::span<const Vec3> x,
+                 std::vector<Vec3>& forces)
+{
+    const bool heavy = cavity.def.fill == CavityFill::Liquid;
+    const Vec3 level = heavy ? levelOf(cavity, x) : Vec3{}, perMetre = densityOf(cavity) * gravity;
     for (const geometry::Triangle& t : cavity.wall) {
-        const auto at = [&](std::size_t k) { return x[static_cast<std::size_t>(t[k])]; };
-        const Vec3 third = dot(perMetre, middle(t) - centre) / 6.0 * cross(at(1) - at(0), at(2) - at(0));
+        const double here = heavy ? pressure + dot(perMetre, middleOf(t, x) - level) : pressure;
+        const Vec3 third = here / 3.0 * areaOf(t, x);
         for (int node : t) forces[static_cast<std::size_t>(node)] += third;
     }
 }
 
-/// Lets flow out, or in, what a step's time and the difference of pressure allow. Returns the flow at the cavity's
+/// Lets flow out, or in, what the step's pressure drives through the openings. Returns the flow at the cavity's
 /// pressure [m^3/s], outwards.
-double leak(double dt, const Cavity& cavity, double opening, double volume, CavityState& state)
+double leak(double dt, const Cavity& cavity, double pressure, CavityState& state)
 {
-    const double pressure = pressureIn(cavity, state, volume).pressure;
-    const double speed = std::sqrt(2.0 * std::abs(pressure) / std::max(densityOf(cavity), 1e-3));
-    const double flow = std::copysign(kContraction * opening * speed, pressure);
-    if (cavity.def.fill == CavityFill::Source) {
-        state.lost += flow * dt;
-        return flow;
-    }
+    const double flow = state.conductance * pressure;
     const bool gas = cavity.def.fill == CavityFill::Gas;
-    const double perVolume = !gas ? 1.0 : flow > 0.0 ? pressure + physics::kAtmosphere : physics::kAtmosphere;
-    const double even = contentAt(cavity, 0.0, volume); // both pressures are the same: no flow goes beyond
-    const double next = state.content - perVolume * flow * dt;
-    const double before = std::exchange(state.content, flow > 0.0 ? std::max(next, std::min(even, state.content))
-                                                                  : std::min(next, std::max(even, state.content)));
-    const double out = before - state.content;
+    const double perVolume = !gas ? 1.0 : physics::kAtmosphere + std::max(pressure, 0.0);
+    const double out =
+        cavity.def.fill == CavityFill::Source ? flow * dt : std::min(perVolume * flow * dt, state.content);
+    if (cavity.def.fill != CavityFill::Source) state.content -= out;
     state.lost += gas ? out / physics::kAtmosphere : out;
-    return dt > 0.0 ? out / (perVolume * dt) : 0.0;
+    return flow;
 }
 
-frame::Cavity fillCavity(double dt, const Cavity& cavity, std::span<const Vec3> x, CavityState& state)
+// [-] Of the volume at the start: flatter than that, walls may pass through each other unless they collide with each
+// other, and a wall that has grown so much is no tissue.
+constexpr double kEmpty = 0.02, kBursting = 20.0;
+
+void warn(const SoftModel& model, const frame::Cavity& now, double restVolume, CavityState& state)
 {
-    const bool gas = cavity.def.fill == CavityFill::Gas;
-    state.content = std::max(0.0, state.content + dt * state.inflow * (gas ? physics::kAtmosphere : 1.0));
+    const bool empty = now.volume<kEmpty * restVolume, bursting = now.volume> kBursting * restVolume;
+    if (!std::exchange(state.warned, empty || bursting) && state.warned)
+        logWarning(describe(model), ": cavities[", now.cavity, "] ",
+                   empty ? "is empty: without self-collision its walls may pass through each other"
+                         : "has grown to 20 times its volume: in tissue it would have burst");
+}
+
+frame::Cavity endStep(double dt, const Cavity& cavity, std::span<const Vec3> x, CavityState& state)
+{
+    if (cavity.wall.empty()) return {.open = true, .lost = state.lost}; // all of it was removed
     frame::Cavity report{.volume = volumeOf(cavity, x), .open = cavity.isOpen()};
+    report.pressure = state.last = pressureIn(cavity, state, report.volume, dt).pressure;
     if (report.open) {
         report.opening = openingOf(cavity, x);
-        report.outflow = leak(dt, cavity, report.opening, report.volume, state);
+        report.outflow = leak(dt, cavity, report.pressure, state);
     }
-    report.pressure = pressureIn(cavity, state, report.volume).pressure;
     report.lost = state.lost;
     return report;
 }
 
 } // namespace
+
+void fillCavities(double dt, Scene& scene)
+{
+    for (SoftBody& body : scene.soft)
+        for (std::size_t c = 0; c < body.model.cavities.size(); ++c) {
+            const Cavity& cavity = body.model.cavities[c];
+            CavityState& state = body.state.cavities[c];
+            if (cavity.wall.empty()) continue;
+            const double perVolume = cavity.def.fill == CavityFill::Gas ? physics::kAtmosphere : 1.0;
+            state.content = std::max(0.0, state.content + dt * state.inflow * perVolume);
+            const double pressure = cavity.def.fill == CavityFill::Source ? state.pressure : state.last;
+            state.conductance =
+                cavity.isOpen()
+                    ? kContraction * openingOf(cavity, body.state.x) *
+                          std::sqrt(2.0 / (densityOf(cavity) * std::max(std::abs(pressure), kLeastPressure)))
+                    : 0.0;
+        }
+}
 
 void addCavityForces(const CavityStep& step, const SoftModel& model, const SoftState& state, std::vector<Vec3>& forces,
                      std::vector<CavityStiffness>& out)
@@ -98,27 +163,30 @@ void addCavityForces(const CavityStep& step, const SoftModel& model, const SoftS
         const Cavity& cavity = model.cavities[c];
         CavityStiffness& add = out[c];
         gradientOf(cavity, state.x, add);
-        const auto [pressure, stiffness] = pressureIn(cavity, state.cavities[c], volumeOf(cavity, state.x));
+        add.weight = 0.0;
+        if (cavity.wall.empty()) continue;
+        const auto [pressure, stiffness] = pressureIn(cavity, state.cavities[c], volumeOf(cavity, state.x), step.dt);
+        addPressure(cavity, pressure, model.gravity ? step.gravity : Vec3{}, state.x, forces);
         double growth = 0.0; // [m^3/s]
         for (std::size_t i = 0; i < add.nodes.size(); ++i)
             growth += dot(add.gradient[i], state.v[static_cast<std::size_t>(add.nodes[i])]);
         add.weight = step.dt * step.dt * stiffness;
-        const double push = pressure - step.dt * stiffness * growth;
+        const double resists = -step.dt * stiffness * growth;
         for (std::size_t i = 0; i < add.nodes.size(); ++i)
-            forces[static_cast<std::size_t>(add.nodes[i])] += push * add.gradient[i];
-        if (cavity.def.fill == CavityFill::Liquid && model.gravity && !cavity.wall.empty())
-            addWeight(cavity, step.gravity, state.x, forces);
+            forces[static_cast<std::size_t>(add.nodes[i])] += resists * add.gradient[i];
     }
 }
 
-void fillCavities(double dt, Scene& scene)
+void drainCavities(double dt, Scene& scene)
 {
     scene.cavityReports.clear();
     for (SoftBody& body : scene.soft)
         for (std::size_t c = 0; c < body.model.cavities.size(); ++c) {
-            frame::Cavity report = fillCavity(dt, body.model.cavities[c], body.state.x, body.state.cavities[c]);
+            const Cavity& cavity = body.model.cavities[c];
+            frame::Cavity report = endStep(dt, cavity, body.state.x, body.state.cavities[c]);
             report.body = body.model.id;
             report.cavity = static_cast<int>(c);
+            warn(body.model, report, cavity.restVolume, body.state.cavities[c]);
             scene.cavityReports.push_back(report);
         }
 }

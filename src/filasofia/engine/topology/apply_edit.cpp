@@ -125,6 +125,7 @@ void followState(const TopologyEdit& edit, const MeshTopology& mesh, SoftModel& 
     state.residual.resize(count); // residual impulses and forces stay with their nodes
     state.forces.resize(count);
     model.masses.resize(count);
+    if (!model.filling.empty()) model.filling.resize(count);
     for (std::size_t i = 0; i < count; ++i)
         if (model.pins.hard[i]) state.v[i] = state.dv[i] = {};
 }
