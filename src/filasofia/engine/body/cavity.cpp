@@ -197,9 +197,12 @@ CavityPressure pressureIn(const Cavity& cavity, const CavityState& state, double
         out = {stiffness * (state.content - v), stiffness};
     }
     const double flows = 1.0 / (1.0 + dt * out.stiffness * state.conductance);
-    const double left = std::clamp(volume / (kFading * cavity.restVolume), 0.0, 1.0);
+    const double fading = kFading * cavity.restVolume, left = std::clamp(volume / fading, -1.0, 1.0);
     if (v != volume) out.stiffness = 0.0;
-    if (out.pressure < 0.0) out.pressure *= left;
+    if (out.pressure < 0.0) { // with the last of the volume it draws towards none
+        out.stiffness = std::max(left, 0.0) * out.stiffness + (std::abs(left) < 1.0 ? -out.pressure / fading : 0.0);
+        out.pressure *= left;
+    }
     return {flows * out.pressure, flows * out.stiffness};
 }
 

@@ -116,7 +116,7 @@ constexpr double kEmpty = 0.02, kBursting = 20.0;
 void warn(const SoftModel& model, const frame::Cavity& now, double restVolume, CavityState& state)
 {
     const bool empty = now.volume<kEmpty * restVolume, bursting = now.volume> kBursting * restVolume;
-    if (!std::exchange(state.warned, empty || bursting) && state.warned)
+    if ((empty || bursting) && !std::exchange(state.warned, true))
         logWarning(describe(model), ": cavities[", now.cavity, "] ",
                    empty ? "is empty: without self-collision its walls may pass through each other"
                          : "has grown to 20 times its volume: in tissue it would have burst");
