@@ -1,10 +1,10 @@
 #pragma once
 
+#include "filasofia/core/disjoint_sets.h"
 #include "filasofia/geometry/box.h"
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 #include <span>
 #include <vector>
 
@@ -13,25 +13,6 @@ namespace filasofia::geometry {
 
 inline constexpr int kMinLatticeNodes = 16; ///< pieces with fewer nodes get no lattice of four coarse nodes
 inline constexpr int kMaxListedPieces = 64; ///< small pieces that are listed one by one
-
-/// Disjoint sets of numbers (union-find). The lowest number of a set represents it, in whatever order sets were joined.
-class DisjointSets {
-public:
-    explicit DisjointSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-    int find(int i)
-    {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(int a, int b)
-    {
-        a = find(a), b = find(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<int> parent_;
-};
 
 /// Nodes and edges, and their connected pieces, the one with the most nodes first.
 struct Graph {

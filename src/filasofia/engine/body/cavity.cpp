@@ -1,5 +1,6 @@
 #include "filasofia/engine/body/cavity.h"
 
+#include "filasofia/core/disjoint_sets.h"
 #include "filasofia/core/error.h"
 #include "filasofia/engine/body/body_topology.h"
 #include "filasofia/engine/body/soft_model.h"
@@ -8,7 +9,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 
 namespace filasofia::engine {
 namespace {
@@ -21,30 +21,6 @@ constexpr double kFading = 0.1;
 
 /// [m^3] Six times the volume of a tetrahedron with a corner at the origin.
 double tripleProduct(Vec3 a, Vec3 b, Vec3 c) { return dot(a, cross(b, c)); }
-
-/// Sets of triangles that share edges.
-class TriangleSets {
-public:
-    explicit TriangleSets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-    int find(int i)
-    {
-        while (parent_[static_cast<std::size_t>(i)] != i) {
-            int& up = parent_[static_cast<std::size_t>(i)];
-            up = parent_[static_cast<std::size_t>(up)];
-            i = up;
-        }
-        return i;
-    }
-    /// The smaller number becomes the name of both.
-    void join(int i, int k)
-    {
-        const int a = find(i), b = find(k);
-        parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    }
-
-private:
-    std::vector<int> parent_;
-};
 
 /// Per edge of every triangle: the triangle across it, or -1; three per triangle, from its corner on.
 std::vector<std::array<int, 3>> trianglesBeside(const std::vector<geometry::Triangle>& triangles)
@@ -72,7 +48,7 @@ std::vector<std::array<int, 3>> trianglesBeside(const std::vector<geometry::Tria
 /// Per triangle: the first triangle of the part of the surface that it belongs to.
 std::vector<int> partsOf(const std::vector<std::array<int, 3>>& neighbours)
 {
-    TriangleSets parts(neighbours.size());
+    DisjointSets parts(neighbours.size());
     for (std::size_t t = 0; t < neighbours.size(); ++t)
         for (int other : neighbours[t])
             if (other >= 0) parts.join(static_cast<int>(t), other);
@@ -130,7 +106,7 @@ bool goesAround(const SoftModel& model, const std::vector<int>& parts, int part,
 /// Joins directed edges to rims by the nodes that they share.
 std::vector<CavityRim> rimsOf(const std::vector<std::array<int, 2>>& edges)
 {
-    TriangleSets parts(edges.size());
+    DisjointSets parts(edges.size());
     std::map<int, int> firstAt;
     for (std::size_t e = 0; e < edges.size(); ++e)
         for (int node : edges[e]) {
@@ -156,22 +132,26 @@ struct Mixture {
 void addInertia(const Cavity& cavity, SoftModel& model)
 {
     if (cavity.def.fill != physics::CavityFill::Liquid) return;
-    const auto areaOf = [&](const geometry::Triangle& t) {
-        const auto at = [&](std::size_t k) { return model.rest[static_cast<std::size_t>(t[k])]; };
-        return 0.5 * length(cross(at(1) - at(0), at(2) - at(0)));
-    };
     double whole = 0.0;
-    for (const geometry::Triangle& t : cavity.wall) whole += areaOf(t);
+    for (const geometry::Triangle& t : cavity.wall) whole += length(areaOf(t, model.rest));
     const double perArea = densityOf(cavity) * cavity.restVolume / whole;
     model.filling.resize(model.rest.size());
-    for (const geometry::Triangle& t : cavity.wall)
+    for (const geometry::Triangle& t : cavity.wall) {
+        const double share = perArea * length(areaOf(t, model.rest)) / 3.0;
         for (int node : t) {
-            model.masses[static_cast<std::size_t>(node)] += perArea * areaOf(t) / 3.0;
-            model.filling[static_cast<std::size_t>(node)] += perArea * areaOf(t) / 3.0;
+            model.masses[static_cast<std::size_t>(node)] += share;
+            model.filling[static_cast<std::size_t>(node)] += share;
         }
+    }
 }
 
 } // namespace
+
+Vec3 areaOf(const geometry::Triangle& t, std::span<const Vec3> x)
+{
+    const auto at = [&](std::size_t k) { return x[static_cast<std::size_t>(t[k])]; };
+    return 0.5 * cross(at(1) - at(0), at(2) - at(0));
+}
 
 Vec3 middleOf(const CavityRim& rim, std::span<const Vec3> x)
 {

@@ -51,6 +51,8 @@ CavityPressure pressureIn(const Cavity& cavity, const CavityState& state, double
 /// The content at which a cavity of this volume has this pressure.
 double contentAt(const Cavity& cavity, double pressure, double volume);
 
+/// [m^2] The area of a triangle, along its normal.
+Vec3 areaOf(const geometry::Triangle& t, std::span<const Vec3> x);
 /// [m] The mean of its nodes.
 Vec3 middleOf(const CavityRim& rim, std::span<const Vec3> x);
 /// [m^3] Up to a flat lid on each rim: the triangles of its edges with their middle.

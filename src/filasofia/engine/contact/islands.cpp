@@ -1,32 +1,13 @@
 #include "filasofia/engine/contact/islands.h"
 
+#include "filasofia/core/disjoint_sets.h"
+
 #include <algorithm>
-#include <numeric>
 
 namespace filasofia::engine {
 namespace {
 
 constexpr std::size_t kNoIsland = static_cast<std::size_t>(-1);
-
-/// Disjoint sets; each is represented by its least member.
-class Sets {
-public:
-    explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), std::size_t{0}); }
-    std::size_t find(std::size_t i)
-    {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void merge(std::size_t a, std::size_t b)
-    {
-        a = find(a);
-        b = find(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<std::size_t> parent_;
-};
 
 } // namespace
 
@@ -47,20 +28,21 @@ std::vector<Island> findIslands(std::size_t softBodies, const RigidPlan& plan, s
         const auto place = planPlace(plan, point);
         return place ? soft + *place : kNoIsland;
     };
-    Sets sets(soft + plan.size());
+    DisjointSets sets(soft + plan.size());
+    const auto setOf = [&](std::size_t unit) { return static_cast<std::size_t>(sets.find(static_cast<int>(unit))); };
     std::vector<bool> constrained(soft + plan.size());
     for (const Constraint& each : constraints) {
         const std::size_t a = unitOf(each.sides[0]), b = unitOf(each.sides[1]);
         for (std::size_t unit : {a, b})
             if (unit != kNoIsland) constrained[unit] = true;
-        if (a != kNoIsland && b != kNoIsland) sets.merge(a, b);
+        if (a != kNoIsland && b != kNoIsland) sets.join(static_cast<int>(a), static_cast<int>(b));
     }
 
     std::vector<Island> islands;
     std::vector<std::size_t> islandOf(soft + plan.size(), kNoIsland);
     for (std::size_t unit = 0; unit < constrained.size(); ++unit) {
         if (!constrained[unit]) continue;
-        std::size_t& island = islandOf[sets.find(unit)]; // the least member comes first
+        std::size_t& island = islandOf[setOf(unit)]; // the least member comes first
         if (island == kNoIsland) {
             island = islands.size();
             islands.emplace_back();
@@ -73,7 +55,7 @@ std::vector<Island> findIslands(std::size_t softBodies, const RigidPlan& plan, s
     for (std::size_t c = 0; c < constraints.size(); ++c) {
         std::size_t unit = unitOf(constraints[c].sides[0]);
         if (unit == kNoIsland) unit = unitOf(constraints[c].sides[1]);
-        if (unit != kNoIsland) islands[islandOf[sets.find(unit)]].constraints.push_back(c);
+        if (unit != kNoIsland) islands[islandOf[setOf(unit)]].constraints.push_back(c);
     }
     return islands;
 }

@@ -24,7 +24,7 @@ void addExternalForces(const SoftModel& model, Vec3 gravity, const SoftState& st
     for (std::size_t i = 0; i < model.surface.size(); ++i) {
         if (!isShell(model) && !model.wallOf.empty() && model.wallOf[i] >= 0) continue; // inside
         const geometry::Triangle& t = model.surface[i];
-        const Vec3 area = 0.5 * cross(state.x[t[1]] - state.x[t[0]], state.x[t[2]] - state.x[t[0]]); // outwards
+        const Vec3 area = areaOf(t, state.x); // outwards
         for (int node : t) forces[node] -= state.pressure / 3.0 * area;
     }
 }

@@ -13,12 +13,6 @@ using physics::CavityFill;
 constexpr double kContraction = 0.61;  // [-] for a jet from a sharp edge, pi / (pi + 2)
 constexpr double kLeastPressure = 1.0; // [Pa] below it, the flow is proportional to the pressure
 
-Vec3 areaOf(const geometry::Triangle& t, std::span<const Vec3> x)
-{
-    const auto at = [&](std::size_t k) { return x[static_cast<std::size_t>(t[k])]; };
-    return 0.5 * cross(at(1) - at(0), at(2) - at(0));
-}
-
 Vec3 middleOf(const geometry::Triangle& t, std::span<const Vec3> x)
 {
     const auto at = [&](std::size_t k) { return x[static_cast<std::size_t>(t[k])]; };
@@ -115,7 +109,8 @@ constexpr double kEmpty = 0.02, kBursting = 20.0;
 
 void warn(const SoftModel& model, const frame::Cavity& now, double restVolume, CavityState& state)
 {
-    const bool empty = now.volume<kEmpty * restVolume, bursting = now.volume> kBursting * restVolume;
+    const bool empty = now.volume < kEmpty * restVolume;
+    const bool bursting = now.volume > kBursting * restVolume;
     if ((empty || bursting) && !std::exchange(state.warned, true))
         logWarning(describe(model), ": cavities[", now.cavity, "] ",
                    empty ? "is empty: without self-collision its walls may pass through each other"

@@ -95,7 +95,6 @@ void resetScene(Scene& scene)
     scene.ties = {}; // made anew in the next step, as in the first one
     scene.channels.clear();
     scene.channelReports.clear();
-    scene.cavityReports.clear();
 }
 
 } // namespace filasofia::engine
