@@ -2,33 +2,14 @@
 
 If TRAINER_STEPS is set in the environment, the planned motions are cut short: a sanitizer takes minutes for one."""
 import json
-import os
 import re
-import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
-PROGRAM = sys.argv[1]
-STEPS = os.environ.get("TRAINER_STEPS")
+from trainer_case import STEPS, Trainer, run
+
 SEEDS = ("1",) if STEPS else ("1", "2", "3")
-
-
-def run(*words, timeout=500):
-    return subprocess.run([PROGRAM, *words], capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=timeout)
-
-
-class Trainer(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.session = str(Path(self.folder.name) / "session.jsonl")
-
-    def tearDown(self):
-        self.folder.cleanup()
-
-    def lines(self):
-        return [json.loads(line) for line in Path(self.session).read_text().splitlines()]
 
 
 class Words(Trainer):

@@ -2,39 +2,23 @@
 
 If TRAINER_STEPS is set in the environment, the planned motions are cut short: a sanitizer takes minutes for one."""
 import json
-import os
 import re
-import subprocess
 import sys
-import tempfile
 import unittest
 from pathlib import Path
 
-PROGRAM = sys.argv[1]
-STEPS = os.environ.get("TRAINER_STEPS")
+from trainer_case import STEPS, Trainer, run
 
 
-def run(*words, timeout=500):
-    return subprocess.run([PROGRAM, *words], capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=timeout)
-
-
-class Trainer(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.session = str(Path(self.folder.name) / "session.jsonl")
-
-    def tearDown(self):
-        self.folder.cleanup()
-
+class PegTransfer(Trainer):
     def play(self, motion, *words):
         return run("--motion", motion, "--headless", "--session", self.session, *words, *(["--steps", STEPS] if STEPS else []))
 
     def events(self, *kinds):
-        lines = [json.loads(line) for line in Path(self.session).read_text().splitlines()]
-        return [(line["event"], line["what"]) for line in lines if line.get("event") in kinds]
+        return [(line["event"], line["what"]) for line in self.lines() if line.get("event") in kinds]
 
 
-class Words(Trainer):
+class Words(PegTransfer):
     def test_unknown_words_are_refused_in_one_line(self):
         for words, says in ((("--case", "stapling"), "--case must be peg-transfer, got 'stapling'"),
                             (("--difficulty", "brutal"), "--difficulty must be easy, normal or hard, got 'brutal'"),
@@ -45,7 +29,7 @@ class Words(Trainer):
             self.assertIn(says, done.stderr)
 
 
-class Expert(Trainer):
+class Expert(PegTransfer):
     """One seed; docs/lab/laparoscopy.md reports thirty."""
 
     def test_the_expert_gives_every_ring_from_hand_to_hand(self):
@@ -62,7 +46,7 @@ class Expert(Trainer):
         self.assertLess(force, 10.0)  # 5.8 N was measured
 
 
-class Clumsy(Trainer):
+class Clumsy(PegTransfer):
     def test_clumsy_hands_drop_rings_and_nothing_breaks(self):
         for seed in ("1", "2"):
             done = self.play("clumsy", "--seed", seed)
@@ -76,18 +60,18 @@ class Clumsy(Trainer):
             self.assertLess(float(found[3]), 300.0)  # 25 and 87 N were measured
 
 
-class Hand(Trainer):
+class Hand(PegTransfer):
     def test_a_recorded_hand_moves_the_right_handle(self):
         motion = Path(self.folder.name) / "in.csv"
         motion.write_text("time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n0.2,0,0,0,1,0,0,0,0\n"
                           "0.8,0.02,0,0,1,0,0,0,1\n1.2,0.02,0,0,1,0,0,0,0\n")
         done = run("--motion", str(motion), "--headless", "--steps", "1200", "--session", self.session)
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        lines = [json.loads(line) for line in Path(self.session).read_text().splitlines()]
+        lines = self.lines()
         self.assertIn("right grasper", json.dumps(lines[:4]))
 
 
-class Pictures(Trainer):
+class Pictures(PegTransfer):
     def test_the_expert_takes_pictures_on_the_way(self):
         done = run("--motion", "expert", "--headless", "--steps", "1900", "--session", self.session,
                    "--pictures", self.folder.name)
