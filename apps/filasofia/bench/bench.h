@@ -45,8 +45,9 @@ nlohmann::json benchSolver(bool quick);
 nlohmann::json benchLaws(bool quick);
 
 /// A step's cost with bodies in contact, detection and response apart, relative to a step of the same bodies without
-/// contact. If `quick`, only the smallest meshes are measured, with fewer steps.
-nlohmann::json benchContact(bool quick);
+/// contact. If `quick`, only the smallest meshes are measured, with fewer steps. `only`: the scenes whose "body, scene"
+/// contains this.
+nlohmann::json benchContact(bool quick, const std::string& only);
 
 /// A step's cost of some of these scenes with the native engine and with another, with the number of contacts, the
 /// deepest penetration and the forces. If `quick`, with fewer steps. Throws an Error if the engine cannot be had.

@@ -19,12 +19,15 @@ struct BenchCommandOptions {
     double seconds = std::numeric_limits<double>::quiet_NaN(); ///< NaN if not given
     double soak = std::numeric_limits<double>::quiet_NaN();    ///< NaN if not given
     std::string engine = runtime::engineNames().front();
+    std::string only;
     int seed = 1;
     bool quick = false;
 };
 
 constexpr double kSeconds = 10.0;     ///< [s] wall time per cell
 constexpr double kQuickSeconds = 2.0; ///< [s] wall time per run of haptics if --quick is given
+
+bool isOther(const std::string& engine) { return engine != runtime::engineNames().front(); }
 
 /// Rejects options that do not fit the scene.
 void checkOptions(const BenchCommandOptions& options)
@@ -37,11 +40,13 @@ void checkOptions(const BenchCommandOptions& options)
     if (!std::isnan(options.seconds) && options.scene != "bunny" && options.scene != "haptics")
         fail("bench: --seconds applies to bunny and haptics only; ", options.scene, " makes a fixed number of steps");
     if (!std::isnan(options.soak) && options.scene != "contact") fail("bench: --soak applies to contact only");
-    if (options.engine != runtime::engineNames().front() && options.scene != "bunny" && options.scene != "contact")
+    if (!options.only.empty() && (options.scene != "contact" || !std::isnan(options.soak) || isOther(options.engine)))
+        fail("bench: --only applies to the scenes of contact, without --soak and --engine");
+    if (isOther(options.engine) && options.scene != "bunny" && options.scene != "contact")
         fail("bench: --engine applies to bunny and contact only: ", options.scene, " measures the native engine");
-    if (options.engine != runtime::engineNames().front() && !std::isnan(options.soak))
+    if (isOther(options.engine) && !std::isnan(options.soak))
         fail("bench: --soak and --engine ", options.engine, " exclude each other");
-    if (options.engine != runtime::engineNames().front() && !std::isnan(options.seconds))
+    if (isOther(options.engine) && !std::isnan(options.seconds))
         fail("bench: --seconds and --engine ", options.engine,
              " exclude each other: the latter makes a fixed number of steps");
     if (!std::isnan(options.soak) && options.quick) fail("bench: --soak and --quick exclude each other");
@@ -55,13 +60,14 @@ json measure(const BenchCommandOptions& options)
     if (options.scene == "rod") return benchRod(options.quick);
     if (options.scene == "visual") return benchVisual(options.quick);
     const double seconds = std::isnan(options.seconds) ? kSeconds : options.seconds;
-    if (options.engine != runtime::engineNames().front())
+    if (isOther(options.engine))
         return options.scene == "contact" ? benchContactEngines(options.engine, options.quick)
                                           : benchEngines(options.engine, options.quick);
     if (options.scene == "bunny") return benchBunny(seconds, options.quick);
     if (options.scene == "haptics")
         return benchHaptics(std::isnan(options.seconds) && options.quick ? kQuickSeconds : seconds, options.quick);
-    return std::isnan(options.soak) ? benchContact(options.quick) : soakContact(options.soak, options.seed);
+    return std::isnan(options.soak) ? benchContact(options.quick, options.only)
+                                    : soakContact(options.soak, options.seed);
 }
 
 int bench(const BenchCommandOptions& options)
@@ -137,6 +143,8 @@ Command benchCommand()
                          "bunny and contact only: instead of the table, a step's cost, with the error or the contacts, "
                          "with this engine and the native one",
                      .choices = runtime::engineNames()},
+                    {"--only", &options.only,
+                     "contact only: only the scenes whose \"body, scene\" contains this, as \"three blocks\"", "TEXT"},
                     {"--quick", &options.quick, "Measure only the smallest meshes"}},
         .run = [] { return bench(options); }};
 }

@@ -71,7 +71,7 @@ ContactCell timeContact(const ContactScene& scene, const ContactEffort& effort)
             workers.push_back(
                 {{.threads = threads, .contacts = contacts}, std::make_unique<ContactRun>(scene, threads, contacts)});
     for (ContactWorker& worker : workers)
-        for (int i = 0; i < static_cast<int>(std::lround(scene.settle / kContactStep)); ++i) {
+        for (int i = 0; i < static_cast<int>(std::lround(scene.settle / scene.step)); ++i) {
             const physics::StepReport report = worker.run->step();
             worker.times.flags |= report.flags;
             if (&worker == &workers.front()) cell.penetration = std::max(cell.penetration, report.contacts.penetration);

@@ -44,7 +44,7 @@ struct ContactCell {
     [[nodiscard]] const ContactTimes& free() const { return runs[1]; }
     /// [-] time of a step / time of a contact-free step, over the repetitions
     [[nodiscard]] runtime::Spread overFree() const;
-    [[nodiscard]] std::string label() const { return scene.body + ", " + scene.name; }
+    [[nodiscard]] std::string label() const { return scene.label(); }
 };
 
 ContactCell timeContact(const ContactScene& scene, const ContactEffort& effort);

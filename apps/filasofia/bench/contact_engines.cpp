@@ -48,7 +48,7 @@ TouchCell measure(const ContactScene& scene, const std::string& engine, bool qui
 {
     TouchCell cell{.scene = scene, .engine = engine};
     ContactRun run(scene, 1, true, engine);
-    const int settle = static_cast<int>(std::lround(scene.settle / kContactStep));
+    const int settle = static_cast<int>(std::lround(scene.settle / scene.step));
     const int counted = quick ? 50 : 100;
     for (int i = 0; i < settle + counted; ++i) {
         const double begin = processorTime();

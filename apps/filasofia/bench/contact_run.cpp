@@ -112,8 +112,8 @@ int ContactScene::elements() const
 
 ContactRun::ContactRun(const ContactScene& scene, int threads, bool contacts, const std::string& engine)
     : engine_(runtime::makeEngine(engine.empty() ? runtime::engineNames().front() : engine,
-                                  {.period = kContactStep, .threads = threads})),
-      path_(scene.path), gravity_(scene.gravity)
+                                  {.period = scene.step, .threads = threads})),
+      dt_(scene.step), path_(scene.path), gravity_(scene.gravity)
 {
     commands_.emplace_back(physics::SetGravity{kGravity});
     std::uint32_t id = 0, attachments = 0;
@@ -134,11 +134,11 @@ ContactRun::ContactRun(const ContactScene& scene, int threads, bool contacts, co
 physics::StepReport ContactRun::step(const physics::StepBudget* budget)
 {
     commands_.clear();
-    time_ += kContactStep;
+    time_ += dt_;
     if (gravity_) commands_.emplace_back(physics::SetGravity{gravity_(time_)});
     if (path_)
         for (const auto& [body, pose] : path_(time_)) commands_.emplace_back(physics::SetPose{body, 0, pose});
-    return engine_->step({.dt = kContactStep, .commands = commands_, .budget = budget});
+    return engine_->step({.dt = dt_, .commands = commands_, .budget = budget});
 }
 
 const frame::Frame& ContactRun::capture()
@@ -257,15 +257,20 @@ ContactScene towerOfFive()
 ContactScene tiedBlocks(double stiffness)
 {
     using physics::AttachmentDef;
-    const auto block = [](const char* name, double y, double height, int cells, double young,
-                          std::vector<AttachmentDef> attachments) {
+    struct Layer {
+        double height; ///< [m]
+        int cells;
+        double young; ///< [Pa]
+    };
+    constexpr Layer liver{0.02, 4, 8e3}, layer{0.0025, 1, 4e3}, organ{0.01, 3, 25e3};
+    const auto block = [](const char* name, double bottom, const Layer& of, std::vector<AttachmentDef> attachments) {
         return physics::SoftBodyDef{.name = name,
-                                    .mesh = shapes::block({0.06, height, 0.04}, {15, cells, 10}),
-                                    .pose = {{0, y, 0}, {}},
-                                    .material = physics::FemMaterial{.youngModulus = young, .poissonRatio = 0.45},
+                                    .mesh = shapes::block({0.06, of.height, 0.04}, {15, of.cells, 10}),
+                                    .pose = {{0, bottom + 0.5 * of.height, 0}, {}},
+                                    .material = physics::FemMaterial{.youngModulus = of.young, .poissonRatio = 0.45},
                                     .attachments = std::move(attachments)};
     };
-    constexpr double kUp = 0.03; // [m] where the hand is
+    constexpr double kUp = 0.03, kBottom = -0.02; // [m] where the hand is, and what lies on the ground
     const physics::RigidBodyDef hand{.name = "hand", .elements = {{{0, kUp, 0}, {}}}};
     const AttachmentDef ground{.box = geometry::Box{{-1, -1, -1}, {1, -0.0199, 1}}};
     const AttachmentDef pulled{.box = geometry::Box{{-1, 0.0124, -1}, {-0.02, 1, 1}}, .to = BodyId{1}};
@@ -275,13 +280,85 @@ ContactScene tiedBlocks(double stiffness)
     const auto drawn = [=](double time) {
         return std::vector{std::pair{BodyId{1}, Pose{{0, kUp + 0.01 * std::sin(2.0 * time), 0}, {}}}};
     };
+    // The same layers in one mesh: those of a block of eight equal ones are moved.
+    const double whole = liver.height + layer.height + organ.height;
+    const int cells = liver.cells + layer.cells + organ.cells;
+    physics::SoftBodyDef one = block("one", kBottom, {whole, cells, liver.young}, {ground, pulled});
+    auto mesh = std::make_shared<geometry::TetMesh>(*std::get<1>(one.mesh));
+    for (Vec3& node : mesh->nodes) {
+        double level = std::round((node.y / whole + 0.5) * cells);
+        node.y = -0.5 * whole;
+        for (const Layer& each : {liver, layer, organ}) {
+            node.y += each.height / each.cells * std::clamp(level, 0.0, static_cast<double>(each.cells));
+            level -= each.cells;
+        }
+    }
+    one.mesh = std::shared_ptr<const geometry::TetMesh>(std::move(mesh));
+    const double upper = kBottom + liver.height + layer.height;
+    std::get<physics::FemMaterial>(one.material).regions = {
+        {.where = geometry::Box{{-1, kBottom + liver.height, -1}, {1, upper, 1}}, .youngModulus = layer.young},
+        {.where = geometry::Box{{-1, upper, -1}, {1, 1, 1}}, .youngModulus = organ.young}};
     return {.name = stiffness == physics::kHard ? std::string("tied hard") : text("tied by ", stiffness, " N/m"),
             .body = "three blocks",
-            .bodies = {hand, block("liver", -0.01, 0.02, 4, 8e3, {ground}),
-                       block("organ", 0.0075, 0.01, 3, 25e3, {pulled}),
-                       block("layer", 0.00125, 0.0025, 1, 4e3, {tiedTo(2), tiedTo(3)})},
-            .compared = {hand, block("one", -0.00375, 0.0325, 8, 8e3, {ground, pulled})},
+            .bodies = {hand, block("liver", kBottom, liver, {ground}), block("organ", upper, organ, {pulled}),
+                       block("layer", kBottom + liver.height, layer, {tiedTo(2), tiedTo(3)})},
+            .compared = {hand, one},
             .path = drawn};
+}
+
+ContactScene gripAtRest(double stiffness)
+{
+    constexpr Vec3 organ{0.04, 0.02, 0.03}, jaw{0.012, 0.004, 0.012};
+    constexpr double kPressed = 1e-3; // [m] by each jaw
+    const double away = 0.5 * (organ.y + jaw.y) - kPressed;
+    physics::SoftBodyDef held = soft("organ", shapes::block(organ, {12, 6, 9}), {});
+    held.material = physics::FemMaterial{.youngModulus = 25e3, .poissonRatio = 0.45};
+    held.attachments = {{.box = geometry::Box{{-1, -1, -1}, {-0.5 * organ.x + 1e-6, 1, 1}}}};
+    ContactScene scene{.name = text("held by ", stiffness, " N/m"), .body = "grip", .compared = {held}, .settle = 2.0};
+    for (int side : {-1, 1})
+        scene.bodies.push_back(contactTool(side < 0 ? "lower jaw" : "upper jaw", shapes::box(jaw),
+                                           {{0.5 * (organ.x - jaw.x), side * away, 0.0}, {}}));
+    for (std::uint32_t each : {1u, 2u})
+        held.attachments.push_back({.within = 2e-3, .stiffness = stiffness, .to = BodyId{each}});
+    scene.bodies.push_back(held);
+    return scene;
+}
+
+ContactScene boxesAtRest()
+{
+    constexpr double kEdge = 0.04, kGap = 5e-4;
+    ContactScene scene{.name = "four layers", .body = "64 boxes", .bodies = {contactFloor()}, .settle = 2.0};
+    for (int k = 0; k < 64; ++k) {
+        const int layer = k / 16;
+        const double shift = layer % 2 == 0 ? 0.0 : 0.5 * kEdge, pitch = kEdge + kGap;
+        physics::RigidBodyDef box =
+            contactTool(text("box ", k), shapes::box({kEdge, kEdge, kEdge}),
+                        {{pitch * (k % 4) + shift, (0.5 + layer) * (kEdge + 1e-5), pitch * (k / 4 % 4) + shift}, {}});
+        box.dynamic = true;
+        scene.bodies.push_back(box);
+    }
+    return scene;
+}
+
+ContactScene softHeap()
+{
+    constexpr double kWide = 0.12, kHigh = 0.2, kThick = 0.02;
+    constexpr Vec3 block{0.02, 0.02, 0.025};
+    ContactScene scene{
+        .name = "50 soft blocks", .body = "heap", .bodies = {contactFloor()}, .settle = 3.0, .step = 5e-3};
+    for (int side : {-1, 1}) {
+        const double away = side * 0.5 * (kWide + kThick);
+        scene.bodies.push_back(
+            contactTool("wall", shapes::box({kThick, kHigh, kWide + 2 * kThick}), {{away, 0.5 * kHigh, 0}, {}}));
+        scene.bodies.push_back(contactTool("wall", shapes::box({kWide, kHigh, kThick}), {{0, 0.5 * kHigh, away}, {}}));
+    }
+    for (int k = 0; k < 50; ++k) { // layers of nine, each turned a little against the last
+        const int layer = k / 9, x = k % 3 - 1, z = k / 3 % 3 - 1;
+        physics::SoftBodyDef each = soft(text("block ", k), shapes::block(block, {4, 4, 5}), {});
+        each.pose = {{0.034 * x, 0.02 + 0.032 * layer, 0.034 * z}, axisAngle({0, 1, 0}, 0.3 * layer + 0.1 * x)};
+        scene.bodies.push_back(each);
+    }
+    return scene;
 }
 
 } // namespace filasofia::app

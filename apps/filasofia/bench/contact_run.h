@@ -26,11 +26,13 @@ struct ContactScene {
     ToolPath path = {};
     std::function<Vec3(double time)> gravity = {}; ///< [m/s^2]; 9.81 downwards if empty
     double settle = 0.5;                           ///< [s] before counting starts
-    int asked = 0;                      ///< [-] number of contacts that should push; 0 if the scene asks for none
+    double step = kContactStep;                    ///< [s]
+    int asked = 0; ///< [-] number of contacts that should push; 0 if the scene asks for none
+    [[nodiscard]] std::string label() const { return body + ", " + name; }
     [[nodiscard]] int elements() const; ///< number of tetrahedra
 };
 
-/// Makes steps of kContactStep from rest, under gravity.
+/// Makes steps of a scene from rest, under gravity.
 class ContactRun {
 public:
     /// If `contacts` is false: what the scene is compared with. `engine`: by name; empty: the native one.
@@ -41,6 +43,7 @@ public:
 
 private:
     std::unique_ptr<physics::PhysicsEngine> engine_;
+    double dt_;
     ToolPath path_;
     std::function<Vec3(double time)> gravity_;
     std::vector<physics::Command> commands_;
@@ -72,7 +75,11 @@ ContactScene blockOnBlock();
 ContactScene ballOnFloor(); ///< a soft ball, dropped 20 mm
 ContactScene towerOfFive();
 /// Three blocks of 7200 tetrahedra in all, liver, layer and organ, tied to each other by springs [N/m] per node, or
-/// hard; a hand draws at the organ. Compared with one block of their size.
+/// hard; a hand draws at the organ. Compared with one block that has their tissues in three layers.
 ContactScene tiedBlocks(double stiffness);
+/// An organ of 25 kPa between jaws that hold it by springs [N/m] per node, all still. Compared with the organ alone.
+ContactScene gripAtRest(double stiffness);
+ContactScene boxesAtRest(); ///< 64 rigid boxes in four layers, each across the gaps of that below
+ContactScene softHeap();    ///< 50 soft blocks of 480 tetrahedra, dropped into a box; steps of 5 ms
 
 } // namespace filasofia::app

@@ -92,7 +92,7 @@ physics::StepReport World::step(const physics::StepInput& in)
 
     advance(context, scene_, coupling_);      // 4 solve; new velocities and positions
     keepContacts(context, coupling_, scene_); //   forces and warm starts of the constraints
-    keepWelds(in.dt, coupling_, scene_);
+    keepWelds(context, coupling_, scene_);
     keepChannels(in.dt, coupling_, scene_); //   needles slide and cut on
     puncture(in.dt, coupling_, scene_);     //   and pierce new surfaces
     keepJoints(in.dt, coupling_, scene_);

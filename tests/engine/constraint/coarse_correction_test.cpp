@@ -55,7 +55,8 @@ struct Problem {
                                {{k % kNodes, 1.0}, {kNodes + k % kNodes, -0.3}, {kNodes + (k + 3) % kNodes, -0.7}});
             constraints.push_back(c);
             const double normal = uniform(random, 1, 50), along = uniform(random, 1, 50);
-            filters.push_back({{{normal, 0, 0}, {0, along, 0}, {0, 0, along}}});
+            const Mat3 frame = asMatrix(c.frame);
+            filters.push_back(transpose(frame) * (Mat3::diagonal({normal, along, along}) * frame));
         }
     }
     Problem(const Problem&) = delete;
@@ -104,12 +105,11 @@ struct Problem {
         for (std::size_t c = 0; c < filters.size(); ++c) {
             Eigen::MatrixXd j = Eigen::MatrixXd::Zero(3, 2 * n);
             for (const WeightedPoint& each : rows.pointsOf(rows.list[c]))
-                for (int row = 0; row < 3; ++row)
-                    for (int k = 0; k < 3; ++k)
-                        j(row, 3 * each.point + k) +=
-                            each.weight * constraints[c].frame[static_cast<std::size_t>(row)][k];
-            const Eigen::Vector3d m(filters[c][0].x, filters[c][1].y, filters[c][2].z);
-            a += j.transpose() * m.asDiagonal() * j;
+                for (int k = 0; k < 3; ++k) j(k, 3 * each.point + k) += each.weight;
+            Eigen::Matrix3d m;
+            for (int row = 0; row < 3; ++row)
+                for (int k = 0; k < 3; ++k) m(row, k) = filters[c][row][k];
+            a += j.transpose() * m * j;
         }
         return a.inverse();
     }
@@ -186,7 +186,7 @@ TiedCoarse tied(Problem& scene, int count, const std::vector<int>& nodes)
         const auto row = static_cast<std::size_t>(c);
         scene.constraints[row].tied = true;
         TiedPair& pair = pairs.emplace_back();
-        pair.stiffness = scene.filters[row][0].x;
+        pair.stiffness = trace(scene.filters[row]) / 3.0;
         scene.filters[row] = pair.stiffness * Mat3::identity();
         for (const WeightedPoint& each : scene.rows.pointsOf(scene.rows.list[row]))
             if (const auto node = numberOf(each.point)) pair.parts.push_back({*node, each.weight * Mat3::identity()});

@@ -73,7 +73,8 @@ struct Problem {
             const double s = uniform(random, 0.1, 0.5), t = uniform(random, 0.1, 0.4);
             add(c, {{k, 1.0}, {nodes + k, -s}, {nodes + (k + 1) % nodes, -t}, {nodes + (k + 2) % nodes, s + t - 1.0}});
         }
-        Constraint held{.kind = ConstraintKind::Weld};
+        Constraint held;
+        held.kind = ConstraintKind::Weld;
         held.frame = frameOf({0.0, 1.0, 0.0});
         held.bias = 0.1 * randomVector(random);
         add(held, {{5, 1.0}});
@@ -176,7 +177,11 @@ TEST_CASE("a spring and a penalty contact move by the closed form of their stiff
     DenseBody body(2.0 * Eigen::MatrixXd::Identity(3, 3), Eigen::Vector3d(0.0, -1.0, 0.0), false);
     CoupledSolve solver;
     for (ConstraintKind kind : {ConstraintKind::Weld, ConstraintKind::Contact}) { // 2 u = -1 - 6 (u + 0.05)
-        Constraint c{.kind = kind, .frame = frameOf({0.0, 1.0, 0.0}), .bias = {0.05, 0.0, 0.0}, .softness = 6.0};
+        Constraint c;
+        c.kind = kind;
+        c.frame = frameOf({0.0, 1.0, 0.0});
+        c.bias = {0.05, 0.0, 0.0};
+        c.softness = 6.0;
         const ConstraintRows rows{.list = {{.constraint = &c, .first = 0, .count = 1}}, .points = {{0, 1.0}}};
         solver.solve(kTight, {coupled(body)}, {{{.node = 0}}}, rows);
         const double u = (-1.0 - 6.0 * 0.05) / 8.0;

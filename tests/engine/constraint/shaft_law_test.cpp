@@ -9,7 +9,8 @@ using namespace filasofia::engine;
 
 TEST_CASE("the impulse along a shaft is bounded by dry friction, across it by nothing")
 {
-    Constraint shaft{.kind = ConstraintKind::Shaft};
+    Constraint shaft;
+    shaft.kind = ConstraintKind::Shaft;
     shaft.maxImpulse = 4.0;
     const Projected sticks = project(shaft, {-3.9, 0.0, 4.0});
     CHECK(sticks.impulse == Vec3{-3.9, 0.0, 4.0});
@@ -33,7 +34,8 @@ TEST_CASE("the impulse along a shaft is bounded by dry friction, across it by no
 
 TEST_CASE("a tip pushes with what cuts at most, and never pulls")
 {
-    Constraint tip{.kind = ConstraintKind::Tip};
+    Constraint tip;
+    tip.kind = ConstraintKind::Tip;
     tip.maxImpulse = 2.0;
     CHECK(project(tip, {-1.0, 3.0, 0.0}).impulse == Vec3{});
     CHECK(project(tip, {1.5, 3.0, 0.0}).impulse == Vec3{1.5, 0.0, 0.0});

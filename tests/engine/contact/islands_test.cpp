@@ -22,7 +22,12 @@ BodyPoint rigid(std::size_t element)
     point.body = element;
     return point;
 }
-Constraint between(const BodyPoint& a, const BodyPoint& b) { return {.sides = {a, b}}; }
+Constraint between(const BodyPoint& a, const BodyPoint& b)
+{
+    Constraint constraint;
+    constraint.sides = {a, b};
+    return constraint;
+}
 
 } // namespace
 

@@ -17,6 +17,7 @@ Resisted resisted(std::vector<ConstraintMotion>&& motions, std::span<const Mat3>
     Resisted out;
     for (ConstraintMotion& motion : motions) {
         std::vector<Vec3> impulses;
+        impulses.reserve(motion.rows.size());
         double sum = 0.0;
         for (std::size_t m = 0; m < motion.rows.size(); ++m) {
             impulses.push_back(filters[motion.rows[m]] * motion.u[m]);
@@ -36,15 +37,19 @@ std::vector<double> resistance(const Resisted& in, std::size_t rows)
         std::size_t motion;
         Vec3 u, impulse;
     };
-    std::vector<std::vector<Part>> perRow(rows);
+    std::vector<std::size_t> end(rows + 1); // of each row's parts, which follow one another
+    for (const ConstraintMotion& motion : in.motions)
+        for (std::size_t row : motion.rows) ++end[row + 1];
+    for (std::size_t row = 0; row < rows; ++row) end[row + 1] += end[row];
+    std::vector<Part> parts(end.back());
     for (std::size_t i = 0; i < in.motions.size(); ++i)
         for (std::size_t m = 0; m < in.motions[i].rows.size(); ++m)
-            perRow[in.motions[i].rows[m]].push_back({i, in.motions[i].u[m], in.impulses[i][m]});
+            parts[end[in.motions[i].rows[m]]++] = {i, in.motions[i].u[m], in.impulses[i][m]};
     const std::size_t size = in.motions.size();
     std::vector<double> matrix(size * size);
-    for (const std::vector<Part>& parts : perRow)
-        for (std::size_t a = 0; a < parts.size(); ++a)
-            for (std::size_t b = 0; b <= a; ++b)
+    for (std::size_t row = 0, first = 0; row < rows; first = end[row++])
+        for (std::size_t a = first; a < end[row]; ++a)
+            for (std::size_t b = first; b <= a; ++b)
                 matrix[parts[a].motion * size + parts[b].motion] += dot(parts[a].u, parts[b].impulse);
     return matrix;
 }

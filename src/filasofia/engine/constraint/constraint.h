@@ -50,8 +50,7 @@ struct ChannelInfo {
     int point = kTip;        ///< index of its point
 };
 
-/// Two points and the law between them: a contact, a pair of points of an attachment, a joint limit, a joint's
-/// friction, a shaft in a channel or its tip.
+/// What a solve needs of a constraint in every iteration:
 ///
 ///     C = bias + u,   u = F J (v + dv)
 ///
@@ -63,35 +62,40 @@ struct ChannelInfo {
 /// impulse t is within Coulomb's cone |t| <= friction * n. A bilateral constraint requires C = 0 in all three rows, but
 /// applies at most maxImpulse along the first. A shaft requires C = 0 across its first axis, the line; along it, its
 /// impulse is bounded by maxImpulse, dry friction.
-struct Constraint {
+struct ConstraintLaw {
     ConstraintKind kind = ConstraintKind::Contact;
-    std::array<BodyPoint, 2> sides = {};
     std::array<Vec3, 3> frame = {}; ///< orthonormal; the first vector is the normal, from the second side to the first
     Vec3 bias = {};                 ///< [m/s] in the frame
     double friction = 0.0;          ///< [-] Coulomb's mu; unilateral constraints only
-    double tolerance = 0.0;         ///< [m/s] how far a rigid constraint may miss C = 0 (or C >= 0)
-    double softness = 0.0;          ///< [kg] impulse per velocity of a spring; 0 if the constraint is rigid
-    double yielding = 1.0;          ///< [-] factor on the penalty of a rigid constraint, > 0
-    /// If only one side can move along the normal, as between a body and a kinematic one: another such factor, in
-    /// (0, 1], and the fraction that the carried normal impulse loses; both for kRigidKappa.
-    double trappedYielding = 1.0, trappedLoss = 0.0;
-    double lostLoss = 0.0; ///< [-] the same fraction if both can move: they are inside each other
     /// [N s] Bound on the impulse along the normal. The constraint yields beyond it.
     double maxImpulse = std::numeric_limits<double>::infinity();
     /// [N s] in the frame, on the first side. In: the last step's impulse; out: the impulse that acted in this step
     Vec3 impulse = {};
-    Vec3 multiplier = {}; ///< [N s] out: multiplier of the augmented Lagrangian, from which the next step starts
+
+    [[nodiscard]] bool bilateral() const
+    {
+        return kind == ConstraintKind::Weld || kind == ConstraintKind::JointFriction || kind == ConstraintKind::Shaft;
+    }
+};
+
+/// Two points and the law between them: a contact, a pair of points of an attachment, a joint limit, a joint's
+/// friction, a shaft in a channel or its tip.
+struct Constraint : ConstraintLaw {
+    std::array<BodyPoint, 2> sides = {};
+    double tolerance = 0.0; ///< [m/s] how far a rigid constraint may miss C = 0 (or C >= 0)
+    double softness = 0.0;  ///< [kg] impulse per velocity of a spring; 0 if the constraint is rigid
+    double yielding = 1.0;  ///< [-] factor on the penalty of a rigid constraint, > 0
+    /// If only one side can move along the normal, as between a body and a kinematic one: another such factor, in
+    /// (0, 1], and the fraction that the carried normal impulse loses; both for kRigidKappa.
+    double trappedYielding = 1.0, trappedLoss = 0.0;
+    double lostLoss = 0.0; ///< [-] the same fraction if both can move: they are inside each other
+    Vec3 multiplier = {};  ///< [N s] out: multiplier of the augmented Lagrangian, from which the next step starts
 
     bool tied = false; ///< the coarse levels know it from step to step (TiedCoarse)
 
     ContactInfo contact = {}; ///< kind Contact only
     JointInfo joint = {};     ///< kinds JointLimit and JointFriction only
     ChannelInfo channel = {}; ///< kinds Shaft and Tip only
-
-    [[nodiscard]] bool bilateral() const
-    {
-        return kind == ConstraintKind::Weld || kind == ConstraintKind::JointFriction || kind == ConstraintKind::Shaft;
-    }
 };
 
 /// Index of a contact point among all bodies' contact points of a solve, and its weight in J.
@@ -122,8 +126,12 @@ struct ConstraintRows {
     }
 };
 
-/// Adds J^T F^T impulse to the contact points of row `c`; `impulse` [N s] is in the constraint's frame.
-void addImpulse(const ConstraintRows& rows, std::size_t c, Vec3 impulse, std::span<Vec3> atPoints);
+/// Adds J^T impulse to the contact points of row `c`; `impulse` [N s], world axes.
+inline void addImpulse(const ConstraintRows& rows, std::size_t c, Vec3 impulse, std::span<Vec3> atPoints)
+{
+    for (const WeightedPoint& each : rows.pointsOf(rows.list[c]))
+        atPoints[static_cast<std::size_t>(each.point)] += each.weight * impulse;
+}
 
 /// Returns the unit normal and two tangents. Continuous but for two places on the sphere of normals.
 std::array<Vec3, 3> frameOf(Vec3 normal);
@@ -145,14 +153,14 @@ struct Projected {
     bool active = false;
 };
 /// [N s] What friction bounds: the tangential impulse of a contact, the impulse along a shaft.
-double coneOf(const Constraint& constraint, Vec3 impulse);
+double coneOf(const ConstraintLaw& law, Vec3 impulse);
 /// The fractions of the stiffness that are left, per axis of the frame; zeros unless the constraint is active.
-Vec3 sharesOf(const Constraint& constraint, const Projected& state);
+Vec3 sharesOf(const ConstraintLaw& law, const Projected& state);
 /// The impulse of the law that is linearised in a state: what touches stays, and so does what slides.
-Vec3 linearised(const Constraint& constraint, const Projected& state, Vec3 y);
+Vec3 linearised(const ConstraintLaw& law, const Projected& state, Vec3 y);
 /// Projects onto Coulomb's cone, whose radius follows from the impulse.
-Projected project(const Constraint& constraint, Vec3 y);
+Projected project(const ConstraintLaw& law, Vec3 y);
 /// Projects onto a cone of fixed radius `cone` [N s] (Tresca's law), whatever the impulse is.
-Projected project(const Constraint& constraint, Vec3 y, double cone);
+Projected project(const ConstraintLaw& law, Vec3 y, double cone);
 
 } // namespace filasofia::engine

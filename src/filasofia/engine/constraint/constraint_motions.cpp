@@ -9,6 +9,9 @@ namespace {
 constexpr std::size_t kMaxPatches = 32; // those with the most constraints
 constexpr std::size_t kMaxCoarseNodes = 128;
 
+/// A filter is positive semi-definite.
+bool isActive(const Mat3& filter) { return trace(filter) > 0.0; }
+
 struct Patch {
     std::size_t from = 0, to = 0; ///< bodies
     bool bilateral = false;
@@ -29,7 +32,7 @@ std::vector<Patch> findPatches(const ConstraintNetwork& network)
     std::vector<Patch> patches;
     for (std::size_t c = 0; c < filters.size(); ++c) {
         const ConstraintRow& row = rows.list[c];
-        if (filters[c][0].x == 0.0 || row.constraint->tied) continue;
+        if (!isActive(filters[c]) || row.constraint->tied) continue;
         const std::span<const WeightedPoint> points = rows.pointsOf(row);
         if (points.empty()) continue; // between points that cannot move
         const std::size_t from = bodyOf(first, points.front().point), to = bodyOf(first, points.back().point);
@@ -62,7 +65,7 @@ void addMotions(const Patch& patch, const ConstraintRows& rows, std::vector<Cons
         axis[k % 3] = 1.0;
         for (std::size_t c : patch.members) {
             const Vec3 u = k < 3 ? axis : 1.0 / radius * cross(axis, rowPosition(rows.list[c]) - middle);
-            motion.u.push_back(inFrame(rows.list[c].constraint->frame, u));
+            motion.u.push_back(u);
         }
     }
 }
@@ -70,15 +73,14 @@ void addMotions(const Patch& patch, const ConstraintRows& rows, std::vector<Cons
 /// The velocities of active constraints per velocity of one coarse node.
 struct CoarseNode {
     std::vector<std::size_t> rows;
-    std::vector<Mat3> u; ///< per row, in its frame
+    std::vector<Mat3> u; ///< per row, world axes
 };
 
-/// Adds F J P of a row to the coarse nodes that its points follow. `placeOf`: per body and coarse node, its place in
+/// Adds J P of a row to the coarse nodes that its points follow. `placeOf`: per body and coarse node, its place in
 /// `nodes`; -1 if it has none yet.
 void addRow(const ConstraintNetwork& network, std::size_t row, std::vector<std::vector<int>>& placeOf,
             std::vector<CoarseNode>& nodes)
 {
-    const Mat3 frame = asMatrix(network.rows.list[row].constraint->frame);
     std::vector<BlockColumns> columns;
     for (const WeightedPoint& each : network.rows.pointsOf(network.rows.list[row])) {
         const std::size_t body = bodyOf(network.first, each.point);
@@ -99,7 +101,7 @@ void addRow(const ConstraintNetwork& network, std::size_t row, std::vector<std::
                 node.rows.push_back(row);
                 node.u.emplace_back();
             }
-            node.u.back() += each.weight * (frame * j);
+            node.u.back() += each.weight * j;
         }
     }
 }
@@ -118,7 +120,7 @@ std::vector<ConstraintMotion> coarseNodeMotions(const ConstraintNetwork& network
     std::vector<std::vector<int>> placeOf(network.bodies.size());
     std::vector<CoarseNode> nodes;
     for (std::size_t row = 0; row < network.filters.size(); ++row) {
-        if (network.filters[row][0].x != 0.0 && !network.rows.list[row].constraint->tied)
+        if (isActive(network.filters[row]) && !network.rows.list[row].constraint->tied)
             addRow(network, row, placeOf, nodes);
         if (nodes.size() > kMaxCoarseNodes) return {};
     }

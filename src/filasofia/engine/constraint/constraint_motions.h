@@ -11,7 +11,7 @@ namespace filasofia::engine {
 /// A motion that active constraints resist.
 struct ConstraintMotion {
     std::vector<std::size_t> rows; ///< the constraints, ascending
-    std::vector<Vec3> u;           ///< [m/s] per row: its velocity, in its frame
+    std::vector<Vec3> u;           ///< [m/s] per row: its velocity, world axes
 };
 
 /// The constraints between the bodies of a solve.
@@ -19,7 +19,7 @@ struct ConstraintNetwork {
     std::span<const CoupledBody> bodies;
     std::span<const int> first; ///< per body: its first contact point; last, the total number
     const ConstraintRows& rows;
-    std::span<const Mat3> filters; ///< [kg] M per row, in its frame; zero if it is not active
+    std::span<const Mat3> filters; ///< [kg] M per row, world axes; zero if it is not active
 };
 
 /// The rigid motions of patches. A patch is the set of active constraints of one sort (unilateral or bilateral) between

@@ -72,21 +72,19 @@ double CoupledSolve::ownStiffness(const ConstraintRow& row)
 
 void CoupledSolve::chooseStiffness()
 {
-    ownCompliance_.resize(constraints_->points.size());
     double heaviest = 0.0;
     for (const double mass : masses_) heaviest = std::max(heaviest, mass);
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const ConstraintRow& row = constraints_->list[c];
         const Constraint& each = *row.constraint;
-        const Mat3 turn = asMatrix(each.frame);
+        const Vec3 normal = each.frame[0];
         std::array<double, 2> ofSides = {}, anyDirection = {};
         for (int k = row.first; k < row.first + row.count; ++k) {
             const WeightedPoint& at = constraints_->points[static_cast<std::size_t>(k)];
-            const Mat3 own = turn * compliance_[static_cast<std::size_t>(at.point)] * transpose(turn);
+            const Mat3& own = compliance_[static_cast<std::size_t>(at.point)];
             const std::size_t side = at.weight < 0.0 ? 1 : 0;
-            ofSides[side] += at.weight * at.weight * own[0].x;
+            ofSides[side] += at.weight * at.weight * dot(normal, own * normal);
             anyDirection[side] += at.weight * at.weight * trace(own);
-            ownCompliance_[static_cast<std::size_t>(k)] = std::abs(at.weight) * own;
         }
         double compliance = ofSides[0] + ofSides[1];
         const bool bothMove = ofSides[0] > kStiff * anyDirection[0] && ofSides[1] > kStiff * anyDirection[1];
@@ -105,14 +103,14 @@ void CoupledSolve::chooseStiffness()
         if (exact && !each.bilateral() && betweenRigid(each))
             rigid = std::max(rigid, std::min(heavier, kExact / compliance));
         if (!(compliance > 0.0)) rigid = 0.0;
-        const double normal = spring ? each.softness : rigid;
+        const double across = spring ? each.softness : rigid;
         const double tangential = spring && each.bilateral() ? each.softness : rigid;
-        rows_[c].stiffness = {normal, tangential, tangential};
+        rows_[c].stiffness = {across, tangential, tangential};
         rows_[c].u = inFrame(each.frame, each.sides[0].velocity - each.sides[1].velocity);
         const double loss = bothMove ? each.lostLoss : trapped.loss;
-        row.constraint->impulse.x *= 1.0 - loss;
+        rows_[c].law.impulse.x *= 1.0 - loss;
         rows_[c].trapped = loss > 0.0;
-        if (compliance == 0.0) row.constraint->impulse = {}; // no body can move along the normal
+        if (compliance == 0.0) rows_[c].law.impulse = {}; // no body can move along the normal
     }
 }
 
@@ -131,7 +129,7 @@ void CoupledSolve::makeFilter()
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
         row.state = row.now;
-        row.sigma = times(row.stiffness, sharesOf(constraint(c), row.state));
+        row.sigma = times(row.stiffness, sharesOf(row.law, row.state));
         filters_[c] = {};
         for (std::size_t k = firstOf(c); row.state.active && k < endOf(c); ++k)
             shareOf(k) += std::abs(constraints_->points[k].weight);
@@ -143,8 +141,12 @@ void CoupledSolve::makeFilter()
         Row& row = rows_[c];
         if (row.sigma == Vec3{}) continue;
         Mat3 compliance;
-        for (std::size_t k = firstOf(c); k < endOf(c); ++k) compliance += shareOf(k) * ownCompliance_[k];
-        const Mat3 sigma{{{row.sigma.x, 0.0, 0.0}, {0.0, row.sigma.y, 0.0}, {0.0, 0.0, row.sigma.z}}};
+        for (std::size_t k = firstOf(c); k < endOf(c); ++k) {
+            const WeightedPoint& at = constraints_->points[k];
+            compliance += shareOf(k) * std::abs(at.weight) * compliance_[static_cast<std::size_t>(at.point)];
+        }
+        const Mat3 frame = asMatrix(row.law.frame);
+        const Mat3 sigma = transpose(frame) * (Mat3::diagonal(row.sigma) * frame);
         filters_[c] = inverse(Mat3::identity() + sigma * compliance) * sigma;
     }
 }
@@ -173,45 +175,39 @@ void CoupledSolve::joinConstraints()
     makeFilter();
 }
 
-void CoupledSolve::applyFilter()
+void CoupledSolve::applyFilter(const std::vector<Vec3>& velocities)
 {
     if (!together_) {
-        for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].scratch = filters_[c] * rows_[c].scratch;
+        for (std::size_t c = 0; c < rows_.size(); ++c) impulses_[c] = filters_[c] * velocities[c];
         return;
     }
-    for (std::size_t c = 0; c < rows_.size(); ++c) perRow_[c] = rows_[c].scratch;
+    for (std::size_t c = 0; c < rows_.size(); ++c) perRow_[c] = inFrame(rows_[c].law.frame, velocities[c]);
     filter_.apply(perRow_);
-    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].scratch = perRow_[c];
+    for (std::size_t c = 0; c < rows_.size(); ++c) impulses_[c] = inWorld(rows_[c].law.frame, perRow_[c]);
 }
 
 double CoupledSolve::precondition()
 {
-    const auto readInto = [&](SolveVector from, Vec3 Row::*to) {
-        gather(from);
-        for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].*to = velocityOf(c);
-    };
     for (const CoupledBody& body : *bodies_) body.preconditioner->smooth();
-    readInto(SolveVector::Smoothed, &Row::step);
+    read(SolveVector::Smoothed, smoothed_);
     if (!exact_) { // else there is no coarse level
-        for (Row& row : rows_) row.scratch = row.step;
-        applyFilter();
-        addImpulses([&](std::size_t c) { return -rows_[c].scratch; },
-                    [](const CoupledBody& body, std::span<const Vec3> impulses) {
-                        body.matrix->add(impulses, SolveVector::CoarseResidual);
-                    });
+        applyFilter(smoothed_);
+        push(-1.0, [](const CoupledBody& body, std::span<const Vec3> impulses) {
+            body.matrix->add(impulses, SolveVector::CoarseResidual);
+        });
     }
     double rz = 0.0;
     if (!correction_.empty()) correction_.project(*bodies_);
     for (std::size_t b = 0; b < bodies_->size(); ++b)
         rz += (*bodies_)[b].preconditioner->applyCoarse(correction_.shares(b));
-    readInto(SolveVector::Preconditioned, &Row::scratch);
-    applyFilter();
-    for (const Row& row : rows_) rz -= dot(row.step, row.scratch);
-    addImpulses([&](std::size_t c) { return rows_[c].scratch; },
-                [](const CoupledBody& body, std::span<const Vec3> impulses) {
-                    body.preconditioner->subtractSmoothed(impulses);
-                });
-    readInto(SolveVector::Preconditioned, &Row::step);
+    read(SolveVector::Preconditioned, velocities_);
+    applyFilter(velocities_);
+    for (std::size_t c = 0; c < rows_.size(); ++c) rz -= dot(smoothed_[c], impulses_[c]);
+    push(1.0, [](const CoupledBody& body, std::span<const Vec3> impulses) {
+        body.preconditioner->subtractSmoothed(impulses);
+    });
+    read(SolveVector::Preconditioned, velocities_);
+    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].step = inFrame(rows_[c].law.frame, velocities_[c]);
     return rz;
 }
 

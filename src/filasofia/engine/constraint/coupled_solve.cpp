@@ -104,7 +104,8 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
     }
     atPoints_.resize(sharing_.size());
     rows_.assign(constraints_->list.size(), {});
-    perRow_.resize(rows_.size());
+    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].law = constraint(c);
+    for (std::vector<Vec3>* each : {&smoothed_, &velocities_, &impulses_, &perRow_}) each->resize(rows_.size());
     exact_ = std::ranges::all_of(*bodies_, [](const CoupledBody& body) { return body.smoother->isExact(); });
     joined_ = exact_;
     together_ =
@@ -119,40 +120,41 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
 
 Vec3 CoupledSolve::reaction(std::size_t c, Vec3 u) const
 {
-    return constraint(c).impulse - times(rows_[c].stiffness, constraint(c).bias + u);
+    const Row& row = rows_[c];
+    return row.law.impulse - times(row.stiffness, row.law.bias + u);
 }
 
-Projected CoupledSolve::law(std::size_t c, Vec3 u) const { return project(constraint(c), reaction(c, u)); }
+Projected CoupledSolve::law(std::size_t c, Vec3 u) const { return project(rows_[c].law, reaction(c, u)); }
 
 Vec3 CoupledSolve::lawAlong(std::size_t c, Vec3 u) const
 {
     const Row& row = rows_[c];
-    if (!activeSetFrozen_) return project(constraint(c), reaction(c, u), row.cone).impulse;
-    return linearised(constraint(c), row.state, reaction(c, u));
+    if (!activeSetFrozen_) return project(row.law, reaction(c, u), row.cone).impulse;
+    return linearised(row.law, row.state, reaction(c, u));
 }
 
-void CoupledSolve::gather(SolveVector from)
+void CoupledSolve::read(SolveVector from, std::vector<Vec3>& velocities)
 {
     for (std::size_t b = 0; b < bodies_->size(); ++b)
         (*bodies_)[b].matrix->read(from,
                                    std::span(atPoints_).subspan(static_cast<std::size_t>(first_[b]),
                                                                 static_cast<std::size_t>(first_[b + 1] - first_[b])));
-}
-
-Vec3 CoupledSolve::velocityOf(std::size_t c) const
-{
-    Vec3 sum;
-    for (const WeightedPoint& each : constraints_->pointsOf(constraints_->list[c]))
-        sum += each.weight * atPoints_[static_cast<std::size_t>(each.point)];
-    return inFrame(constraint(c).frame, sum);
+    const WeightedPoint* points = constraints_->points.data();
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        const ConstraintRow& row = constraints_->list[c];
+        Vec3 sum;
+        for (int k = row.first; k < row.first + row.count; ++k)
+            sum += points[k].weight * atPoints_[static_cast<std::size_t>(points[k].point)];
+        velocities[c] = sum;
+    }
 }
 
 double CoupledSolve::multiply()
 {
     double curvature = 0.0;
     for (const CoupledBody& body : *bodies_) curvature += body.matrix->multiply();
-    gather(SolveVector::Direction);
-    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].along = velocityOf(c);
+    read(SolveVector::Direction, velocities_);
+    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].along = inFrame(rows_[c].law.frame, velocities_[c]);
     return curvature;
 }
 
@@ -219,7 +221,7 @@ bool CoupledSolve::updateDirection(double rz)
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Row& row = rows_[c];
         row.along = row.step + beta * row.along;
-        row.cone = coneOf(constraint(c), row.impulse);
+        row.cone = coneOf(row.law, row.impulse);
         curvature_ += dot(row.along, times(row.sigma, row.along));
     }
     return curvature_ > 0.0;
@@ -256,7 +258,7 @@ void CoupledSolve::lineSearch()
     for (Row& row : rows_) row.u += length_ * row.along;
     projectImpulses();
     derivativeAfter_ = derivativeAtEnd_;
-    for (const Row& row : rows_) derivativeAfter_ += dot(row.along, row.scratch - row.change);
+    for (const Row& row : rows_) derivativeAfter_ += dot(row.along, row.passed - row.change);
     lastDerivative_ = derivative_;
     if (!activeSetFrozen_) renewFilter();
 }
@@ -267,13 +269,13 @@ void CoupledSolve::projectImpulses()
         Row& row = rows_[c];
         if (!activeSetFrozen_) row.now = law(c, row.u);
         const Vec3 lawful = activeSetFrozen_ ? lawAlong(c, row.u) : row.now.impulse;
-        row.scratch = lawful - row.impulse;
+        row.passed = lawful - row.impulse;
         row.impulse = lawful;
+        impulses_[c] = inWorld(row.law.frame, row.passed);
     }
-    addImpulses([&](std::size_t c) { return rows_[c].scratch; },
-                [](const CoupledBody& body, std::span<const Vec3> impulses) {
-                    body.matrix->add(impulses, SolveVector::Residual);
-                });
+    push(1.0, [](const CoupledBody& body, std::span<const Vec3> impulses) {
+        body.matrix->add(impulses, SolveVector::Residual);
+    });
 }
 
 void CoupledSolve::freezeActiveSet()
@@ -301,7 +303,7 @@ bool CoupledSolve::updateMultipliers()
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const Constraint& each = constraint(c);
         if (!isRigid(each) || rows_[c].stiffness.x == 0.0) continue;
-        if (std::abs(each.impulse.x) >= each.maxImpulse) continue; // the constraint has yielded
+        if (std::abs(rows_[c].law.impulse.x) >= each.maxImpulse) continue; // the constraint has yielded
         const Vec3 missed = each.bias + rows_[c].u;
         // What was trapped and is let go would fly off by the impulse that it was held with.
         const bool thrown = rows_[c].trapped && rows_[c].impulse.x > 0.0 && missed.x > 0.0;
@@ -310,7 +312,7 @@ bool CoupledSolve::updateMultipliers()
     if (worst <= 1.0 || worst > kUpdateHelps * missed_) return false;
     missed_ = worst;
     for (std::size_t c = 0; c < rows_.size(); ++c)
-        if (isRigid(constraint(c))) constraints_->list[c].constraint->impulse = law(c, rows_[c].u).impulse;
+        if (isRigid(constraint(c))) rows_[c].law.impulse = law(c, rows_[c].u).impulse;
     projectImpulses();
     makeFilter();
     restart_ = true;

@@ -91,6 +91,7 @@ public:
 
 private:
     struct Row {              ///< scratch of a constraint, in the order of the rows
+        ConstraintLaw law;    ///< a copy: constraints are large, and every pass over the rows reads this
         Vec3 stiffness;       ///< [kg] Sigma of an active constraint
         Vec3 u;               ///< [m/s] velocity
         Vec3 impulse;         ///< [N s] impulse that acts
@@ -101,7 +102,7 @@ private:
         Projected now;        ///< the current projection onto the law
         Projected state;      ///< the projection when the filter was built
         Vec3 sigma;           ///< [kg] Sigma in that state: zero if inactive, less if sliding
-        Vec3 scratch;
+        Vec3 passed;          ///< [N s] last change of the impulse
     };
 
     void begin(const std::vector<std::vector<ContactPoint>>& pointsOf);
@@ -112,15 +113,15 @@ private:
     [[nodiscard]] double ownStiffness(const ConstraintRow& row); ///< [kg] D of the blocks that a row acts on
     void joinConstraints(); ///< filter and coarse levels know all of them together from now on
     void makeFilter();
-    void applyFilter(); ///< `scratch` = M of the velocities in `scratch`
+    void applyFilter(const std::vector<Vec3>& velocities); ///< impulses_ = M of these
     void correctCoarseLevels();
     [[nodiscard]] ConstraintNetwork network() const { return {*bodies_, first_, *constraints_, filters_}; }
-    void renewFilter();                                 ///< rebuilds it if states have changed since
-    void gather(SolveVector from);                      ///< atPoints_ = this vector of the bodies
-    [[nodiscard]] Vec3 velocityOf(std::size_t c) const; ///< F J atPoints_
-    template <class Add, class ImpulseOf>
-    void addImpulses(const ImpulseOf& impulseOf, const Add& add); ///< add(body, its part of J^T F^T impulses)
-    [[nodiscard]] Vec3 reaction(std::size_t c, Vec3 u) const;     ///< y
+    void renewFilter(); ///< rebuilds it if states have changed since
+    /// velocities = J of this vector of the bodies, world axes
+    void read(SolveVector from, std::vector<Vec3>& velocities);
+    /// Calls add(body, its part of J^T impulses_), `factor` times.
+    template <class Add> void push(double factor, const Add& add);
+    [[nodiscard]] Vec3 reaction(std::size_t c, Vec3 u) const; ///< y
     [[nodiscard]] Projected law(std::size_t c, Vec3 u) const;
     [[nodiscard]] Vec3 lawAlong(std::size_t c, Vec3 u) const; ///< the law along a direction, which has an energy
     double multiply();
@@ -135,6 +136,11 @@ private:
     [[nodiscard]] double mismatch() const;
 
     [[nodiscard]] const Constraint& constraint(std::size_t c) const { return *constraints_->list[c].constraint; }
+    [[nodiscard]] std::span<const Vec3> ofBody(std::size_t b) const ///< the part of atPoints_
+    {
+        return std::span(atPoints_).subspan(static_cast<std::size_t>(first_[b]),
+                                            static_cast<std::size_t>(first_[b + 1] - first_[b]));
+    }
 
     const CoupledLimits* limits_ = nullptr;
     const std::vector<CoupledBody>* bodies_ = nullptr;
@@ -144,10 +150,14 @@ private:
     std::vector<Vec3> atPoints_; ///< per contact point
     std::vector<int> sharing_;   ///< per contact point: the first one with the same unknowns
     std::vector<double> shares_;
-    std::vector<Mat3> compliance_;    ///< [1/kg] per contact point
-    std::vector<Mat3> ownCompliance_; ///< [1/kg] per point of a constraint: in its frame, times |weight|
+    std::vector<Mat3> compliance_; ///< [1/kg] per contact point
     std::vector<Row> rows_;
-    std::vector<Mat3> filters_;         ///< M, per constraint
+    // Per row, world axes. What the preconditioner passes over lies apart from the rest: with a thousand contacts the
+    // rows do not fit into a core's cache beside a body.
+    std::vector<Vec3> smoothed_;        ///< [m/s] velocity of D^-1 r
+    std::vector<Vec3> velocities_;      ///< [m/s] scratch
+    std::vector<Vec3> impulses_;        ///< [N s] scratch
+    std::vector<Mat3> filters_;         ///< [kg] M of single constraints; zero if they are not active
     ConstraintFilter filter_;           ///< M of all constraints together
     bool together_ = false;             ///< it is used in place of those of single constraints
     bool exact_ = false;                ///< D is A in all bodies
@@ -169,16 +179,13 @@ private:
     double derivativeAfter_ = 0.0; ///< derivative there, with the current cones
 };
 
-template <class Add, class ImpulseOf> void CoupledSolve::addImpulses(const ImpulseOf& impulseOf, const Add& add)
+template <class Add> void CoupledSolve::push(double factor, const Add& add)
 {
-    std::fill(atPoints_.begin(), atPoints_.end(), Vec3{});
+    std::ranges::fill(atPoints_, Vec3{});
     for (std::size_t c = 0; c < rows_.size(); ++c)
-        if (const Vec3 impulse = impulseOf(c); impulse != Vec3{}) // most contacts are only near and do not push
-            addImpulse(*constraints_, c, impulse, atPoints_);
-    for (std::size_t b = 0; b < bodies_->size(); ++b)
-        add((*bodies_)[b],
-            std::span<const Vec3>(atPoints_).subspan(static_cast<std::size_t>(first_[b]),
-                                                     static_cast<std::size_t>(first_[b + 1] - first_[b])));
+        if (impulses_[c] != Vec3{}) // most contacts are only near and do not push
+            addImpulse(*constraints_, c, factor * impulses_[c], atPoints_);
+    for (std::size_t b = 0; b < bodies_->size(); ++b) add((*bodies_)[b], ofBody(b));
 }
 
 } // namespace filasofia::engine

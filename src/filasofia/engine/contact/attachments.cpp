@@ -342,8 +342,9 @@ void addWelds(const StepContext& context, Scene& scene, Coupling& coupling)
     coupling.weldCount = coupling.constraints.size() - coupling.contactCount;
 }
 
-void keepWelds(double dt, const Coupling& coupling, Scene& scene)
+void keepWelds(const StepContext& context, const Coupling& coupling, Scene& scene)
 {
+    const double dt = context.dt;
     if (dt == 0.0) { // a break is reported once
         std::erase_if(scene.attachmentReports, [](const frame::Attachment& each) { return each.broken; });
         return;
@@ -358,7 +359,7 @@ void keepWelds(double dt, const Coupling& coupling, Scene& scene)
         welds = welds.subspan(count);
         if (scene.attachmentReports.back().broken) broken.push_back(scene.attachmentReports.back().id);
     }
-    addPinReactions(dt, coupling.constraints, scene);
+    addPinReactions(context, coupling.constraints, scene);
     std::ranges::stable_sort(scene.attachmentReports, {}, &frame::Attachment::id);
     eraseAttachments(scene, [&](const Attachment& each) { return std::ranges::count(broken, each.id) > 0; });
 }

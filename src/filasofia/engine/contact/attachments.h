@@ -35,8 +35,8 @@ void removeAttachmentsOf(BodyId id, Scene& scene);
 /// points that are welded are removed.
 void addWelds(const StepContext& context, Scene& scene, Coupling& coupling);
 
-/// Stores the reactions of attachments and pins in the step of dt [s]. Attachments break if their force exceeded the
+/// Stores the reactions of attachments and pins in the step. Attachments break if their force exceeded the
 /// limit.
-void keepWelds(double dt, const Coupling& coupling, Scene& scene);
+void keepWelds(const StepContext& context, const Coupling& coupling, Scene& scene);
 
 } // namespace filasofia::engine

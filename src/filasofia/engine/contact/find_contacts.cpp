@@ -232,13 +232,12 @@ void addDeepPoints(const std::vector<SurfaceOwner>& owners, ContactDetection& de
     }
 }
 
-/// The contact at a proximity whose gap is known.
-Constraint contactAt(const Proximity& found, double gap, const std::array<const SurfaceOwner*, 2>& sides,
-                     const Scene& scene, const Coupling& coupling)
+/// Writes the contact at a proximity whose gap is known: in place, as it is large.
+void writeContact(const Proximity& found, double gap, const std::array<const SurfaceOwner*, 2>& sides,
+                  const Scene& scene, const Coupling& coupling, Constraint& contact)
 {
     const std::vector<CollisionSurface>& surfaces = coupling.detection.surfaces;
     const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
-    Constraint contact;
     for (std::size_t side = 0; side < 2; ++side)
         contact.sides[side] = pointOf(*sides[side], found, side,
                                       surfaces[static_cast<std::size_t>(found.surfaces[side])], scene, coupling.rigid);
@@ -249,21 +248,20 @@ Constraint contactAt(const Proximity& found, double gap, const std::array<const 
                        .gap = gap,
                        .proximity = proximity,
                        .skin = kSkin * proximity};
-    return contact;
 }
 
-/// The contact at a proximity; none if it must be left out.
-std::optional<Constraint> contactOf(const Proximity& found, const std::array<const SurfaceOwner*, 2>& sides, double dt,
-                                    const Scene& scene, const Coupling& coupling)
+/// Adds the contact at a proximity, unless it must be left out.
+void addContact(const Proximity& found, const std::array<const SurfaceOwner*, 2>& sides, double dt, const Scene& scene,
+                Coupling& coupling)
 {
     const auto leftOut = [&](std::size_t side) {
         return onInvertedElement(*sides[side], found, side, scene) && !rigidSideDecides(*sides[1 - side], found, side);
     };
-    if (leftOut(0) || leftOut(1)) return std::nullopt;
+    if (leftOut(0) || leftOut(1)) return;
     const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
     const double gap = found.gap - insetAt(*sides[0]->collision, found, 0) - insetAt(*sides[1]->collision, found, 1);
-    if (!(gap < proximity + comingNearer(coupling.detection.surfaces, found, dt))) return std::nullopt;
-    return contactAt(found, gap, sides, scene, coupling);
+    if (!(gap < proximity + comingNearer(coupling.detection.surfaces, found, dt))) return;
+    writeContact(found, gap, sides, scene, coupling, coupling.constraints.emplace_back());
 }
 
 } // namespace
@@ -287,8 +285,7 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
     for (const Proximity& found : detection.proximities) {
         const std::array<const SurfaceOwner*, 2> sides{&owners[static_cast<std::size_t>(found.surfaces[0])],
                                                        &owners[static_cast<std::size_t>(found.surfaces[1])]};
-        if (const std::optional<Constraint> contact = contactOf(found, sides, dt, scene, coupling))
-            coupling.constraints.push_back(*contact);
+        addContact(found, sides, dt, scene, coupling);
     }
     coupling.contactCount = coupling.constraints.size();
     inheritForces(dt, scene.contacts, coupling.contacts());
@@ -309,7 +306,8 @@ void addMissed(const StepContext& context, std::span<const MissedContact> missed
                                                        &owners[static_cast<std::size_t>(pass.at.surfaces[1])]};
         const double gap =
             pass.at.gap - insetAt(*sides[0]->collision, pass.at, 0) - insetAt(*sides[1]->collision, pass.at, 1);
-        Constraint& contact = added.emplace_back(contactAt(pass.at, gap, sides, scene, coupling));
+        Constraint& contact = added.emplace_back();
+        writeContact(pass.at, gap, sides, scene, coupling, contact);
         setLaw(context.method, context.dt, contact);
         contact.contact.passing = true;
         if (pass.line) {

@@ -25,7 +25,8 @@ double& carriedBy(JointState& joint, const Constraint& constraint)
 /// A constraint of joint `info` against space; `impulse` [N s] starts its solve.
 Constraint jointConstraint(ConstraintKind kind, const JointInfo& info, const ArticulationPlan& plan, double impulse)
 {
-    Constraint constraint{.kind = kind};
+    Constraint constraint;
+    constraint.kind = kind;
     BodyPoint& point = constraint.sides[0];
     point.of = BodyPoint::Of::Joint;
     point.body = plan.first;

@@ -9,8 +9,8 @@
 namespace filasofia::engine {
 namespace {
 
-/// Adds the forces of the body's own elements and springs on its nodes at the end of the step, as the step saw them:
-/// with the rotations at its start. They are correct only for nodes held by a hard pin.
+/// Adds the forces of the elements and springs of a body in double on its nodes, at the end of the step, with the
+/// rotations at its start. They are correct only for nodes held by a hard pin.
 void addOwnForces(const SoftModel& model, const PinnedParts& held, double dt, const SoftState& state,
                   std::vector<Vec3>& forces)
 {
@@ -98,27 +98,31 @@ Vec3 springReaction(const PinGroup& group, const SoftModel& model, const SoftSta
 
 } // namespace
 
-void addPinReactions(double dt, std::span<const Constraint> constraints, Scene& scene)
+void addPinReactions(const StepContext& context, std::span<const Constraint> constraints, Scene& scene)
 {
     for (std::size_t b = 0; b < scene.soft.size(); ++b) {
-        const SoftModel& body = scene.soft[b].model;
+        const SoftModel& model = scene.soft[b].model;
         const SoftState& now = scene.soft[b].state;
-        std::vector<Vec3> forces;
-        if (!scene.soft[b].system.held.holders.empty()) {
-            forces = scene.soft[b].system.forces; // external forces, weight, pressure, springs
-            addOwnForces(body, scene.soft[b].system.held, dt, now, forces);
-            addShellForces(body, scene.soft[b].system.held, now, forces);
-            addRodForces(body, now, forces);
-            addConstraintForces(b, dt, constraints, forces);
+        SoftSystem& system = scene.soft[b].system;
+        if (!system.held.holders.empty()) {
+            system.onPins = system.forces; // external forces, weight, pressure, springs
+            if (system.matrixFree) {
+                system.matrixFree->addHeldForces(context.dt, model, system.held, now.dv, context.pool, system.onPins);
+            } else {
+                addOwnForces(model, system.held, context.dt, now, system.onPins);
+                addShellForces(model, system.held, now, system.onPins);
+                addRodForces(model, now, system.onPins);
+            }
+            addConstraintForces(b, context.dt, constraints, system.onPins);
         }
-        for (const PinGroup& group : body.pins.groups) {
+        for (const PinGroup& group : model.pins.groups) {
             frame::Attachment& report = scene.attachmentReports.emplace_back();
             report.id = group.id;
-            report.body = body.id;
+            report.body = model.id;
             report.points = static_cast<int>(group.nodes.size());
             report.force = group.stiffness == physics::kHard
-                               ? hardReaction(group, body.pins, scene.soft[b].system.held.holders, forces)
-                               : springReaction(group, body, now);
+                               ? hardReaction(group, model.pins, system.held.holders, system.onPins)
+                               : springReaction(group, model, now);
         }
     }
 }

@@ -7,7 +7,7 @@
 
 namespace filasofia::engine {
 
-/// Appends the reaction of every group of pins in the step of dt [s] to the scene's reported attachments.
-void addPinReactions(double dt, std::span<const Constraint> constraints, Scene& scene);
+/// Appends the reaction of every group of pins in the step to the scene's reported attachments.
+void addPinReactions(const StepContext& context, std::span<const Constraint> constraints, Scene& scene);
 
 } // namespace filasofia::engine

@@ -26,7 +26,8 @@ Constraint shaftOf(const Threading& at, std::size_t k, double dt, const Scene& s
     const ChannelPoint& point = at.channel.points[k];
     const double place = at.places[k], share = at.lengthAt(k);
     const LineShape& line = at.lines.at(place);
-    Constraint shaft{.kind = ConstraintKind::Shaft};
+    Constraint shaft;
+    shaft.kind = ConstraintKind::Shaft;
     shaft.sides = {softPoint(point.nodes, at.body, at.tissue.state), line.pointAt(place, scene, plan)};
     shaft.frame = frameOf(line.forward(place));
     shaft.bias = 1.0 / dt * inFrame(shaft.frame, shaft.sides[0].position - shaft.sides[1].position);
@@ -42,7 +43,8 @@ Constraint shaftOf(const Threading& at, std::size_t k, double dt, const Scene& s
 /// A spring from the deepest place that the tip has reached; it pushes with the force that cuts, at most.
 Constraint tipOf(const Threading& at, const LineShape& needle, double dt, const Scene& scene, const RigidPlan& plan)
 {
-    Constraint tip{.kind = ConstraintKind::Tip};
+    Constraint tip;
+    tip.kind = ConstraintKind::Tip;
     tip.sides = {softPoint(at.channel.end, at.body, at.tissue.state), needle.pointAt(0.0, scene, plan)};
     tip.frame = frameOf(needle.forward(0.0));
     tip.bias.x = dot(tip.frame[0], tip.sides[0].position - tip.sides[1].position) / dt;

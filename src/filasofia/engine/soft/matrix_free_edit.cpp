@@ -69,6 +69,7 @@ template <class Block> void resizeLists(std::vector<Block>& lists, std::size_t c
 
 bool MatrixFreeSystem::edit(const SoftModel& model, const MeshEdit& edit)
 {
+    heldListed_ = false;
     const bool grown = reserve(model, edit);
     const bool sharing = model.nodalVolumes && !volumes_.empty() && !grown;
     if (!sharing) volumes_ = {}; // made anew below, as slots have moved

@@ -8,6 +8,7 @@
 #include "filasofia/engine/soft/cavity_system.h"
 #include "filasofia/engine/soft/mesh_edit.h"
 #include "filasofia/engine/soft/nodal_volumes.h"
+#include "filasofia/engine/soft/pinned_parts.h"
 #include "filasofia/engine/soft/rigid_motion.h"
 #include "filasofia/engine/soft/shell_system.h"
 #include "filasofia/linalg/matrix_free_cg.h"
@@ -68,6 +69,12 @@ public:
     [[nodiscard]] Vec3 solved(int node) const;
     /// [N s] The residual impulse of the last solve at a node; zero if the node is pinned.
     [[nodiscard]] Vec3 residualImpulse(int node) const;
+    /// To be called after assemble(): keeps what elements, springs and triangles push on hard-pinned nodes.
+    void keepHeld(const SoftModel& model, const PinnedParts& held);
+    /// Adds to `forces` [N], per node of the model, what elements, springs and triangles did in the step of dt [s] to
+    /// the hard-pinned nodes: f - (h + b) K (v + dv), as the step's equation has it. `dv` [m/s]: its solution.
+    void addHeldForces(double dt, const SoftModel& model, const PinnedParts& held, std::span<const Vec3> dv,
+                       WorkerPool& pool, std::span<Vec3> forces);
     /// The change of the velocities in an explicit step, in which the matrix is that of the masses.
     void solveExplicit(std::span<Vec3> dv) const;
 
@@ -132,6 +139,11 @@ private:
 
     void loadImpulses(std::span<const Vec3> forces, std::span<const Vec3> residual, double dt, WorkerPool& pool);
 
+    /// corners = K p of at least these parts.
+    void multiplyHeld(const PinnedParts& held, const linalg::NodeArray& p, WorkerPool& pool);
+    void listHeldCorners(const SoftModel& model, const PinnedParts& held);
+    void addHeldCorners(double factor); ///< to heldImpulses_, `factor` times
+
     /// The fraction of the motion w = v + dv that must be removed so that the step does not gain energy; usually 0. A
     /// residual impulse r of the solve acts on the body like an external impulse -r. With the residual impulse l handed
     /// on from the last step, a step changes the energy by
@@ -190,7 +202,15 @@ private:
     double elasticLoss_ = 0.5; ///< [-] (h^2 / 2 + h b) / (h^2 + h b)
     linalg::NodeArray outer_;  ///< scaled external impulses; only if the body is not pinned
     linalg::NodeArray x_, v_, residual_, handedOn_, dv_, scratch_, product_, zeros_;
-    double size_ = 0.0; ///< squared norm of the right-hand side
+    /// A corner of an element, spring or triangle at a pinned node.
+    struct HeldCorner {
+        int corner = 0; ///< where it begins among the floats of corners_
+        int pin = 0;    ///< number of the node among the pinned ones, in the order of slots
+    };
+    std::vector<HeldCorner> heldCorners_;
+    bool heldListed_ = false;        ///< heldCorners_ are those of the present mesh
+    std::vector<Vec3> heldImpulses_; ///< [N s] on each pinned node, in the order of slots: see keepHeld()
+    double size_ = 0.0;              ///< squared norm of the right-hand side
     std::vector<double> sums_;
     linalg::TwoLevelPreconditioner preconditioner_;
     bool tied_ = false;                ///< see isTied()

@@ -62,7 +62,6 @@ void ShellSystem::writeBend(const Shell& shell, std::span<const int> slotOf, std
 
 void ShellSystem::forEachCorner(const Shell& shell, const Add& add, const Add& turn) const
 {
-    const std::size_t membraneGroups = 3 * membranes_.size();
     for (std::size_t e = 0; e < shell.membranes.size(); ++e)
         for (std::size_t i = 0; i < 3; ++i) {
             const int node = shell.membranes[e].nodes[i], lane = static_cast<int>(e % kBlock);
@@ -71,7 +70,7 @@ void ShellSystem::forEachCorner(const Shell& shell, const Add& add, const Add& t
         }
     for (std::size_t e = 0; e < shell.bends.size(); ++e)
         for (std::size_t i = 0; i < 6; ++i)
-            add(shell.bends[e].nodes[i], membraneGroups + 6 * (e / kBlock) + i, static_cast<int>(e % kBlock));
+            add(shell.bends[e].nodes[i], membraneGroups() + 6 * (e / kBlock) + i, static_cast<int>(e % kBlock));
 }
 
 void ShellSystem::update(const BlockInput& input, std::span<float> corners, std::span<float> quaternions,

@@ -28,6 +28,7 @@ public:
     /// Number of groups of sixteen corners that the triangles write: those of membranes with their room, then those of
     /// bends.
     [[nodiscard]] std::size_t groups() const { return 3 * membranes_.size() + 6 * bends_.size(); }
+    [[nodiscard]] std::size_t membraneGroups() const { return 3 * membranes_.size(); }
     /// Number of groups of sixteen rotations.
     [[nodiscard]] std::size_t rotationGroups() const { return membranes_.size(); }
 

@@ -3,17 +3,10 @@
 #include "filasofia/core/copied_ptr.h"
 #include "filasofia/engine/soft/assembled_system.h"
 #include "filasofia/engine/soft/matrix_free_operator.h"
+#include "filasofia/engine/soft/pinned_parts.h"
 #include "filasofia/engine/soft/rod_system.h"
 
 namespace filasofia::engine {
-
-/// The elements, springs and triangles that pull at hard-pinned nodes, from which the reactions of pins are computed,
-/// and the number of pin groups per node.
-struct PinnedParts {
-    std::vector<int> elements, springs, membranes, bends;
-    std::vector<int> volumes; ///< the elements around the nodes of `elements`, if nodes share their volumes
-    std::vector<int> holders; ///< per node: number of hard pin groups; empty if no node is pinned hard
-};
 
 /// The equations of one soft body's step, and their memory. What persists from step to step is a function of the model,
 /// except for the two flags and for the preconditioner of a body that was cut, which also depends on the history of its
@@ -40,6 +33,7 @@ struct SoftSystem {
 
     std::vector<Vec3> forces;             ///< [N] gravity, nodal forces, pressure, pin springs
     std::vector<Vec3> x, v, dv, residual; ///< the new state, until it is known to be usable
+    std::vector<Vec3> onPins;             ///< [N] scratch: all forces on hard-pinned nodes
 };
 
 /// Marks the system as outdated: it is rebuilt after the last command of the step, as later commands may change more.
@@ -49,9 +43,6 @@ inline void outdate(bool tuned, SoftSystem& system)
     system.outdated = true;
     system.tuned = tuned;
 }
-
-/// Updates the parts that pull at hard-pinned nodes after an edit.
-void updatePinnedParts(const SoftModel& model, const MeshEdit& edit, PinnedParts& parts);
 
 /// Updates the system after a change of the tissue of these elements, ascending; the model is up to date already.
 void followTissue(const SoftModel& model, const std::vector<int>& elements, SoftSystem& system);

@@ -136,6 +136,7 @@ void assembleBody(const Assembly& how, SoftBody& body, WorkerPool& pool)
     else if (system.matrixFree) {
         system.matrixFree->setCavities(system.cavities);
         system.matrixFree->assemble(body.model, system.forces, how.dt, how.inertia, body.state, pool);
+        if (!system.held.holders.empty()) system.matrixFree->keepHeld(body.model, system.held);
     } else
         assembleMatrix(body.model, system.forces, how.dt, how.inertia, body.state, *system.assembled);
 }
