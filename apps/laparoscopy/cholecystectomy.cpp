@@ -9,6 +9,7 @@ namespace operation {
 namespace {
 
 constexpr double kLimits[] = {600, 420, 240}; ///< [s], by difficulty
+constexpr double kOut = 42_mm;                ///< [m] towards the surgeon
 constexpr double kFree = 0.1;                 ///< [-], share of the lower bed that may still hold in a critical view
 
 /// Watches the patient before every step, by the rules of the operation.
@@ -108,7 +109,8 @@ std::vector<TaskStep> stepsOf(const GallbladderPatient& patient, const Gallbladd
         step("clip artery", "The same on the artery", [&] { return surgery.clipsOn(patient.artery) >= 3; }),
         step("cut", "6: scissors. Cut both, between two clips and one",
              [&] { return surgery.isCut(patient.duct) && surgery.isCut(patient.artery); }),
-        step("detach", "4: the hook. Free the gall bladder from its bed", [&] { return surgery.detached(); }),
+        step("detach", "4: the hook. Free the gall bladder from its bed, and bring it out",
+             [&] { return surgery.detached() && tools.left.tool().grip().z > kOut; }),
     };
 }
 

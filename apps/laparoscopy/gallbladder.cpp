@@ -32,6 +32,7 @@ LaparoscopicInstrumentDef inTrocar(const char* name, Vec3 port, const Articulate
     const Vec3 work = {10_mm, -5_mm, 5_mm};
     LaparoscopicInstrumentDef def{.name = name, .tool = tool};
     def.tool.shaftMaterial = black();
+    def.tool.shaftCollision = shapes::box({1_mm, 1_mm, 1_mm}); // shafts wait in the same cannula
     def.trocar = {
         .fulcrum = port, .axis = work - port, .mostTilt = 0.8, .leastInsertion = 20_mm, .mostInsertion = 270_mm};
     def.hand = {.length = 0.42, .strength = 12.0};
@@ -50,10 +51,10 @@ LaparoscopicInstrumentDef grasper()
 /// A hook has no jaws: that which it has here hardly moves, and closes as its pedal is pressed.
 LaparoscopicInstrumentDef hook()
 {
-    const prefab::JawDef bare{.surface =
-                          shapes::tube({{}, {0, 0, -14_mm}, {0, -1.2_mm, -15_mm}, {0, -3_mm, -15_mm}}, 0.7_mm, 12),
-                      .opensBy = 0.01,
-                      .edge = std::array{Vec3{0, 0, -8_mm}, Vec3{0, 0, -15_mm}}};
+    const prefab::JawDef bare{
+        .surface = shapes::tube({{}, {0, 0, -14_mm}, {0, -1.2_mm, -15_mm}, {0, -3_mm, -15_mm}}, 0.7_mm, 12),
+        .opensBy = 0.01,
+        .edge = std::array{Vec3{0, 0, -8_mm}, Vec3{0, 0, -15_mm}}};
     return inTrocar("hook", kRightPort,
                     {.kind = InstrumentKind::LaparoscopicScissors, .jaws = {bare}, .opening = 1.0, .grasps = false});
 }
@@ -61,9 +62,9 @@ LaparoscopicInstrumentDef hook()
 LaparoscopeDef camera()
 {
     const Vec3 at = {18_mm, -40_mm, 104_mm}, view = normalized(Vec3{5_mm, 3_mm, 4_mm} - at);
-    LaparoscopeDef def{.inclination = 0.0, .fieldOfView = 52_deg, .intensity = 90.0};
+    LaparoscopeDef def{.inclination = 0.0, .fieldOfView = 52_deg, .intensity = 75.0};
     def.surroundings = {
-        .intensity = 1800.0, .above = {0.62, 0.40, 0.34}, .below = {0.5, 0.26, 0.2}, .background = {0.05, 0.012, 0.01}};
+        .intensity = 1500.0, .above = {0.62, 0.40, 0.34}, .below = {0.5, 0.26, 0.2}, .background = {0.05, 0.012, 0.01}};
     def.trocar = {.fulcrum = at - 50_mm * view, .axis = view};
     def.start = {.insertion = 50_mm};
     return def;
@@ -123,7 +124,8 @@ GallbladderTools::GallbladderTools(Simulation& sim, const GallbladderPatient& pa
             std::make_unique<LaparoscopicInstrument>(
                 sim, inTrocar("scissors", kRightPort, {.kind = InstrumentKind::LaparoscopicScissors, .opening = 0.6}))},
       clips(sim, right[Applier]->tool(),
-            {.clips = 8,
+            {.clip = {.gap = 0.7_mm},
+             .clips = 8,
              .targets = {patient.duct.body, patient.artery.body},
              .onClip = [this](BodyId tissue) { return onClip ? onClip(tissue) : void(); }}),
       hands(sim, left, *right[Hook], scope), sim_(sim)
