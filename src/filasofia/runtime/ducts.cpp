@@ -83,7 +83,7 @@ void Ducts::tellEnds(Known& known, const Told& told)
     for (std::size_t i = 0; i < ends.size(); ++i) {
         const bool leaks = ends[i].leaks;
         if (std::exchange(known.leaks[i], leaks ? 1 : 0) == (leaks ? 1 : 0)) continue;
-        if (!(fresh && leaks)) told.end(known.body, ends[i].place, 2.0 * known.duct.def().radius, leaks);
+        if (!(fresh && leaks)) told.end(known.body, ends[i].place, 3.0 * known.duct.def().radius, leaks);
     }
 }
 
