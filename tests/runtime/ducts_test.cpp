@@ -104,13 +104,14 @@ TEST_CASE("a duct that is clipped on both sides and cut between loses nothing, a
         CHECK((now.leak > 0.0) == !clipped);
         CHECK(report.clips.applied == 0); // of the second run
         welled[clipped] = it.sim.blood(it.artery).welled;
+        CHECK((it.sim.blood(it.artery).rate > 0.0) == !clipped);
         if (!clipped) continue;
         CHECK(now.clipsBefore == 1);
         CHECK(now.clipsAfter == 1);
         CHECK(now.lost == 0.0);
     }
     CHECK(welled[0] > 1e-9);
-    CHECK(welled[1] < 0.5 * welled[0]); // until it was sealed
+    CHECK(welled[1] < 0.9 * welled[0]); // until it was sealed
 }
 
 TEST_CASE("a saved state has ducts and clips, and a reset makes both whole")

@@ -40,6 +40,7 @@ public:
         bool leaks = false; ///< otherwise it is shut, or nothing presses there
     };
     [[nodiscard]] const std::vector<End>& ends() const { return ends_; } ///< of the inlet's part, then of the outlet's
+    [[nodiscard]] std::uint64_t revision() const { return revision_; }   ///< of the boundary that it saw last
     void restart();
 
 private:
@@ -47,13 +48,14 @@ private:
     void findCut(const DuctBody& body);
 
     DuctDef def_;
-    double spacing_ = 0.0;       ///< [m] between two stations
-    geometry::Embedding points_; ///< the points of all rings, station by station
-    std::vector<int> near_;      ///< per point, the node of the skin that is nearest to it
-    std::vector<Vec3> middles_;  ///< [m] of the stations, now
-    std::vector<Vec3> ring_;     ///< [m] scratch
-    std::uint64_t revision_ = 0; ///< of the boundary that cut_ was found in
-    std::vector<int> cuts_;      ///< it is cut between each of these stations and the next
+    double spacing_ = 0.0;                     ///< [m] between two stations
+    geometry::Embedding points_;               ///< the points of all rings, station by station
+    std::vector<int> near_;                    ///< per point, the node of the skin that is nearest to it
+    std::vector<Vec3> middles_;                ///< [m] of the stations, now
+    std::vector<Vec3> ring_;                   ///< [m] scratch
+    std::uint64_t revision_ = 0;               ///< of the boundary that cut_ was found in
+    std::vector<int> cuts_;                    ///< it is cut between each of these stations and the next
+    std::array<std::vector<int>, 2> endNodes_; ///< of the skin, around the cut ends
     std::vector<End> ends_;
     DuctBalance balance_;
 };

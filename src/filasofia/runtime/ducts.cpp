@@ -80,9 +80,11 @@ void Ducts::tellEnds(Known& known, const Told& told)
     const auto& ends = known.duct.ends();
     const bool fresh = known.leaks.size() != ends.size(); // the body's own law lets a fresh cut bleed
     known.leaks.resize(ends.size(), 1);
+    const bool opened = std::exchange(known.revision, known.duct.revision()) != known.duct.revision();
     for (std::size_t i = 0; i < ends.size(); ++i) {
         const bool leaks = ends[i].leaks;
-        if (std::exchange(known.leaks[i], leaks ? 1 : 0) == (leaks ? 1 : 0)) continue;
+        const bool same = std::exchange(known.leaks[i], leaks ? 1 : 0) == (leaks ? 1 : 0);
+        if (same && (leaks || !opened)) continue; // what a blade opens later at a shut end is shut, too
         if (!(fresh && leaks)) told.end(known.body, ends[i].place, 3.0 * known.duct.def().radius, leaks);
     }
 }

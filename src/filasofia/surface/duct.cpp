@@ -150,6 +150,16 @@ void Duct::findCut(const DuctBody& body)
     };
     for (std::size_t s = 0; s + 1 < middles_.size(); ++s)
         if (const int here = partOf(s); here == -1 || here != partOf(s + 1)) cuts_.push_back(static_cast<int>(s));
+    if (cuts_.empty()) return;
+    const std::array stations = {static_cast<std::size_t>(cuts_.front()), static_cast<std::size_t>(cuts_.back()) + 1};
+    for (std::size_t end = 0; end < 2; ++end) { // a ring may be torn: those of its nodes that are on this side
+        endNodes_[end].clear();
+        const int part = partOf(stations[end]);
+        for (std::size_t i = 0; i < kAround; ++i) {
+            const int node = near_[kAround * stations[end] + i];
+            if (there[static_cast<std::size_t>(node)] && parts.find(node) == part) endNodes_[end].push_back(node);
+        }
+    }
 }
 
 void Duct::step(const DuctBody& body, double dt)
@@ -194,8 +204,13 @@ void Duct::step(const DuctBody& body, double dt)
         now.leak = in + out;
         now.lost += dt * now.leak;
         now.state = now.leak > 0.0 ? DuctState::Leaking : DuctState::Cut;
-        ends_ = {{middles_[static_cast<std::size_t>(before)], in > 0.0},
-                 {middles_[static_cast<std::size_t>(after)], out > 0.0}};
+        const auto placeOf = [&](std::size_t end, int station) {
+            if (endNodes_[end].empty()) return middles_[static_cast<std::size_t>(station)];
+            Vec3 sum;
+            for (const int node : endNodes_[end]) sum += body.positions[static_cast<std::size_t>(node)];
+            return 1.0 / static_cast<double>(endNodes_[end].size()) * sum;
+        };
+        ends_ = {{placeOf(0, before), in > 0.0}, {placeOf(1, after), out > 0.0}};
     }
     balance_ = now;
 }
