@@ -55,7 +55,7 @@ public:
     {
         return of(patient_.artery).lost + sim_.blood(patient_.artery.body).welled + sim_.blood(patient_.liver).welled;
     }
-    /// [m^2], of what is no target.
+    /// [m^2], on what is no target.
     [[nodiscard]] double burnt() const
     {
         return sim_.heat(patient_.liver).burnt + sim_.heat(patient_.duct.body).burnt +

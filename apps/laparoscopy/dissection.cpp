@@ -93,7 +93,7 @@ void addGrasp(const Shared& plan)
         return [plan, back] {
             const GallbladderPatient& patient = plan->with.patient;
             const Vec3 neck = patient.duct.at(plan->now(), 0.0);
-            Vec3 middle; // of its bed
+            Vec3 middle; // the middle of its bed
             for (const int node : patient.bed[1])
                 middle += 1.0 / static_cast<double>(patient.bed[1].size()) * plan->node(node);
             Vec3 axis = middle - neck;

@@ -98,7 +98,7 @@ GallbladderPatient addGallbladder(Simulation& sim, std::uint64_t seed)
         return low + (high - low) * static_cast<double>(random() % 1001) / 1000.0;
     };
     const Pose patient{{any(-2.5_mm, 2.5_mm), any(-2.5_mm, 2.5_mm), 0}, axisAngle({0, 0, 1}, any(-4_deg, 4_deg))};
-    const double firmness = any(0.8, 1.25); // of the layer between liver and gall bladder
+    const double firmness = any(0.8, 1.25); // how the layer between liver and gall bladder holds
     for (scene::SceneBody& each : scene.bodies) place(patient, each);
     auto& gallbladder = std::get<SoftBodyDef>(scene.bodies[Gallbladder].def);
     GallbladderPatient out;

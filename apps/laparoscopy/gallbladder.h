@@ -23,7 +23,7 @@ struct PatientTube {
 struct GallbladderPatient {
     filasofia::BodyId liver = {}, gallbladder = {}, layer = {};
     PatientTube duct = {}, artery = {};
-    std::array<std::vector<int>, 2> bed = {}; ///< nodes of the gall bladder on the liver: of its lower third, and above
+    std::array<std::vector<int>, 2> bed = {}; ///< its nodes on the liver: in its lower third, and above
 };
 GallbladderPatient addGallbladder(filasofia::Simulation& sim, std::uint64_t seed);
 

@@ -11,10 +11,10 @@ def stage():
     sim = fs.Simulation(physics=fs.PhysicsDef(rate=1000, gravity=(0, 0, 0)))
     ends = [fs.AttachmentDef(box=fs.Box((-1, -1, -1), (-9.5e-3, 1, 1))), fs.AttachmentDef(box=fs.Box((9.5e-3, -1, -1), (1, 1, 1)))]
     duct = sim.add(fs.SoftBodyDef(name="duct", mesh=fs.shapes.vessel(PATH, 1.2e-3, 0.8e-3, (8, 1)),
-                                  material=fs.FemMaterial(youngModulus=20e3, poissonRatio=0.4), attachments=ends))
+                                  material=fs.FemMaterial(young_modulus=20e3, poisson_ratio=0.4), attachments=ends))
     clip = sim.add(fs.RigidBodyDef(name="clip", mesh=fs.shapes.box((1e-3, 1e-3, 8e-3)), dynamic=True, mass=fs.TotalMass(1e-4),
-                                   linearDamping=5, angularDamping=5))
-    sim.add_duct(duct, fs.DuctDef(name="bile", path=[PATH[0], PATH[-1]], radius=1.2e-3, inletPressure=1e3, inletResistance=1e9))
+                                   linear_damping=5, angular_damping=5))
+    sim.add_duct(duct, fs.DuctDef(name="bile", path=[PATH[0], PATH[-1]], radius=1.2e-3, inlet_pressure=1e3, inlet_resistance=1e9))
     return sim, duct, clip
 
 
@@ -41,7 +41,7 @@ def test_a_clip_is_released_and_misuse_is_one_line():
         sim.duct(duct, 1)
     with pytest.raises(fs.Error, match="path must have at least two points, got 0"):
         sim.add_duct(duct, fs.DuctDef(name="none"))
-    made = sim.clip(clip, duct, fs.ClipDef(closingForce=2.0))
+    made = sim.clip(clip, duct, fs.ClipDef(closing_force=2.0))
     sim.step(50)
     assert len(sim.frame.clips) == 1
     sim.release(made)

@@ -102,7 +102,7 @@ TEST_CASE("a duct that is clipped on both sides and cut between loses nothing, a
         const DuctBalance now = it.sim.duct(it.artery);
         CHECK(now.state == (clipped ? DuctState::Cut : DuctState::Leaking));
         CHECK((now.leak > 0.0) == !clipped);
-        CHECK(report.clips.applied == 0); // of the second run
+        CHECK(report.clips.applied == 0); // it was in the first run
         welled[clipped] = it.sim.blood(it.artery).welled;
         CHECK((it.sim.blood(it.artery).rate > 0.0) == !clipped);
         if (!clipped) continue;

@@ -42,7 +42,7 @@ private:
         std::string name = {};
         surface::Duct duct;
         std::vector<char> leaks = {};                  ///< per cut end, what was told of it
-        std::uint64_t revision = 0;                    ///< of the body's boundary then
+        std::uint64_t revision = 0;                    ///< that the body's boundary had then
         std::optional<surface::DuctBalance> told = {}; ///< what the last event said
         double tellFrom = 0.0;                         ///< [s], no event before, unless its state changes
     };

@@ -62,7 +62,7 @@ double opennessOf(std::span<const Vec3> ring, Vec3 middle, Vec3 along, double ra
     const auto n = static_cast<double>(ring.size());
     const double mean = (xx + yy) / n, spread = std::hypot((xx - yy) / n, 2.0 * xy / n);
     const double a = std::sqrt(mean + spread); // a ring of an ellipse has the moments a^2 / 2 and b^2 / 2
-    const double area = 0.5 * twice * 2.0 * kPi / (n * std::sin(2.0 * kPi / n)); // of the ellipse around the corners
+    const double area = 0.5 * twice * 2.0 * kPi / (n * std::sin(2.0 * kPi / n)); // the ellipse around the corners
     if (!(area > 0.0) || !(a > 0.0)) return 0.0;
     const double b = std::min(a, area / (kPi * a));
     return 2.0 * a * a * a * b * b * b / ((a * a + b * b) * radius * radius * radius * radius);
@@ -170,7 +170,7 @@ void Duct::step(const DuctBody& body, double dt)
     now.narrowest = *std::ranges::min_element(open);
     const auto last = static_cast<int>(open.size()) - 1;
     const int before = cuts_.empty() ? last : cuts_.front(), after = cuts_.empty() ? 0 : cuts_.back() + 1;
-    // [Pa s/m^3] of the stations from one to another; infinite if one of them is shut. Those beside a cut are not
+    // [Pa s/m^3] from one station to another; infinite if one of them is shut. Those beside a cut are not
     // asked: their rings are torn.
     const auto resistance = [&](int from, int to) {
         const double whole = 8.0 * def_.viscosity * spacing_ / (kPi * std::pow(def_.radius, 4));

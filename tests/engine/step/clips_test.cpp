@@ -181,7 +181,7 @@ TEST_CASE("a clip closes a soft tube down to its gap, with less force than it be
     // The tissue between the legs is flat.
     const Clip& clip = stage.soft().clips.front();
     for (const ClipPair& each : clip.pairs)
-        CHECK(distance(meanOf(each[0], stage.soft().x), meanOf(each[1], stage.soft().x)) < 1e-3); // of 4 mm
+        CHECK(distance(meanOf(each[0], stage.soft().x), meanOf(each[1], stage.soft().x)) < 1e-3); // the tube has 4 mm
 }
 
 TEST_CASE("a clip bears twice mu times the force of its legs, and slips off if it is pulled harder")

@@ -8,7 +8,7 @@
 
 namespace filasofia::engine {
 
-/// Two points of a tissue's surface that face each other across a clip: of the upper leg and of the lower one.
+/// Two points of a tissue's surface that face each other across a clip, at the upper leg and at the lower one.
 using ClipPair = std::array<std::vector<NodeWeight>, 2>;
 
 /// A clip on a soft body. Its legs draw the points of each pair towards each other, by springs of one length, `gap`:
@@ -21,7 +21,7 @@ struct Clip {
     std::vector<ClipPair> pairs;
     double gap = 0.0;   ///< [m]
     double age = 0.0;   ///< [s] since it began to close
-    double force = 0.0; ///< [N] of all pairs
+    double force = 0.0; ///< [N] that all pairs pull with
 };
 
 } // namespace filasofia::engine

@@ -14,7 +14,7 @@ namespace {
 
 // Pairs of points along the legs and across them: as near as the edges of the finest tissue that is clipped.
 constexpr int kAlong = 12, kAcross = 3;
-// [N/m] of each of the points by which a clip hangs on the tissue; it weighs little.
+// [N/m] for each point by which a clip hangs on the tissue; it weighs little.
 constexpr double kHold = 500.0;
 // [m] Points nearer to each other have no direction.
 constexpr double kNoLength = 1e-9;
