@@ -49,11 +49,13 @@ public:
     }
     [[nodiscard]] bool isCut(const PatientTube& tube) const { return !isWhole(tube); }
     [[nodiscard]] int clipsOn(const PatientTube& tube) const { return of(tube).clipsBefore + of(tube).clipsAfter; }
-    /// [m^3], bile and blood that ran out of cut ends, and blood from elsewhere.
+    /// [m^3], bile and blood that ran out of cut ends, and blood from elsewhere. That on an artery's surface is the
+    /// same.
     [[nodiscard]] double bile() const { return of(patient_.duct).lost; }
     [[nodiscard]] double blood() const
     {
-        return of(patient_.artery).lost + sim_.blood(patient_.artery.body).welled + sim_.blood(patient_.liver).welled;
+        const double artery = std::max(of(patient_.artery).lost, sim_.blood(patient_.artery.body).welled);
+        return artery + sim_.blood(patient_.liver).welled;
     }
     /// [m^2], on what is no target.
     [[nodiscard]] double burnt() const

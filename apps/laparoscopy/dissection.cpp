@@ -198,8 +198,10 @@ std::vector<TrocarMove> expertMotion(const GallbladderMotion& with)
     take(plan, Hook);
     add(plan, 1.2, draw(plan, {-4_mm, 18_mm, 20_mm}), {});
     addBed(plan, 1, 0.14);
+    add(
+        plan, 0.4, {}, [plan] { return plan->with.tools.right[Hook]->def().start; }, {}, with.picture("detached"));
     add(plan, 1.5, draw(plan, {-20_mm, 10_mm, 30_mm}), {});
-    rest(plan, 0.4, {}, with.picture("detached"));
+    rest(plan, 0.4);
     return std::move(plan->moves);
 }
 

@@ -11,7 +11,7 @@ try {
     };
     const auto tube = std::ranges::find_if(anatomy.bodies, is); // the first with a duct is the cystic duct
     Simulation sim(
-        {.window = {"Cholecystectomy", 960, 720},
+        {.window = {"Cholecystectomy", 640, 480},
          .look = {.around = Box{{-35_mm, -32_mm, -10_mm}, {50_mm, 30_mm, 25_mm}}, .direction = {0.15, -0.4, 1}}});
     const BodyId duct = scene::addScene(sim, anatomy).bodies[static_cast<std::size_t>(tube - anatomy.bodies.begin())];
     const std::vector<Vec3> path = tube->ducts.front().path;

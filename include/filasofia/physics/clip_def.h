@@ -11,15 +11,15 @@ namespace filasofia::physics {
 struct ClipDef {
     int element = 0;          ///< [-], >= 0, element of the rigid body that is the clip
     double length = 8e-3;     ///< [m], in (0, 0.1], of the legs
-    double width = 1.2e-3;    ///< [m], in (0, 0.1], of the legs along x: of the tube that they lie across
+    double width = 1.2e-3;    ///< [m], in (0, 0.1], of the legs along x, which is along the tube
     double opening = 6e-3;    ///< [m], in (0, 0.1], > gap: between the legs at first; tissue beyond is not taken
     double gap = 0.4e-3;      ///< [m], in [0, 0.1]: between the legs when they are closed on nothing
     double closingTime = 0.3; ///< [s], in [1e-3, 100]: how long the applier takes to close it
     /// [N], in (0, 1e4]: what its legs bear. If the tissue presses them apart with more, they bend open
     double closingForce = 5.0;
-    double stiffness = 5e3; ///< [N/m], in (0, 1e8]: of its legs, as long as they do not bend for good
-    /// [-], in [0, 10]: of the legs on tissue. The clip slips off if it is pulled with more than twice this times the
-    /// force with which the legs press
+    double stiffness = 5e3; ///< [N/m], in (0, 1e8]: the legs', as long as they do not bend for good
+    /// [-], in [0, 10]: mu between legs and tissue. The clip slips off if it is pulled with more than twice this times
+    /// the force with which the legs press
     double friction = 0.3;
 };
 

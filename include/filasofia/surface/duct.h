@@ -12,7 +12,7 @@ namespace filasofia::surface {
 
 /// A body that a duct runs through, after a step.
 struct DuctBody {
-    std::span<const Vec3> positions = {};      ///< [m] of its nodes
+    std::span<const Vec3> positions = {};      ///< [m] where its nodes are
     const frame::Boundary* boundary = nullptr; ///< its boundary after cuts; null or revision 0: it is whole
     std::span<const frame::Clip> clips = {};   ///< on this body
 };
@@ -39,8 +39,8 @@ public:
         Vec3 place = {};    ///< [m] near it
         bool leaks = false; ///< otherwise it is shut, or nothing presses there
     };
-    [[nodiscard]] const std::vector<End>& ends() const { return ends_; } ///< of the inlet's part, then of the outlet's
-    [[nodiscard]] std::uint64_t revision() const { return revision_; }   ///< of the boundary that it saw last
+    [[nodiscard]] const std::vector<End>& ends() const { return ends_; } ///< the inlet's part, then the outlet's
+    [[nodiscard]] std::uint64_t revision() const { return revision_; }   ///< the last that it saw
     void restart();
 
 private:
@@ -51,11 +51,11 @@ private:
     double spacing_ = 0.0;                     ///< [m] between two stations
     geometry::Embedding points_;               ///< the points of all rings, station by station
     std::vector<int> near_;                    ///< per point, the node of the skin that is nearest to it
-    std::vector<Vec3> middles_;                ///< [m] of the stations, now
+    std::vector<Vec3> middles_;                ///< [m] where the stations are now
     std::vector<Vec3> ring_;                   ///< [m] scratch
-    std::uint64_t revision_ = 0;               ///< of the boundary that cut_ was found in
+    std::uint64_t revision_ = 0;               ///< the boundary that cuts_ was found in
     std::vector<int> cuts_;                    ///< it is cut between each of these stations and the next
-    std::array<std::vector<int>, 2> endNodes_; ///< of the skin, around the cut ends
+    std::array<std::vector<int>, 2> endNodes_; ///< nodes of the skin, around the cut ends
     std::vector<End> ends_;
     DuctBalance balance_;
 };

@@ -20,8 +20,8 @@ struct DuctDef {
     double viscosity = 1e-3;       ///< [Pa s], in [1e-6, 1e3]: blood has 3.5e-3
     double inletPressure = 0.0;    ///< [Pa], in [-1e5, 1e6], above that outside, in what it comes from
     double outletPressure = 0.0;   ///< [Pa], in [-1e5, 1e6], in what it goes to
-    double inletResistance = 0.0;  ///< [Pa s/m^3], in [0, 1e15]: of the vessels before its inlet
-    double outletResistance = 0.0; ///< [Pa s/m^3], in [0, 1e15]: of those behind its outlet
+    double inletResistance = 0.0;  ///< [Pa s/m^3], in [0, 1e15]: that the vessels before its inlet have
+    double outletResistance = 0.0; ///< [Pa s/m^3], in [0, 1e15]: that those behind its outlet have
     /// [-], in (0, 1): a place whose flow per pressure is less than this part of that at the start is shut
     double shutBelow = 0.01;
 };
