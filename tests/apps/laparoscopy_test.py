@@ -80,6 +80,14 @@ class Surgeon(Trainer):
                          ["grasp", "triangle", "view", "clip duct", "clip artery", "cut", "detach"])
         self.assertEqual([line for line in self.lines() if line.get("event") == "mistake"], [])
 
+    def test_a_device_is_refused_in_one_line(self):
+        motion = Path(self.folder.name) / "in.csv"
+        motion.write_text("time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n1,0,0,0,1,0,0,0,0\n")
+        done = self.play(str(motion))
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+        self.assertIn("a haptic device holds the right handle in peg-transfer only", done.stderr)
+
     def test_clumsy_hands_come_to_their_end(self):
         done = self.play("clumsy", "--seed", "3")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
