@@ -82,6 +82,21 @@ TEST_CASE("scenes: an instrument closes the clips that it has")
     }
 }
 
+TEST_CASE("scenes: the cholecystectomy of the examples begins: all keys, clips and ducts are right")
+{
+    const SceneDef scene = loadScene(text(FILASOFIA_SOURCE_DIR, "/examples/scenes/cholecystectomy.json"));
+    Simulation sim(simulationDef(scene));
+    static_cast<void>(addScene(sim, scene));
+    const RunReport report = sim.run({.headless = true, .steps = 30});
+    CHECK(report.undone == 0);
+    CHECK(report.callbackProblems.empty());
+    REQUIRE(report.ducts.size() == 2);
+    for (const auto& each : report.ducts) {
+        CHECK(each.balance.state == DuctState::Open);
+        CHECK(each.balance.flow > 0.0);
+    }
+}
+
 TEST_CASE("scenes: wrong clips and ducts are one line with their place")
 {
     const SceneFolder folder;
