@@ -1,3 +1,4 @@
+#include "apps/laparoscopy/gallbladder.h"
 #include "apps/laparoscopy/motion.h"
 
 #include <utility>
@@ -109,7 +110,7 @@ std::vector<TaskStep> stepsOf(const Difficulty& difficulty, const Judge& judge)
     return steps;
 }
 
-int train(const Training& training)
+int pegTransfer(const Training& training)
 {
     const Difficulty& difficulty = kDifficulties[training.difficulty];
     Simulation sim({.physics = {.contact = PenaltyContact{.stiffness = 1e4, .damping = 2.0}},
@@ -205,15 +206,18 @@ int main(int argc, char** argv)
     return runTrainer(
         argc, argv,
         {.name = "laparoscopy",
-         .about = "A laparoscopy trainer: peg transfer in a box, with two graspers and a laparoscope of 30 degrees.",
+         .about = "A laparoscopy trainer: peg transfer in a box, and taking out a gall bladder.",
          .hands =
              "1, 2 and 3 choose the left hand, the right hand and the laparoscope. Drag with the right button to\n"
              "turn the chosen shaft; the wheel, W and S move it in and out, A and D roll it. The left button closes\n"
              "its jaws while it is held down, G closes and opens them. Page up and page down zoom.\n"
+             "Cholecystectomy: 4, 5 and 6 give the right hand the hook (closing is its pedal), clips and scissors.\n"
              "A haptic device (--device) holds the right handle; its first button closes the jaws.\n",
-         .cases = {"peg-transfer"},
+         .cases = {"peg-transfer", "cholecystectomy"},
          .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
          .motions = {"expert", "clumsy"},
          .window = {"Laparoscopy", 960, 720}},
-        train);
+        [](const Training& training) {
+            return training.caseIndex == 0 ? pegTransfer(training) : operation::cholecystectomy(training);
+        });
 }

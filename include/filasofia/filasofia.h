@@ -7,6 +7,7 @@
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/physics/tissue.h"
+#include "filasofia/prefab/clip_applier.h"
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/overlays.h"
 #include "filasofia/prefab/perforation.h"
@@ -64,6 +65,7 @@ using physics::Ball;
 using physics::CavityDef;
 using physics::CavityFill;
 using physics::Cholesky;
+using physics::ClipDef;
 using physics::CollisionDef;
 using physics::ConjugateGradient;
 using physics::Corotational;
@@ -116,6 +118,8 @@ using physics::TotalMass;
 using physics::VerondaWestmann;
 using prefab::ArticulatedInstrument;
 using prefab::ArticulatedInstrumentDef;
+using prefab::ClipApplier;
+using prefab::ClipApplierDef;
 using prefab::Endoscope;
 using prefab::EndoscopeDef;
 using prefab::EndScreen;
@@ -161,6 +165,7 @@ using runtime::BurnEvent;
 using runtime::ContactEvent;
 using runtime::CutEvent;
 using runtime::DeviceEvent;
+using runtime::DuctEvent;
 using runtime::EnergyEvent;
 using runtime::FileFailedEvent;
 using runtime::FollowDef;
@@ -190,6 +195,9 @@ using runtime::TearEvent;
 using surface::BleedingDef;
 using surface::BloodBalance;
 using surface::BurningDef;
+using surface::DuctBalance;
+using surface::DuctDef;
+using surface::DuctState;
 using surface::ElectrodeDef;
 using surface::ElectrodeTip;
 using surface::EnergyBalance;

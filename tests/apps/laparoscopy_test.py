@@ -20,7 +20,7 @@ class PegTransfer(Trainer):
 
 class Words(PegTransfer):
     def test_unknown_words_are_refused_in_one_line(self):
-        for words, says in ((("--case", "stapling"), "--case must be peg-transfer, got 'stapling'"),
+        for words, says in ((("--case", "stapling"), "--case must be peg-transfer or cholecystectomy, got 'stapling'"),
                             (("--difficulty", "brutal"), "--difficulty must be easy, normal or hard, got 'brutal'"),
                             (("--seed", "-1"), "--seed must be a whole number in [0, 999999999]")):
             done = run("--headless", "--steps", "1", *words)
@@ -58,6 +58,41 @@ class Clumsy(PegTransfer):
             found = re.search(r"(\d+) dropped, (\d+) lost, highest force ([\d.]+) N", done.stdout)
             self.assertEqual(len(self.events("mistake")), int(found[1]) + int(found[2]))
             self.assertLess(float(found[3]), 300.0)  # 25 and 87 N were measured
+
+
+class Surgeon(Trainer):
+    """One seed of the cholecystectomy; docs/lab/laparoscopy.md reports more."""
+
+    def play(self, motion, *words):
+        return run("--case", "cholecystectomy", "--motion", motion, "--headless", "--no-picture", "--session", self.session, *words,
+                   *(["--steps", STEPS] if STEPS else []))
+
+    def test_the_expert_takes_a_gall_bladder_out(self):
+        done = self.play("expert")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("rolled back 0", done.stdout)
+        if STEPS:
+            return
+        self.assertRegex(done.stdout, r"done: 7 of 7 steps in [\d.]+ s; critical view yes, clips 6 \(0 lost\), bile 0.00 ml")
+        self.assertIn("duct 'cystic duct' of 'duct': cut; clips 1 + 2", done.stdout)
+        self.assertIn("duct 'cystic artery' of 'artery': cut; clips 2 + 1", done.stdout)
+        self.assertEqual([line["what"] for line in self.lines() if line.get("event") == "step"],
+                         ["grasp", "triangle", "view", "clip duct", "clip artery", "cut", "detach"])
+        self.assertEqual([line for line in self.lines() if line.get("event") == "mistake"], [])
+
+    def test_a_device_is_refused_in_one_line(self):
+        motion = Path(self.folder.name) / "in.csv"
+        motion.write_text("time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n1,0,0,0,1,0,0,0,0\n")
+        done = self.play(str(motion))
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+        self.assertIn("a haptic device holds the right handle in peg-transfer only", done.stderr)
+
+    def test_clumsy_hands_come_to_their_end(self):
+        done = self.play("clumsy", "--seed", "3")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        if not STEPS:
+            self.assertIn("not done: ", done.stdout)
 
 
 class Hand(PegTransfer):

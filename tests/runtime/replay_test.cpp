@@ -121,7 +121,11 @@ TEST_CASE("every event of a scene comes back from its recording")
     CHECK((electrode.def.other && electrode.def.other->element == 2 && electrode.def.other->body == BodyId{5}));
     const auto activated = roundTrip(SceneActivated{BodyId{4}, 1, true});
     CHECK((activated.body == BodyId{4} && activated.electrode == 1 && activated.on));
-    STATIC_REQUIRE(std::variant_size_v<SceneEvent> == 15);
+    const auto duct = roundTrip(SceneDuct{BodyId{5}, {.name = "bile", .path = {{1, 2, 3}, {4, 5, 6}}, .radius = 2e-3}});
+    CHECK(duct.body == BodyId{5});
+    CHECK(duct.def.path == std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}});
+    CHECK(duct.def.radius == 2e-3);
+    STATIC_REQUIRE(std::variant_size_v<SceneEvent> == 16);
 }
 
 TEST_CASE("fields that materials got later are in a recording if they are set, and may be missing")

@@ -30,7 +30,7 @@ template <class Command> nb::object give(HeldSimulation& held, const Command& co
 
 using Applied = std::variant<RemoveBody, SetPose, SetGravity, SetForces, SetPressure, SetWrench, Release, RemovePiece,
                              Pause, SetJoint, SetHaptic, SetTissue, SetFibreStress, SetCurvature, SetCutting, SetCavity,
-                             SetMaterial, Attach, AttachRigid, Grasp, physics::Reset>;
+                             SetMaterial, Attach, AttachRigid, Grasp, ApplyClip, physics::Reset>;
 
 /// Reads the alternative whose class the object is of: SetMaterial cannot be copied, so this is no Convert<variant>.
 template <class... T> nb::object applyAs(HeldSimulation& held, nb::handle command, const std::variant<T...>*)
@@ -241,6 +241,18 @@ void addAttachments(nb::class_<HeldSimulation>& sim)
         nb::sig("def grasp(self, rigid: filasofia.BodyId, target: filasofia.BodyId, definition: filasofia.GraspDef | "
                 "None = None) -> filasofia.AttachmentId"),
         "Attaches to a rigid body what it touches of the target.");
+    sim.def(
+        "clip",
+        [](HeldSimulation& self, nb::handle rigid, nb::handle soft, nb::handle def) {
+            PhysicsServer& physics = server(self, "clip");
+            const auto how = def.is_none() ? ClipDef{} : readArgument<ClipDef>(def, "clip", "definition");
+            return Convert<AttachmentId>::make(physics.clip(readArgument<BodyId>(rigid, "clip", "rigid"),
+                                                            readArgument<BodyId>(soft, "clip", "soft"), how));
+        },
+        nb::arg("rigid").none(), nb::arg("soft").none(), nb::arg("definition") = nb::none(),
+        nb::sig("def clip(self, rigid: filasofia.BodyId, soft: filasofia.BodyId, definition: filasofia.ClipDef | "
+                "None = None) -> filasofia.AttachmentId"),
+        "Closes a clip, a dynamic rigid body, on the tissue between its legs.");
 }
 
 void addReleases(nb::class_<HeldSimulation>& sim)

@@ -19,7 +19,7 @@ const DefTable& table()
         // Every command but AddBody, which is Simulation.add(), and Tune, which needs C++.
         out.add<std::variant<RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, SetWrench, Attach,
                              AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, SetJoint, SetHaptic, SetTissue,
-                             SetFibreStress, SetCurvature, SetCutting, SetCavity>>();
+                             SetFibreStress, SetCurvature, SetCutting, SetCavity, ApplyClip>>();
         out.add<runtime::PhysicsDef>();
         out.add<runtime::LookDef>();
         out.add<runtime::ShowDef>();
@@ -28,6 +28,7 @@ const DefTable& table()
         out.add<surface::BurningDef>();
         out.add<surface::Treatment>();
         out.add<surface::ElectrodeDef>();
+        out.add<surface::DuctDef>();
         out.add<runtime::PictureDef>();
         out.add<runtime::ViewerDef>();
         out.add<runtime::ReplayDef>();

@@ -90,6 +90,12 @@ void bindEvents(nb::module_& module)
         .def_ro("electrode", &runtime::EnergyEvent::electrode)
         .def_ro("active", &runtime::EnergyEvent::active)
         .def_ro("balance", &runtime::EnergyEvent::balance);
+    eventClass<runtime::DuctEvent>(module, "DuctEvent", "What flows in a duct.")
+        .def_prop_ro(
+            "body", [](const runtime::DuctEvent& self) { return Convert<BodyId>::make(self.body); },
+            nb::for_getter(nb::sig(id("body").c_str())))
+        .def_ro("duct", &runtime::DuctEvent::duct)
+        .def_ro("balance", &runtime::DuctEvent::balance);
     eventClass<runtime::FileFailedEvent>(module, "FileFailedEvent", "A file that the run writes takes no more data.")
         .def_ro("problem", &runtime::FileFailedEvent::problem);
     eventClass<event::PhysicsUpdateEvent>(module, "PhysicsUpdateEvent", "A step is done.");
@@ -104,6 +110,7 @@ std::size_t alternativeOf(nb::handle given)
                                   nb::type<runtime::BleedingEvent>(),
                                   nb::type<runtime::BurnEvent>(),
                                   nb::type<runtime::EnergyEvent>(),
+                                  nb::type<runtime::DuctEvent>(),
                                   nb::type<runtime::FileFailedEvent>(),
                                   nb::type<event::PhysicsUpdateEvent>()};
     static_assert(std::size(classes) == std::variant_size_v<Arrived>);
@@ -111,7 +118,7 @@ std::size_t alternativeOf(nb::handle given)
         if (given.is(classes[i])) return i;
     throw nb::type_error(
         text("on: the event must be ContactEvent, CutEvent, TearEvent, IntersectionEvent, BleedingEvent, "
-             "BurnEvent, EnergyEvent, FileFailedEvent or PhysicsUpdateEvent, got ",
+             "BurnEvent, EnergyEvent, DuctEvent, FileFailedEvent or PhysicsUpdateEvent, got ",
              shown(given))
             .c_str());
 }

@@ -13,6 +13,7 @@ namespace {
 using frame::Attachment;
 using frame::Cavity;
 using frame::Channel;
+using frame::Clip;
 using frame::Contact;
 using frame::Frame;
 using frame::Joint;
@@ -79,6 +80,15 @@ nb::handle cavityType()
         {"open", "?", offsetof(Cavity, open)},        {"opening", "f8", offsetof(Cavity, opening)},
         {"outflow", "f8", offsetof(Cavity, outflow)}, {"lost", "f8", offsetof(Cavity, lost)}};
     return typeOf<Cavity>(columns);
+}
+nb::handle clipType()
+{
+    static constexpr Column columns[] = {
+        {"id", "u4", offsetof(Clip, id)},         {"clip", "u4", offsetof(Clip, clip)},
+        {"tissue", "u4", offsetof(Clip, tissue)}, {"place", "3f8", offsetof(Clip, place)},
+        {"gap", "f8", offsetof(Clip, gap)},       {"force", "f8", offsetof(Clip, force)},
+        {"closed", "?", offsetof(Clip, closed)}};
+    return typeOf<Clip>(columns);
 }
 nb::handle jointType()
 {
@@ -214,6 +224,11 @@ void bindFrame(nb::module_& module)
         [](nb::handle self) { return recordsOf(nb::cast<const HeldFrame&>(self).get().cavities, cavityType(), self); },
         nb::for_getter(nb::sig("def cavities(self) -> numpy.typing.NDArray[numpy.void]")),
         "One row per cavity of a soft body: body, cavity, volume, pressure, open, opening, outflow, lost.");
+    whole.def_prop_ro(
+        "clips",
+        [](nb::handle self) { return recordsOf(nb::cast<const HeldFrame&>(self).get().clips, clipType(), self); },
+        nb::for_getter(nb::sig("def clips(self) -> numpy.typing.NDArray[numpy.void]")),
+        "One row per clip on tissue: id, clip, tissue, place, gap, force, closed.");
     whole.def(
         "copy", [](const HeldFrame& self) { return HeldFrame{.copy = std::make_shared<const Frame>(self.get())}; },
         "A frame of its own, which may be kept as long as you like: the engine has eight, and six may be held at "

@@ -204,6 +204,25 @@ void addPictures(nb::class_<HeldSimulation>& sim)
         nb::arg("body").none(), nb::arg("electrode").none() = 0,
         nb::sig("def energy(self, body: filasofia.BodyId, electrode: int = 0) -> filasofia.EnergyBalance"),
         "What an electrode has done.");
+    sim.def(
+        "add_duct",
+        [](HeldSimulation& self, nb::handle body, nb::handle def) {
+            const auto read = readDef<surface::DuctDef>(def, "add_duct");
+            return usable(self, "add_duct").simulation().addDuct(readArgument<BodyId>(body, "add_duct", "body"), read);
+        },
+        nb::arg("body").none(), nb::arg("duct").none(),
+        nb::sig("def add_duct(self, body: filasofia.BodyId, duct: filasofia.DuctDef) -> int"),
+        "Says that something flows in a tube of a soft body; returns its index among those of the body.");
+    sim.def(
+        "duct",
+        [](HeldSimulation& self, nb::handle body, nb::handle duct) {
+            return usable(self, "duct")
+                .simulation()
+                .duct(readArgument<BodyId>(body, "duct", "body"), readArgument<int>(duct, "duct", "duct"));
+        },
+        nb::arg("body").none(), nb::arg("duct").none() = 0,
+        nb::sig("def duct(self, body: filasofia.BodyId, duct: int = 0) -> filasofia.DuctBalance"),
+        "What flows in a duct.");
     sim.def("_render", &render);
     sim.def("_render_depth", &renderDepth);
     sim.def("_open_viewer", &openViewer);

@@ -187,6 +187,20 @@ void bindRun(nb::module_& module)
         .def_ro("active", &EnergyBalance::active, "[s], with its pedal pressed")
         .def_ro("in_air", &EnergyBalance::inAir, "[s], of these, without tissue that burns at its tip")
         .def_ro("delivered", &EnergyBalance::delivered, "[J], taken by tissue");
+    using surface::DuctBalance;
+    nb::class_<DuctBalance>(module, "DuctBalance", "What flows in a duct.")
+        .def_prop_ro(
+            "state",
+            [](const DuctBalance& self) {
+                return std::string(names(&self.state)[static_cast<std::size_t>(self.state)]);
+            },
+            "open, clipped, cut or leaking")
+        .def_ro("flow", &DuctBalance::flow, "[m^3/s], from the inlet to the outlet")
+        .def_ro("leak", &DuctBalance::leak, "[m^3/s], out of its cut ends")
+        .def_ro("lost", &DuctBalance::lost, "[m^3], that has flowed out of them")
+        .def_ro("narrowest", &DuctBalance::narrowest, "[-], where it is narrowest: flow per pressure over that before")
+        .def_ro("clips_before", &DuctBalance::clipsBefore, "[-], between the inlet and the cut, or on all of it")
+        .def_ro("clips_after", &DuctBalance::clipsAfter, "[-], between the cut and the outlet");
     nb::class_<RunReport>(module, "RunReport",
                           "How a run went. str() of it is the summary that the command line prints.")
         .def_ro("steps", &RunReport::steps)

@@ -224,6 +224,8 @@ void Session::collect(std::size_t alternative, bool on)
     case 6:
         return observe<runtime::EnergyEvent>(alternative);
     case 7:
+        return observe<runtime::DuctEvent>(alternative);
+    case 8:
         return observe<runtime::FileFailedEvent>(alternative);
     default:
         return observe<event::PhysicsUpdateEvent>(alternative);

@@ -28,6 +28,7 @@ enum class EventType : std::uint8_t {
     Bleeding,
     Burn,
     Energy,
+    Duct,
     FileFailed,
     Device,
     Controller,
@@ -36,7 +37,7 @@ enum class EventType : std::uint8_t {
     Custom3,
     Custom4,
 };
-inline constexpr std::size_t kEventTypes = 22;
+inline constexpr std::size_t kEventTypes = 23;
 
 /// The enumerator's name, such as "PhysicsUpdate".
 std::string_view name(EventType type);

@@ -4,6 +4,7 @@
 #include "filasofia/frame/boundary.h"
 #include "filasofia/frame/cavity.h"
 #include "filasofia/frame/channel.h"
+#include "filasofia/frame/clip.h"
 #include "filasofia/frame/contact.h"
 #include "filasofia/frame/joint.h"
 #include "filasofia/math/pose.h"
@@ -47,6 +48,7 @@ struct Frame {
     std::vector<Attachment> attachments = {};     ///< in the order of their ids
     std::vector<Channel> channels = {};           ///< needles in tissue, in the order in which they began
     std::vector<Cavity> cavities = {};            ///< in all soft bodies, in the order of their ids
+    std::vector<Clip> clips = {};                 ///< on all soft bodies, in the order of their ids
 
     [[nodiscard]] const SoftBodyFrame* softBody(BodyId id) const;   ///< nullptr if there is none
     [[nodiscard]] const RigidBodyFrame* rigidBody(BodyId id) const; ///< nullptr if there is none

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/physics/clip_def.h"
 #include "filasofia/physics/defs.h"
 #include "filasofia/physics/haptic_target.h"
 
@@ -286,6 +287,6 @@ constexpr auto fields(const Tune*) { return describe("Tune"); } // a function ca
 
 using Command = std::variant<AddBody, RemoveBody, SetPose, SetGravity, SetMaterial, SetForces, SetPressure, SetWrench,
                              Attach, AttachRigid, Release, Grasp, RemovePiece, Reset, Pause, Tune, SetJoint, SetHaptic,
-                             SetTissue, SetFibreStress, SetCurvature, SetCutting, SetCavity>;
+                             SetTissue, SetFibreStress, SetCurvature, SetCutting, SetCavity, ApplyClip>;
 
 } // namespace filasofia::physics

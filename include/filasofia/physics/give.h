@@ -10,7 +10,7 @@ namespace filasofia::physics {
 /// server gives it.
 using GivenCommand = std::variant<RemoveBody, SetPose, SetWrench, SetJoint, SetHaptic, SetGravity, SetTissue,
                                   SetFibreStress, SetCurvature, SetCutting, SetCavity, SetForces, SetPressure, Attach,
-                                  AttachRigid, Grasp, Release, RemovePiece, Pause>;
+                                  AttachRigid, Grasp, ApplyClip, Release, RemovePiece, Pause>;
 
 /// Gives a command to a server, by the function of its name. Returns the id of the attachment that it makes, or none.
 /// Throws an Error as that function does.

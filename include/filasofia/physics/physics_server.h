@@ -66,6 +66,10 @@ public:
     /// Attaches to a rigid body what it touches of the target when it takes effect; if it touches nothing, the step has
     /// StepFlag::NothingAttached. Reports name the target as the attached body.
     AttachmentId grasp(BodyId rigid, BodyId target, const GraspDef& def = {});
+    /// Closes a clip, a dynamic rigid body, on the tissue between its legs, from the next step on: see ClipDef. The
+    /// attachment holds it there: it breaks if the clip is pulled off, and release() opens the clip. If no tissue is
+    /// between its legs, the step has StepFlag::NothingAttached. A reset opens all clips.
+    AttachmentId clip(BodyId rigid, BodyId soft, const ClipDef& def = {});
     /// Releases an attachment. Does nothing if it has broken, was released, or its body is gone. Releasing nodes that a
     /// Def attaches to space, rigidly or by springs, rebuilds the body's solver within the step (9 ms at 3000
     /// tetrahedra).

@@ -148,6 +148,13 @@ struct TopologyReport {
     }
 };
 
+/// What became of clips in a step.
+struct ClipReport {
+    int applied = 0; ///< [-] clips that began to close on tissue
+    int missed = 0;  ///< [-] clips that had nothing between their legs
+    int slipped = 0; ///< [-] clips that were pulled off
+};
+
 /// The time budget of a step. It affects only where the solvers stop.
 struct StepBudget {
     std::function<std::int64_t()> now =
@@ -175,6 +182,7 @@ struct StepReport {
     StrainedElements beyondStrain = {};
     Unrest unrest = {};
     TopologyReport topology = {};
+    ClipReport clips = {};
     StageTimes times = {};
 
     void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }

@@ -25,9 +25,10 @@ enum class InstrumentKind {
     LaparoscopicGrasper,  ///< 5 mm: long jaws with teeth; 30 mN m
     Dissector,            ///< 5 mm: pointed jaws bent to the right; 20 mN m
     LaparoscopicScissors, ///< 5 mm: two long blades, which cut and hold nothing; 50 mN m
+    ClipApplier,          ///< 5 mm: two bars between which a clip lies; they touch and hold nothing; 50 mN m
 };
 /// The values' names in files, in order.
-constexpr std::array<std::string_view, 9> names(const InstrumentKind*)
+constexpr std::array<std::string_view, 10> names(const InstrumentKind*)
 {
     return {"forceps",
             "grasper",
@@ -37,7 +38,8 @@ constexpr std::array<std::string_view, 9> names(const InstrumentKind*)
             "sutureScissors",
             "laparoscopicGrasper",
             "dissector",
-            "laparoscopicScissors"};
+            "laparoscopicScissors",
+            "clipApplier"};
 }
 
 /// One side of the instrument's mouth, closed, in the coordinates of the pivot.

@@ -3,6 +3,7 @@
 #include "filasofia/core/fields.h"
 #include "filasofia/physics/step.h"
 #include "filasofia/runtime/timing.h"
+#include "filasofia/surface/duct_def.h"
 #include "filasofia/surface/electrode_def.h"
 #include "filasofia/surface/treatment.h"
 #include "filasofia/visual/visual_server.h"
@@ -107,6 +108,13 @@ struct EnergyReport {
     surface::EnergyBalance balance = {};
 };
 
+/// What has become of a duct.
+struct DuctReport {
+    std::string body = {}; ///< its name
+    std::string duct = {}; ///< DuctDef::name
+    surface::DuctBalance balance = {};
+};
+
 /// How a run went.
 struct RunReport {
     RunTiming timing;
@@ -141,6 +149,8 @@ struct RunReport {
     std::vector<BloodReport> blood;          ///< one per body that bleeds, ascending by their ids
     std::vector<HeatReport> heat;            ///< one per body that burns, ascending by their ids
     std::vector<EnergyReport> energy;        ///< one per electrode, in the order in which they were added
+    std::vector<DuctReport> ducts;           ///< one per duct, in the order in which they were added
+    physics::ClipReport clips = {};          ///< in all steps
     std::vector<std::string> bluntBlades;    ///< one line per blade that touched a soft body without dynamicTopology
     /// why functions of everyStep() are no longer called, in this run or an earlier one: scripts that ended early
     std::vector<std::string> callbackProblems;

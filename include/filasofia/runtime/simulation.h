@@ -8,6 +8,7 @@
 #include "filasofia/runtime/burn_event.h"
 #include "filasofia/runtime/contact_event.h"
 #include "filasofia/runtime/device_event.h"
+#include "filasofia/runtime/duct_event.h"
 #include "filasofia/runtime/energy_event.h"
 #include "filasofia/runtime/file_failed_event.h"
 #include "filasofia/runtime/follow.h"
@@ -145,6 +146,12 @@ public:
     /// What an electrode has done, up to the last step of the heat that has ended.
     [[nodiscard]] surface::EnergyBalance energy(BodyId id, int electrode = 0) const;
     [[nodiscard]] int electrodes(BodyId id) const; ///< [-], how many a body has
+    /// Says that something flows in a tube of a soft body: see surface::DuctDef; returns its index among those of the
+    /// body. If the body bleeds, what clips shut does not: a cut end that they shut is sealed. Error if it is no soft
+    /// body of tetrahedra, or if a field is wrong.
+    int addDuct(BodyId id, const surface::DuctDef& def);
+    /// What flows in a duct, as the last step left it. Error if there is no such duct.
+    [[nodiscard]] surface::DuctBalance duct(BodyId id, int duct = 0) const;
     /// What has become of its blood, up to the last step of the film that has ended.
     [[nodiscard]] surface::BloodBalance blood(BodyId id) const;
     /// What has become of its heat, and how much of it is burnt, up to the last step of the heat that has ended.

@@ -63,6 +63,7 @@ struct SceneBody {
     std::optional<surface::BleedingDef> bleeding = {}; ///< how a soft body bleeds where it is opened; none: it does not
     std::optional<surface::BurningDef> burning = {};   ///< how a soft body burns where it is heated; none: it does not
     std::vector<surface::ElectrodeDef> electrodes = {}; ///< parts of a rigid body that heat what they touch
+    std::vector<surface::DuctDef> ducts = {};           ///< tubes in a soft body in which something flows
     std::vector<ElementMotion> motions = {};            ///< a kinematic rigid body's elements
     std::vector<JointMotion> jointMotions = {};         ///< an articulated body's joints
     Places places = {}; ///< where it stands, by the empty path, and its members by theirs
@@ -75,6 +76,7 @@ constexpr auto fields(const SceneBody*)
                     field("bleeding", &T::bleeding, "how it bleeds where it is opened"),
                     field("burning", &T::burning, "how it burns where it is heated"),
                     field("electrodes", &T::electrodes, "parts that heat what they touch"),
+                    field("ducts", &T::ducts, "tubes in which something flows"),
                     field("motions", &T::motions, "motions of a kinematic body's elements"),
                     field("jointMotions", &T::jointMotions, "commands of its joints"));
 }
@@ -160,11 +162,11 @@ constexpr auto fields(const Activate*)
 
 /// What a scene may command.
 using SceneCommand =
-    std::variant<physics::Attach, physics::AttachRigid, physics::Grasp, physics::Release, physics::RemovePiece,
-                 physics::RemoveBody, physics::SetForces, physics::SetWrench, physics::SetPressure,
-                 physics::SetFibreStress, physics::SetCavity, physics::SetCurvature, physics::SetCutting,
-                 physics::SetTissue, physics::SetGravity, SetMaterial, Treat, Activate, physics::SetPose,
-                 physics::SetJoint, physics::SetHaptic, physics::Reset>;
+    std::variant<physics::Attach, physics::AttachRigid, physics::Grasp, physics::ApplyClip, physics::Release,
+                 physics::RemovePiece, physics::RemoveBody, physics::SetForces, physics::SetWrench,
+                 physics::SetPressure, physics::SetFibreStress, physics::SetCavity, physics::SetCurvature,
+                 physics::SetCutting, physics::SetTissue, physics::SetGravity, SetMaterial, Treat, Activate,
+                 physics::SetPose, physics::SetJoint, physics::SetHaptic, physics::Reset>;
 
 /// A command that physics gets once, in the step that ends at its time. An AttachmentId{n} in it means an attachment of
 /// the scene: the first ones are those of the bodies' Defs, in their order; the command that makes another one says its

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/prefab/articulated_instrument.h"
+#include "filasofia/prefab/clip_applier.h"
 #include "filasofia/prefab/endoscope.h"
 #include "filasofia/prefab/laparoscope.h"
 #include "filasofia/prefab/laparoscopic_instrument.h"
@@ -65,6 +66,7 @@ struct SceneInstrument {
     std::vector<KeyTrocar> trocarKeys = {};             ///< in a trocar, in place of keys; times ascend
     std::vector<KeyGrip> grip = {};                     ///< what its jaws do; times ascend
     std::vector<surface::ElectrodeDef> electrodes = {}; ///< parts of it that heat what they touch
+    std::optional<prefab::ClipApplierDef> clips = {};   ///< what its jaws close; for one that has jaws
 };
 constexpr auto fields(const SceneInstrument*)
 {
@@ -73,7 +75,8 @@ constexpr auto fields(const SceneInstrument*)
                     field("keys", &T::keys, "poses and the times at which they are reached, ascending"),
                     field("trocarKeys", &T::trocarKeys, "poses in its trocar and their times, ascending"),
                     field("grip", &T::grip, "what its jaws do from which time on, ascending"),
-                    field("electrodes", &T::electrodes, "parts that heat what they touch"));
+                    field("electrodes", &T::electrodes, "parts that heat what they touch"),
+                    field("clips", &T::clips, "clips that its jaws close"));
 }
 
 /// How a person activates an electrode: while a key of the window is held, or a button of the haptic interface that

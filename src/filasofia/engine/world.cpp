@@ -12,6 +12,7 @@
 #include "filasofia/engine/step/advance.h"
 #include "filasofia/engine/step/apply_commands.h"
 #include "filasofia/engine/step/assemble.h"
+#include "filasofia/engine/step/close_clips.h"
 #include "filasofia/engine/step/fill_cavities.h"
 #include "filasofia/engine/step/flow_tissue.h"
 #include "filasofia/engine/step/steer_rods.h"
@@ -86,6 +87,7 @@ physics::StepReport World::step(const physics::StepInput& in)
     report.times.contacts = watch.lap();
 
     fillCavities(in.dt, scene_);         //   what flows into cavities
+    closeClips(in.dt, scene_);           //   how far clips are closed
     assemble(context, scene_);           // 3 forces and stiffness
     tieBodies(in.dt, scene_, coupling_); //   what solvers know of attachments
     report.times.assemble = watch.lap();
@@ -93,6 +95,7 @@ physics::StepReport World::step(const physics::StepInput& in)
     advance(context, scene_, coupling_);      // 4 solve; new velocities and positions
     keepContacts(context, coupling_, scene_); //   forces and warm starts of the constraints
     keepWelds(context, coupling_, scene_);
+    keepClips(scene_, report);              //   those that were pulled off are gone
     keepChannels(in.dt, coupling_, scene_); //   needles slide and cut on
     puncture(in.dt, coupling_, scene_);     //   and pierce new surfaces
     keepJoints(in.dt, coupling_, scene_);
@@ -130,6 +133,7 @@ void World::capture(frame::Frame& out) const
     out.attachments = scene_.attachmentReports;
     out.channels = scene_.channelReports;
     out.cavities = scene_.cavityReports;
+    out.clips = scene_.clipReports;
     out.rigidBodies.resize(scene_.rigid.size());
     for (std::size_t b = 0; b < scene_.rigid.size(); ++b) {
         const RigidState& state = scene_.rigid[b].state;

@@ -37,6 +37,8 @@ std::string_view name(EventType type)
         return "Burn";
     case EventType::Energy:
         return "Energy";
+    case EventType::Duct:
+        return "Duct";
     case EventType::FileFailed:
         return "FileFailed";
     case EventType::Device:

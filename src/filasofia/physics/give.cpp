@@ -11,6 +11,7 @@ public:
     AttachmentId operator()(const Attach& c) { return server_.attach(c.body, c.def); }
     AttachmentId operator()(const AttachRigid& c) { return server_.attach(c.body, c.def); }
     AttachmentId operator()(const Grasp& c) { return server_.grasp(c.rigid, c.target, c.def); }
+    AttachmentId operator()(const ApplyClip& c) { return server_.clip(c.rigid, c.target, c.def); }
     template <class C> AttachmentId operator()(const C& command)
     {
         set(command);

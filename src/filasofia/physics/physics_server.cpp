@@ -36,6 +36,7 @@ AttachmentIds attachmentIdsOf(Command& command)
     if (auto* attach = std::get_if<Attach>(&command)) return {&attach->id, 1};
     if (auto* rigid = std::get_if<AttachRigid>(&command)) return {&rigid->id, 1};
     if (auto* grasp = std::get_if<Grasp>(&command)) return {&grasp->id, 1};
+    if (auto* clip = std::get_if<ApplyClip>(&command)) return {&clip->id, 1};
     return {};
 }
 
@@ -471,6 +472,10 @@ AttachmentId PhysicsServer::attach(BodyId rigid, RigidAttachmentDef def)
 AttachmentId PhysicsServer::grasp(BodyId rigid, BodyId target, const GraspDef& def)
 {
     return impl_->post(Grasp{{}, rigid, target, def});
+}
+AttachmentId PhysicsServer::clip(BodyId rigid, BodyId soft, const ClipDef& def)
+{
+    return impl_->post(ApplyClip{{}, rigid, soft, def});
 }
 void PhysicsServer::removePiece(BodyId soft, int piece) { impl_->post(RemovePiece{soft, piece}); }
 void PhysicsServer::release(AttachmentId id) { impl_->post(Release{id}); }

@@ -261,6 +261,23 @@ struct Registry::Check {
             fail(object, " must have a dynamic or soft body on one side; both are kinematic");
         checkFresh(grasp.id);
     }
+    void operator()(const ApplyClip& clip) const
+    {
+        const Body& body = find<RigidBodyDef>(clip.rigid, "must be a rigid body to be a clip");
+        const std::string object = describeBody(*body.def) + ": clip";
+        validate(clip.def, object);
+        if (!std::get<RigidBodyDef>(*body.def).dynamic) fail(object, " must be a dynamic body; it is kinematic");
+        if (clip.def.element >= body.nodeCount)
+            fail(object, ".element must be in [0, ", body.nodeCount, "), got ", clip.def.element);
+        if (!(clip.def.opening > clip.def.gap))
+            fail(object, ".opening must be > gap, ", clip.def.gap, " m, got ", clip.def.opening);
+        const Body& tissue = find<SoftBodyDef>(clip.target, "must be a soft body to be clipped");
+        const auto& soft = std::get<SoftBodyDef>(*tissue.def);
+        const auto* cg = std::get_if<ConjugateGradient>(&soft.solver);
+        if (!std::holds_alternative<ImplicitEuler>(soft.integrator) || !cg || cg->assembled)
+            fail(describeBody(*tissue.def), ": clips need integrator ImplicitEuler and the default solver");
+        checkFresh(clip.id);
+    }
     void operator()(const Reset&) const {}
     void operator()(const Pause&) const {}
     void operator()(const Tune& tune) const
@@ -368,6 +385,8 @@ void Registry::note(const Command& command, std::shared_ptr<const Body> added)
         noteAttachments(rigid->id, 1);
     } else if (const auto* grasp = std::get_if<Grasp>(&command)) {
         noteAttachments(grasp->id, 1);
+    } else if (const auto* clip = std::get_if<ApplyClip>(&command)) {
+        noteAttachments(clip->id, 1);
     }
 }
 

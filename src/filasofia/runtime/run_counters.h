@@ -21,6 +21,7 @@ public:
         mostStrained_ = {};
         opened_ = {};
         refused_ = {};
+        clips_ = {};
     }
     void count(const physics::StepReport& report)
     {
@@ -48,6 +49,9 @@ public:
             opened_.pieces += each.detached.size();
             opened_.cavities += each.cavities.size();
         }
+        clips_.applied += report.clips.applied;
+        clips_.missed += report.clips.missed;
+        clips_.slipped += report.clips.slipped;
         const physics::TopologyReport& blades = report.topology;
         refused_.steps += blades.bladesRefused() > 0;
         refused_.jumped += blades.bladeJump + blades.bladeTooFast > 0;
@@ -72,6 +76,7 @@ public:
         report.worstUnrest = unrest_;
         report.opened = opened_;
         report.refused = refused_;
+        report.clips = clips_;
     }
 
 private:
@@ -84,6 +89,7 @@ private:
     physics::StrainedElements mostStrained_; ///< in the step with the largest strain in relation to its range
     OpenedSurfaces opened_;
     RefusedBlades refused_;
+    physics::ClipReport clips_;
     physics::Unrest unrest_; ///< in the step with the fastest body
 };
 

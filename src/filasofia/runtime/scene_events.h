@@ -64,6 +64,10 @@ struct SceneActivated {
     int electrode = 0;
     bool on = false;
 };
+struct SceneDuct {
+    BodyId body = {};
+    surface::DuctDef def = {};
+};
 /// All paint, blood, heat and burns are removed, and all pedals released.
 struct SceneCleaned {};
 
@@ -96,7 +100,7 @@ struct ScenePlaces {
 
 using SceneEvent = std::variant<SceneBegan, SceneFile, SceneShown, SceneVisible, SceneMaterial, SceneUnshown,
                                 ScenePainted, SceneCleaned, SceneStage, ScenePlaces, SceneBled, SceneTreated,
-                                SceneBurnt, SceneElectrode, SceneActivated>;
+                                SceneBurnt, SceneElectrode, SceneActivated, SceneDuct>;
 
 constexpr auto fields(const SceneBegan*)
 {
@@ -167,6 +171,11 @@ constexpr auto fields(const SceneActivated*)
     return describe("SceneActivated", field("body", &T::body, "the body"),
                     field("electrode", &T::electrode, "-", nonNegative(), "index among those of the body"),
                     field("on", &T::on, "whether its pedal is pressed"));
+}
+constexpr auto fields(const SceneDuct*)
+{
+    using T = SceneDuct;
+    return describe("SceneDuct", field("body", &T::body, "the body"), field("def", &T::def, "a tube in it"));
 }
 constexpr auto fields(const SceneCleaned*) { return describe("SceneCleaned"); }
 constexpr auto fields(const StageMaterial*)

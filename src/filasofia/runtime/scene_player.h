@@ -37,6 +37,7 @@ private:
     void apply(const SceneBurnt& burnt);
     void apply(const SceneElectrode& electrode);
     void apply(const SceneActivated& activated);
+    void apply(const SceneDuct&) {} ///< nothing of it is drawn
     void apply(const SceneStage& stage);
     void apply(const ScenePlaces& places);
     [[nodiscard]] bool knows(const SceneEvent& event) const;

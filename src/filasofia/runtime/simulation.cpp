@@ -143,6 +143,13 @@ surface::EnergyBalance Simulation::energy(BodyId id, int electrode) const
     return impl_->electrodes.balance(id, electrode);
 }
 int Simulation::electrodes(BodyId id) const { return impl_->electrodes.count(id); }
+int Simulation::addDuct(BodyId id, const surface::DuctDef& def)
+{
+    const int index = impl_->ducts.add(id, def, impl_->physics);
+    impl_->recordScene(SceneDuct{id, def});
+    return index;
+}
+surface::DuctBalance Simulation::duct(BodyId id, int duct) const { return impl_->ducts.balance(id, duct); }
 surface::BloodBalance Simulation::blood(BodyId id) const { return impl_->bleedings.balance(id); }
 surface::HeatBalance Simulation::heat(BodyId id) const { return impl_->burnings.balance(id); }
 void Simulation::follow(visual::Transform& transform, BodyId id, const FollowDef& def)

@@ -33,6 +33,7 @@ Simulation::Impl::Impl(const SimulationDef& asked, std::unique_ptr<physics::Phys
     memories.add(bleedings.memory());
     memories.add(burnings.memory());
     memories.add(electrodes.memory());
+    memories.add(ducts.memory());
 }
 
 std::unique_ptr<physics::PhysicsEngine> Simulation::Impl::engineFor(const SimulationDef& def)
@@ -85,8 +86,8 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     feed.write(report);
     haptics.afterStep(report, physics);
     // Before the update event, so that its observers already know what happened in the step.
-    const std::uint32_t flags =
-        postContactEvents(report) | postIntersectionEvents(report) | postRuptureEvents(report) | stepSurfaces(report);
+    const std::uint32_t flags = postContactEvents(report) | postIntersectionEvents(report) | postRuptureEvents(report) |
+                                stepDucts(report) | stepSurfaces(report);
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
     now.stamp(*update);
     return flags | (events.tryPost(std::move(update)) ? 0u : kEventLost);
@@ -179,12 +180,33 @@ bool Simulation::Impl::stepSurfaces(std::uint64_t step, double time, const Surfa
     return told && first && second;
 }
 
+std::uint32_t Simulation::Impl::stepDucts(const physics::StepReport& report)
+{
+    const auto post = [this](BodyId id, int duct, const surface::DuctBalance& balance) {
+        auto event = std::make_unique<DuctEvent>();
+        event->body = id;
+        event->duct = duct;
+        event->balance = balance;
+        now.stamp(*event);
+        return events.tryPost(std::move(event));
+    };
+    const auto end = [this](BodyId id, Vec3 place, double radius, bool leaks) {
+        if (!bleedings.has(id)) return;
+        const surface::Treatment treatment = leaks ? surface::Treatment(surface::Injure{place, radius})
+                                                   : surface::Treatment(surface::Seal{place, radius});
+        treat(id, treatment);
+        recordScene(SceneTreated{id, treatment});
+    };
+    return ducts.afterStep(report.step, report.time, physics, {post, end}) ? 0u : kEventLost;
+}
+
 void Simulation::Impl::cleanSurfaces()
 {
     bindings.clearPaint();
     bleedings.restart();
     burnings.restart();
     electrodes.restart();
+    ducts.restart();
 }
 
 void Simulation::Impl::treat(BodyId id, const surface::Treatment& treatment)
@@ -268,6 +290,7 @@ void Simulation::Impl::fill(RunReport& report) const
     bleedings.fill(report);
     burnings.fill(report);
     electrodes.fill(report, burnings);
+    ducts.fill(report);
     report.bluntBlades = blades.lines();
     report.callbackProblems = everyStep.problems();
     files.fill(report);

@@ -5,6 +5,7 @@
 #include "filasofia/runtime/camera_steering.h"
 #include "filasofia/runtime/clock.h"
 #include "filasofia/runtime/contact_watch.h"
+#include "filasofia/runtime/ducts.h"
 #include "filasofia/runtime/electrodes.h"
 #include "filasofia/runtime/haptics.h"
 #include "filasofia/runtime/intersection_watch.h"
@@ -40,6 +41,7 @@ struct Simulation::Impl {
     Bleedings bleedings;
     Burnings burnings;
     Electrodes electrodes;
+    Ducts ducts;
     PictureSetup picture;
     CameraSteering steering;
     StepCallbacks everyStep;
@@ -90,6 +92,9 @@ struct Simulation::Impl {
     /// event is lost.
     bool stepSurfaces(std::uint64_t step, double time, const SurfaceLayers<surface::Burning>::Post& burnt,
                       const SurfaceLayers<surface::Bleeding>::Post& bled, const Electrodes::Post& given);
+    /// Lets ducts flow, closes the vessels at cut ends that clips shut, and posts their events. Returns StepFlag bits
+    /// if some were lost.
+    std::uint32_t stepDucts(const physics::StepReport& report);
     void treat(BodyId id, const surface::Treatment& treatment);
     /// Removes all paint, blood, heat and burns, and releases all pedals.
     void cleanSurfaces();

@@ -140,6 +140,25 @@ std::string energyLine(const EnergyReport& report)
                 b.inAir);
 }
 
+std::string clipsLine(const physics::ClipReport& clips)
+{
+    std::string out = text("clips closed on tissue: ", clips.applied);
+    if (clips.missed > 0) out += text(", on nothing: ", clips.missed);
+    if (clips.slipped > 0) out += text(", pulled off: ", clips.slipped);
+    return out + "\n";
+}
+
+std::string ductLine(const DuctReport& report)
+{
+    const surface::DuctBalance& b = report.balance;
+    const std::string state(names(&b.state)[static_cast<std::size_t>(b.state)]);
+    const bool whole = b.state == surface::DuctState::Open || b.state == surface::DuctState::Clipped;
+    const std::string clips = whole ? text(b.clipsBefore) : text(b.clipsBefore, " + ", b.clipsAfter);
+    return line("duct '%s' of '%s': %s; clips %s, flow %.3g ml/s, leak %.3g ml/s, lost %.2f ml",
+                oneLine(shortened(report.duct)).c_str(), oneLine(shortened(report.body)).c_str(), state.c_str(),
+                clips.c_str(), b.flow * 1e6, b.leak * 1e6, b.lost * 1e6);
+}
+
 } // namespace
 
 std::string summary(const RunReport& report)
@@ -168,6 +187,8 @@ std::string summary(const RunReport& report)
     for (const BloodReport& blood : report.blood) out += bloodLine(blood);
     for (const HeatReport& heat : report.heat) out += heatLine(heat);
     for (const EnergyReport& energy : report.energy) out += energyLine(energy);
+    if (report.clips.applied + report.clips.missed > 0) out += clipsLine(report.clips);
+    for (const DuctReport& duct : report.ducts) out += ductLine(duct);
     for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
         out += line("pictures drawn %ld", report.visual.framesDrawn);

@@ -33,16 +33,6 @@ template <> struct Kind<surface::Burning> {
     }
 };
 
-/// The triangles of a soft body by its nodes, before it is cut.
-std::vector<geometry::Triangle> skinOf(const physics::SoftBodyDef& body, const std::string& object)
-{
-    mapping::MappedSurface skin = mapSoft(body, nullptr, object);
-    const auto& nodes = std::get<mapping::IdentityMap>(skin.map).nodes;
-    for (geometry::Triangle& each : skin.surface.triangles)
-        for (int& corner : each) corner = nodes[static_cast<std::size_t>(corner)];
-    return std::move(skin.surface.triangles);
-}
-
 } // namespace
 
 template <class Layer> void SurfaceLayers<Layer>::Turn::run()
@@ -98,6 +88,12 @@ template <class Layer> auto SurfaceLayers<Layer>::balance(BodyId id) const -> Ba
 {
     const std::lock_guard lock(mutex_);
     return patient(id).balance;
+}
+
+template <class Layer> bool SurfaceLayers<Layer>::has(BodyId id) const
+{
+    const std::lock_guard lock(mutex_);
+    return patients_.contains(id);
 }
 
 template <class Layer> void SurfaceLayers<Layer>::restart()

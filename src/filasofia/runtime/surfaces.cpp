@@ -36,6 +36,15 @@ mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const TriangleM
     return surface ? mapping::mapSurface(rest, std::move(inWorld)) : mapping::mapBoundary(rest);
 }
 
+std::vector<geometry::Triangle> skinOf(const physics::SoftBodyDef& body, const std::string& object)
+{
+    mapping::MappedSurface skin = mapSoft(body, nullptr, object);
+    const auto& nodes = std::get<mapping::IdentityMap>(skin.map).nodes;
+    for (geometry::Triangle& each : skin.surface.triangles)
+        for (int& corner : each) corner = nodes[static_cast<std::size_t>(corner)];
+    return std::move(skin.surface.triangles);
+}
+
 mapping::MappedSurface mapRod(const physics::RodBodyDef& body, const TriangleMesh* surface, const std::string& object)
 {
     if (surface) fail(object, ": surface must be empty for a rod, which is drawn as a tube");

@@ -16,6 +16,9 @@ std::shared_ptr<const geometry::TriangleMesh> loadSurface(const SurfaceSource& s
 mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const geometry::TriangleMesh* surface,
                                const std::string& object);
 
+/// The triangles of a soft body by its nodes, before it is cut.
+std::vector<geometry::Triangle> skinOf(const physics::SoftBodyDef& body, const std::string& object);
+
 /// The tube of a rod. Throws an Error that begins with `object` if `surface` is not null: none follows a rod.
 mapping::MappedSurface mapRod(const physics::RodBodyDef& body, const geometry::TriangleMesh* surface,
                               const std::string& object);

@@ -28,6 +28,7 @@ BodyId addBody(runtime::Simulation& simulation, const SceneBody& body, const std
     if (body.bleeding) simulation.bleed(id, *body.bleeding);
     if (body.burning) simulation.burn(id, *body.burning);
     addElectrodes(simulation, id, body.electrodes, before);
+    for (const surface::DuctDef& each : body.ducts) simulation.addDuct(id, each);
     followMotions(simulation, id, body);
     return id;
 }

@@ -21,6 +21,7 @@ struct TargetOf {
     Target operator()(const physics::Attach& c) const { return {c.body, true}; }
     Target operator()(const physics::AttachRigid& c) const { return {c.body, false}; }
     Target operator()(const physics::Grasp& c) const { return {c.rigid, false}; }
+    Target operator()(const physics::ApplyClip& c) const { return {c.rigid, false}; }
     Target operator()(const physics::RemovePiece& c) const { return {c.id, true}; }
     Target operator()(const physics::RemoveBody& c) const { return {c.id, {}}; }
     Target operator()(const physics::SetForces& c) const { return {c.id, true}; }

@@ -77,7 +77,7 @@ template <class T> std::vector<std::string_view> required()
         return {"first", "second"};
     else if constexpr (std::is_same_v<T, SceneTaskStep>)
         return {"done"};
-    else if constexpr (std::is_same_v<T, physics::Grasp>)
+    else if constexpr (IsAnyOf<T, physics::Grasp, physics::ApplyClip>)
         return {"rigid", "target"};
     else if constexpr (IsAnyOf<T, physics::SetForces, physics::SetWrench, physics::SetPressure, physics::SetFibreStress,
                                physics::SetTissue, physics::SetCurvature, physics::SetCutting, physics::SetCavity,
@@ -97,6 +97,10 @@ template <class T> std::vector<std::string_view> required()
         return {"id", "treatment"};
     else if constexpr (IsAnyOf<T, surface::Injure, surface::Seal, surface::Suck, surface::Heat>)
         return {"place"};
+    else if constexpr (std::is_same_v<T, surface::DuctDef>)
+        return {"path"};
+    else if constexpr (std::is_same_v<T, prefab::ClipApplierDef>)
+        return {"targets"};
     else if constexpr (IsAnyOf<T, BoxShape, BlockShape>)
         return {"size"};
     else if constexpr (std::is_same_v<T, SphereShape>)

@@ -5,6 +5,7 @@
 #include "filasofia/scene/pedals.h"
 #include "filasofia/scene/places.h"
 #include "filasofia/scene/remember_past.h"
+#include "filasofia/scene/scene_numbers.h"
 
 #include <algorithm>
 
@@ -145,6 +146,18 @@ Instrument addInstrument(runtime::Simulation& simulation, const SceneInstrument&
     return adder.added;
 }
 
+/// Gives an instrument with jaws its clips.
+void addClips(runtime::Simulation& simulation, const SceneInstrument& def, const Instrument& added,
+              const std::vector<BodyId>& ids)
+{
+    if (!def.clips) return;
+    if (!added.jaws) fail("clips need an instrument with jaws");
+    prefab::ClipApplierDef clips = *def.clips;
+    SceneNumbers(ids).replaceIn(clips);
+    const auto applier = std::make_shared<prefab::ClipApplier>(simulation, *added.jaws, clips);
+    simulation.everyStep([applier, jaws = added.jaws](double) {}); // they live as long as the simulation's callbacks
+}
+
 /// Lets a person move two instruments and a scope in trocars that nothing else moves.
 void addTrocarHands(runtime::Simulation& simulation, const Instruments& instruments)
 {
@@ -170,6 +183,7 @@ Instruments addInstruments(runtime::Simulation& simulation, const SceneDef& scen
         try {
             added.push_back(addInstrument(simulation, scene.instruments[i], path, scene.places));
             addElectrodes(simulation, added.back().body, scene.instruments[i].electrodes, ids);
+            addClips(simulation, scene.instruments[i], added.back(), ids);
         } catch (const Error& error) {
             const std::string words = error.what();
             failAtPlace(scene.places, words.starts_with(path) ? words : text(path, ": ", words));

@@ -217,6 +217,7 @@ private:
     void noteLater(const runtime::SceneTreated&) { note("what was done to blood and heat is left out"); }
     void noteLater(const runtime::SceneElectrode&) { note("bodies that became electrodes during the run are none"); }
     void noteLater(const runtime::SceneActivated&) { note("pedals that were pressed are left out"); }
+    void noteLater(const runtime::SceneDuct&) { note("ducts that were added during the run are none"); }
     void noteLater(const runtime::SceneFile&) {}
     void noteLater(const runtime::SceneBegan& event) { show(event); }
     void noteLater(const runtime::SceneStage& stage)
@@ -281,6 +282,10 @@ private:
     void show(const runtime::SceneCleaned&)
     {
         for (SceneBody& each : scene_.bodies) each.paint.clear();
+    }
+    void show(const runtime::SceneDuct& duct)
+    {
+        if (const BodyId number = numberOf(duct.body)) scene_.bodies[number.value - 1].ducts.push_back(duct.def);
     }
     void show(const runtime::SceneFile&) {}
     void show(const runtime::SceneStage& stage) { stage_ = stage; }

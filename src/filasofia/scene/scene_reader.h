@@ -241,7 +241,8 @@ private:
             for (const Layer& pose : members(layers, "pose"))
                 if (pose.json->is_object() && !find(*pose.json, "position"))
                     refuseWithout(*pose.json, Place{&place, "pose"}, "position", typeName<T>());
-        if constexpr (IsAnyOf<T, physics::Attach, physics::AttachRigid, physics::Grasp>) makes_ = true;
+        if constexpr (IsAnyOf<T, physics::Attach, physics::AttachRigid, physics::Grasp, physics::ApplyClip>)
+            makes_ = true;
         forEachField<T>([&](const auto& each) {
             auto& value = out.*(each.member);
             if constexpr (kFlat<T> && kIsVariant<std::remove_cvref_t<decltype(value)>>) {

@@ -151,6 +151,7 @@ struct Missing {
     const char* operator()(const physics::SetCavity&) const { return "SetCavity"; }
     const char* operator()(const physics::SetCurvature&) const { return "SetCurvature"; }
     const char* operator()(const physics::SetCutting&) const { return "SetCutting"; }
+    const char* operator()(const physics::ApplyClip&) const { return "ApplyClip"; }
     const char* operator()(const physics::RemovePiece&) const { return "RemovePiece"; }
     template <class Known> const char* operator()(const Known&) const { return nullptr; }
 };

@@ -157,6 +157,23 @@ void checkCavities(const SoftModel& model, const SoftState& state, const std::st
     }
 }
 
+void checkClips(const SoftModel& model, const SoftState& state, const std::string& object)
+{
+    for (const Clip& clip : state.clips) {
+        const std::string name = text(object, ": clip ", clip.id.value);
+        validate(clip.def, name);
+        if (clip.pairs.empty()) fail(name, ": must have a pair of points");
+        for (double each : {clip.gap, clip.age, clip.force})
+            if (!std::isfinite(each)) fail(name, ": its state must be finite");
+        for (const ClipPair& pair : clip.pairs)
+            for (const auto& side : pair)
+                for (const NodeWeight& each : side) {
+                    checkNodes(name, std::array{each.node}, model.rest.size());
+                    if (!std::isfinite(each.weight)) fail(name, ": weights must be finite, got ", each.weight);
+                }
+    }
+}
+
 } // namespace
 
 void check(const SoftModel& model, const SoftState& state)
@@ -177,6 +194,7 @@ void check(const SoftModel& model, const SoftState& state)
         fail(object, ": integrator must be ImplicitEuler for a rod");
     checkPins(model, object);
     checkCavities(model, state, object);
+    checkClips(model, state, object);
     for (const geometry::Triangle& triangle : model.surface) checkNodes(object, triangle, n);
     for (const geometry::Tetrahedron& each : model.tetrahedra) checkNodes(text(object, ": tetrahedra"), each, n);
     if (!nonNegative().contains(model.friction)) fail(object, ": friction must be >= 0, got ", model.friction);

@@ -3,6 +3,7 @@
 #include "filasofia/core/body_id.h"
 #include "filasofia/engine/body/cavity.h"
 #include "filasofia/engine/body/channel.h"
+#include "filasofia/engine/body/clip.h"
 #include "filasofia/engine/body/collision_model.h"
 #include "filasofia/engine/body/pins.h"
 #include "filasofia/engine/body/rod.h"
@@ -106,7 +107,8 @@ struct SoftState {
     std::vector<Vec3> forces;   ///< [N] set by the user
     double pressure = 0.0;      ///< [Pa] set by the user
     std::vector<CavityState> cavities;
-    RodState rod; ///< rods only
+    std::vector<Clip> clips; ///< on this body, ascending by id
+    RodState rod;            ///< rods only
 };
 
 /// The rotation of one element.

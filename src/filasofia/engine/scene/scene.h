@@ -12,6 +12,7 @@
 #include "filasofia/frame/attachment.h"
 #include "filasofia/frame/cavity.h"
 #include "filasofia/frame/channel.h"
+#include "filasofia/frame/clip.h"
 #include "filasofia/frame/contact.h"
 
 #include <cstdint>
@@ -74,6 +75,7 @@ struct SceneState {
     std::vector<Channel> channels;              ///< needles in tissue, in the order in which they began
     std::vector<frame::Channel> channelReports; ///< the channels of the last step, as frames carry them
     std::vector<frame::Cavity> cavityReports;   ///< the same of cavities
+    std::vector<frame::Clip> clipReports;       ///< the same of clips
 };
 
 /// The whole state of the engine.

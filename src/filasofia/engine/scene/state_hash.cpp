@@ -57,6 +57,16 @@ void addCavities(Hasher& hash, const SoftState& body)
         for (double each : {cavity.content, cavity.pressure, cavity.inflow, cavity.last, cavity.lost}) hash.add(each);
 }
 
+// A body without clips does not change the hash.
+void addClips(Hasher& hash, const SoftState& body)
+{
+    for (const Clip& clip : body.clips) {
+        for (std::uint32_t id : {clip.id.value, clip.clip.value}) hash.add(std::uint64_t{id});
+        for (double each : {clip.gap, clip.age, clip.force}) hash.add(each);
+        addCount(hash, clip.pairs.size());
+    }
+}
+
 void addContacts(Hasher& hash, const Scene& scene)
 {
     addCount(hash, scene.contacts.size());
@@ -208,6 +218,7 @@ std::uint64_t hashOf(const Scene& scene)
         hash.addAll(std::span<const Vec3>(body.state.v));
         hash.add(body.state.pressure);
         addCavities(hash, body.state);
+        addClips(hash, body.state);
         add(hash, body.state.rod);
     }
     for (const SoftBody& body : scene.soft) add(hash, body.topology, body.model);
@@ -238,6 +249,7 @@ std::uint64_t hashOfDrive(const Scene& scene)
             hash.addAll(std::span<const Vec3>(body.state.forces));
         hash.add(body.state.pressure);
         addCavities(hash, body.state); // what leaks moves the wall
+        addClips(hash, body.state);    // as do clips that close
         for (const RodSteering& each : body.state.rod.steering)
             for (double axis : {each.now[0], each.now[1], each.target[0], each.target[1]}) hash.add(axis);
     }

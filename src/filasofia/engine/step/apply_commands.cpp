@@ -10,6 +10,7 @@
 #include "filasofia/engine/rigid/virtual_coupling.h"
 #include "filasofia/engine/scene/find_body.h"
 #include "filasofia/engine/step/add_body.h"
+#include "filasofia/engine/step/close_clips.h"
 #include "filasofia/engine/step/reset_scene.h"
 #include "filasofia/engine/step/tune_scene.h"
 #include "filasofia/engine/topology/loose_pieces.h"
@@ -137,6 +138,7 @@ struct ApplyCommand {
         const auto place = std::ranges::upper_bound(scene.grasps, grasp.id, {}, &PendingGrasp::id);
         scene.grasps.insert(place, {grasp.id, grasp.rigid, grasp.target, grasp.def.stiffness, grasp.def.breakForce});
     }
+    void operator()(const physics::ApplyClip& clip) const { applyClip(clip, scene, report); }
     void operator()(const physics::RemovePiece& remove) const
     {
         SoftBody& body = soft(remove.id);

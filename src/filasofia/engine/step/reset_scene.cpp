@@ -54,6 +54,9 @@ void restoreMesh(SoftBody& body, Scene& scene)
 
 void resetScene(Scene& scene)
 {
+    for (SoftBody& body : scene.soft) // clips open
+        for (const Clip& clip : body.state.clips) release(clip.id, scene);
+    scene.clipReports.clear();
     for (std::size_t a = 0; a < scene.attachments.size(); ++a) {
         Attachment& each = scene.attachments[a];
         if (each.whole) each.pairs = *each.whole;

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "filasofia/frame/boundary.h"
+#include "filasofia/frame/clip.h"
+#include "filasofia/geometry/embedding.h"
+#include "filasofia/surface/duct_def.h"
+
+#include <cstdint>
+#include <span>
+
+namespace filasofia::surface {
+
+/// A body that a duct runs through, after a step.
+struct DuctBody {
+    std::span<const Vec3> positions = {};      ///< [m] where its nodes are
+    const frame::Boundary* boundary = nullptr; ///< its boundary after cuts; null or revision 0: it is whole
+    std::span<const frame::Clip> clips = {};   ///< on this body
+};
+
+/// The flow in a tube that tissue surrounds: Poiseuille's law for the ellipse that the tube is, place by place.
+///
+/// At stations along its path it follows rings of points in the tissue. A ring has half axes a and b, by its second
+/// moments and its area; over a length L, pi p a^3 b^3 / (4 eta L (a^2 + b^2)) flows (White, Viscous Fluid Flow,
+/// equation 3-47). It is cut where the surface of the body has fallen into parts between two stations.
+class Duct {
+public:
+    /// `mesh`: the body's at the start, in the world; `skin`: its boundary then. Throws an Error that begins with
+    /// `object` if the path has no length, or leads away from the body.
+    Duct(const DuctDef& def, const geometry::TetMesh& mesh, std::span<const geometry::Triangle> skin,
+         const std::string& object);
+
+    /// What flows now, and in a step of dt [s].
+    void step(const DuctBody& body, double dt);
+    [[nodiscard]] const DuctBalance& balance() const { return balance_; }
+    [[nodiscard]] const DuctDef& def() const { return def_; }
+
+    /// An end that a cut has made.
+    struct End {
+        Vec3 place = {};    ///< [m] near it
+        bool leaks = false; ///< otherwise it is shut, or nothing presses there
+    };
+    [[nodiscard]] const std::vector<End>& ends() const { return ends_; } ///< the inlet's part, then the outlet's
+    [[nodiscard]] std::uint64_t revision() const { return revision_; }   ///< the last that it saw
+    void restart();
+
+private:
+    [[nodiscard]] std::vector<double> conductances(std::span<const Vec3> positions);
+    void findCut(const DuctBody& body);
+
+    DuctDef def_;
+    double spacing_ = 0.0;                     ///< [m] between two stations
+    geometry::Embedding points_;               ///< the points of all rings, station by station
+    std::vector<int> near_;                    ///< per point, the node of the skin that is nearest to it
+    std::vector<Vec3> middles_;                ///< [m] where the stations are now
+    std::vector<Vec3> ring_;                   ///< [m] scratch
+    std::uint64_t revision_ = 0;               ///< the boundary that cuts_ was found in
+    std::vector<int> cuts_;                    ///< it is cut between each of these stations and the next
+    std::array<std::vector<int>, 2> endNodes_; ///< nodes of the skin, around the cut ends
+    std::vector<End> ends_;
+    DuctBalance balance_;
+};
+
+} // namespace filasofia::surface

@@ -1,0 +1,244 @@
+#include "filasofia/engine/step/close_clips.h"
+
+#include "filasofia/core/assert.h"
+#include "filasofia/core/log.h"
+#include "filasofia/engine/contact/attachments.h"
+#include "filasofia/engine/scene/find_body.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace filasofia::engine {
+namespace {
+
+// Pairs of points along the legs and across them: as near as the edges of the finest tissue that is clipped.
+constexpr int kAlong = 12, kAcross = 3;
+// [N/m] for each point by which a clip hangs on the tissue; it weighs little.
+constexpr double kHold = 500.0;
+// [m] Points nearer to each other have no direction.
+constexpr double kNoLength = 1e-9;
+
+/// Where a line parallel to y leaves the tissue, or enters it.
+struct Crossing {
+    double y = 0.0; ///< [m]
+    bool leaves = false;
+    std::vector<NodeWeight> point = {};
+};
+
+/// Where a line along y crosses a triangle; none if it does not, or only along it.
+std::optional<Crossing> crossingOf(const geometry::Triangle& t, const std::vector<Vec3>& local, double x, double z)
+{
+    const auto at = [&](std::size_t k) { return local[static_cast<std::size_t>(t[k])]; };
+    const auto area = [](double ax, double az, double bx, double bz) { return ax * bz - az * bx; };
+    std::array<double, 3> weights{};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 b = at((k + 1) % 3), c = at((k + 2) % 3);
+        weights[k] = area(b.x - x, b.z - z, c.x - x, c.z - z);
+    }
+    const double all = weights[0] + weights[1] + weights[2];
+    const bool above = weights[0] >= 0.0 && weights[1] >= 0.0 && weights[2] >= 0.0;
+    const bool below = weights[0] <= 0.0 && weights[1] <= 0.0 && weights[2] <= 0.0;
+    if (!(above || below) || all == 0.0) return {};
+    Crossing out{.leaves = all < 0.0}; // outwards is then +y: z x x = y
+    for (std::size_t k = 0; k < 3; ++k) {
+        out.y += weights[k] / all * at(k).y;
+        if (weights[k] != 0.0) out.point.push_back({t[k], weights[k] / all});
+    }
+    return out;
+}
+
+/// The pairs of points that face each other between the legs of a clip at this pose. Lines whose tissue goes on beyond
+/// the opening have none.
+std::vector<ClipPair> pairsBetween(const physics::ClipDef& def, const Pose& pose, const SoftBody& body)
+{
+    std::vector<Vec3> local;
+    local.reserve(body.state.x.size());
+    const Pose back = inverse(pose);
+    for (Vec3 each : body.state.x) local.push_back(transform(back, each));
+    const double half = 0.5 * def.opening;
+    std::vector<ClipPair> pairs;
+    for (int i = 0; i < kAlong; ++i)
+        for (int j = 0; j < kAcross; ++j) {
+            const double z = ((i + 0.5) / kAlong - 0.5) * def.length;
+            const double x = ((j + 0.5) / kAcross - 0.5) * def.width;
+            std::optional<Crossing> top, bottom;
+            for (const geometry::Triangle& t : body.model.surface) {
+                const auto found = crossingOf(t, local, x, z);
+                if (!found || std::abs(found->y) > half) continue;
+                if (!top || found->y > top->y) top = found;
+                if (!bottom || found->y < bottom->y) bottom = found;
+            }
+            if (top && top->leaves && !bottom->leaves && top->y > bottom->y)
+                pairs.push_back({std::move(top->point), std::move(bottom->point)});
+        }
+    return pairs;
+}
+
+/// The mean of two points.
+std::vector<NodeWeight> middleOfPair(const ClipPair& pair)
+{
+    std::vector<NodeWeight> out;
+    for (const auto& side : pair)
+        for (const NodeWeight& each : side) {
+            const auto known = std::ranges::find(out, each.node, &NodeWeight::node);
+            if (known == out.end())
+                out.push_back({each.node, 0.5 * each.weight});
+            else
+                known->weight += 0.5 * each.weight;
+        }
+    return out;
+}
+
+/// The rigid body hangs on the tissue in the middle of some of its pairs.
+Attachment holdOf(const physics::ApplyClip& command, const Pose& pose, const std::vector<ClipPair>& pairs,
+                  const SoftState& tissue)
+{
+    Attachment hold{command.id, command.rigid, command.target, {}, {}};
+    hold.stiffness = kHold;
+    hold.breakForce = 2.0 * command.def.friction * command.def.closingForce;
+    const std::size_t n = pairs.size();
+    std::vector<std::size_t> chosen = {0, n / 3, 2 * n / 3, n - 1};
+    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+    for (std::size_t i : chosen) {
+        AttachedPoint on{.nodes = middleOfPair(pairs[i]), .element = 0, .place = {}};
+        const Vec3 place = transform(inverse(pose), meanOf(on.nodes, tissue.x));
+        hold.pairs.push_back({AttachedPoint{.nodes = {}, .element = command.def.element, .place = place}, on});
+    }
+    return hold;
+}
+
+double distanceAcross(const ClipPair& pair, const SoftState& state)
+{
+    return distance(meanOf(pair[0], state.x), meanOf(pair[1], state.x));
+}
+
+double stiffnessOf(const Clip& clip) { return clip.def.stiffness / static_cast<double>(clip.pairs.size()); }
+
+/// [N] with which springs of these lengths press at a gap.
+double pressAt(double gap, double stiffness, const std::vector<double>& lengths)
+{
+    double sum = 0.0;
+    for (double each : lengths) sum += stiffness * std::max(0.0, each - gap);
+    return sum;
+}
+
+/// [m] The gap at which springs of these lengths press with no more than `most` [N]. `lengths` descend.
+double gapFor(double most, double stiffness, const std::vector<double>& lengths)
+{
+    double sum = 0.0;
+    for (std::size_t n = 1; n <= lengths.size(); ++n) { // if only the n longest pull
+        sum += lengths[n - 1];
+        const double gap = (sum - most / stiffness) / static_cast<double>(n);
+        if (n == lengths.size() || gap >= lengths[n]) return gap;
+    }
+    return 0.0;
+}
+
+void closeLegs(double dt, const SoftState& state, Clip& clip)
+{
+    std::vector<double> lengths;
+    lengths.reserve(clip.pairs.size());
+    for (const ClipPair& each : clip.pairs) lengths.push_back(distanceAcross(each, state));
+    std::ranges::sort(lengths, std::greater{});
+    const bool closing = clip.age < clip.def.closingTime;
+    clip.age += dt;
+    const double most = clip.def.closingForce, k = stiffnessOf(clip);
+    if (closing) {
+        const double speed = (clip.def.opening - clip.def.gap) / clip.def.closingTime;
+        clip.gap = std::max(clip.def.gap, clip.gap - dt * speed);
+    }
+    if (pressAt(clip.gap, k, lengths) > most) clip.gap = gapFor(most, k, lengths); // the legs yield
+    clip.force = pressAt(clip.gap, k, lengths);
+}
+
+bool hasAttachment(const Scene& scene, AttachmentId id)
+{
+    return std::ranges::binary_search(scene.attachments, id, {}, &Attachment::id);
+}
+
+} // namespace
+
+void applyClip(const physics::ApplyClip& command, Scene& scene, physics::StepReport& report)
+{
+    const auto rigid = findIn(scene.rigid, command.rigid), soft = findIn(scene.soft, command.target);
+    FILASOFIA_ASSERT(rigid && soft);
+    SoftBody& tissue = scene.soft[*soft];
+    const Pose& pose = scene.rigid[*rigid].state.poses[static_cast<std::size_t>(command.def.element)];
+    Clip clip{.id = command.id, .clip = command.rigid, .def = command.def, .pairs = {}};
+    clip.pairs = pairsBetween(command.def, pose, tissue);
+    if (clip.pairs.empty()) {
+        ++report.clips.missed;
+        report.set(physics::StepFlag::NothingAttached);
+        logWarning(describe(tissue.model), ": nothing of it is between the legs of clip '",
+                   scene.rigid[*rigid].model.name, "'");
+        return;
+    }
+    ++report.clips.applied;
+    clip.gap = command.def.opening;
+    addAttachment(holdOf(command, pose, clip.pairs, tissue.state), {}, scene);
+    const auto place = std::ranges::upper_bound(tissue.state.clips, clip.id, {}, &Clip::id);
+    tissue.state.clips.insert(place, std::move(clip));
+}
+
+void closeClips(double dt, Scene& scene)
+{
+    for (SoftBody& body : scene.soft) {
+        if (body.state.clips.empty()) continue;
+        std::erase_if(body.state.clips, [&](const Clip& each) { return !hasAttachment(scene, each.id); });
+        if (dt > 0.0)
+            for (Clip& each : body.state.clips) closeLegs(dt, body.state, each);
+    }
+}
+
+void addClipForces(double dt, const SoftState& state, std::vector<Vec3>& forces, std::vector<CavityStiffness>& out)
+{
+    for (const Clip& clip : state.clips)
+        for (const ClipPair& pair : clip.pairs) {
+            const Vec3 across = meanOf(pair[0], state.x) - meanOf(pair[1], state.x);
+            const double d = length(across), k = stiffnessOf(clip);
+            if (!(d > clip.gap) || d < kNoLength) continue;
+            const Vec3 direction = 1.0 / d * across;
+            CavityStiffness& row = out.emplace_back();
+            double growth = 0.0; // [m/s]
+            for (const std::size_t side : {0, 1})
+                for (const NodeWeight& each : pair[side]) {
+                    row.nodes.push_back(each.node);
+                    row.gradient.push_back((side == 0 ? each.weight : -each.weight) * direction);
+                    growth += dot(row.gradient.back(), state.v[static_cast<std::size_t>(each.node)]);
+                }
+            row.weight = dt * dt * k;
+            const double pull = k * (d - clip.gap) + dt * k * growth;
+            for (std::size_t i = 0; i < row.nodes.size(); ++i)
+                forces[static_cast<std::size_t>(row.nodes[i])] -= pull * row.gradient[i];
+        }
+}
+
+void keepClips(Scene& scene, physics::StepReport& report)
+{
+    scene.clipReports.clear();
+    for (SoftBody& body : scene.soft) {
+        std::vector<Clip>& clips = body.state.clips;
+        const auto before = clips.size();
+        std::erase_if(clips, [&](const Clip& each) { return !hasAttachment(scene, each.id); });
+        report.clips.slipped += static_cast<int>(before - clips.size());
+        for (const Clip& each : clips) {
+            Vec3 middle;
+            for (const ClipPair& pair : each.pairs) middle += meanOf(middleOfPair(pair), body.state.x);
+            const bool closed = each.age >= each.def.closingTime;
+            scene.clipReports.push_back({.id = each.id,
+                                         .clip = each.clip,
+                                         .tissue = body.model.id,
+                                         .place = 1.0 / static_cast<double>(each.pairs.size()) * middle,
+                                         .gap = each.gap,
+                                         .force = each.force,
+                                         .closed = closed});
+            if (!closed) continue; // as hard as it presses, it holds
+            const auto hold = std::ranges::lower_bound(scene.attachments, each.id, {}, &Attachment::id);
+            hold->breakForce = std::max(1e-9, 2.0 * each.def.friction * each.force);
+        }
+    }
+    std::ranges::sort(scene.clipReports, {}, &frame::Clip::id);
+}
+
+} // namespace filasofia::engine

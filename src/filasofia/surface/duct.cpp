@@ -1,0 +1,224 @@
+#include "filasofia/surface/duct.h"
+
+#include "filasofia/core/disjoint_sets.h"
+#include "filasofia/core/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace filasofia::surface {
+namespace {
+
+constexpr std::size_t kAround = 16;    // points of a ring
+constexpr std::size_t kStations = 400; // at most
+constexpr double kFarFromBody = 3.0;   // [-] times its radius: a ring farther away is in no tissue
+constexpr double kPi = std::numbers::pi;
+
+Vec3 acrossOf(Vec3 along)
+{
+    const Vec3 a = std::abs(along.x) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
+    return normalized(cross(along, a));
+}
+
+/// Places at equal distances along a line, its ends among them, and the directions there.
+struct Line {
+    std::vector<Vec3> places = {}, directions = {};
+    double spacing = 0.0; ///< [m]
+};
+
+Line stationsOf(const std::vector<Vec3>& path, double radius)
+{
+    double whole = 0.0;
+    for (std::size_t i = 0; i + 1 < path.size(); ++i) whole += distance(path[i], path[i + 1]);
+    const auto parts = std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(whole / radius)), 2, kStations - 1);
+    Line line{.spacing = whole / static_cast<double>(parts)};
+    std::size_t edge = 0;
+    double before = 0.0;
+    for (std::size_t s = 0; s <= parts; ++s) {
+        const double along = line.spacing * static_cast<double>(s);
+        while (edge + 2 < path.size() && before + distance(path[edge], path[edge + 1]) < along)
+            before += distance(path[edge], path[edge + 1]), ++edge;
+        const Vec3 direction = normalized(path[edge + 1] - path[edge]);
+        line.places.push_back(path[edge] + (along - before) * direction);
+        line.directions.push_back(direction);
+    }
+    return line;
+}
+
+/// [-] The flow per pressure of an ellipse over that of a circle of this radius. The ring of points goes around
+/// `along`. A ring that is turned inside out is shut.
+double opennessOf(std::span<const Vec3> ring, Vec3 middle, Vec3 along, double radius)
+{
+    const Vec3 u = acrossOf(along), v = cross(along, u);
+    double xx = 0.0, yy = 0.0, xy = 0.0, twice = 0.0;
+    for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Vec3 p = ring[i] - middle, q = ring[(i + 1) % ring.size()] - middle;
+        const double x = dot(p, u), y = dot(p, v);
+        xx += x * x, yy += y * y, xy += x * y;
+        twice += x * dot(q, v) - y * dot(q, u);
+    }
+    const auto n = static_cast<double>(ring.size());
+    const double mean = (xx + yy) / n, spread = std::hypot((xx - yy) / n, 2.0 * xy / n);
+    const double a = std::sqrt(mean + spread); // a ring of an ellipse has the moments a^2 / 2 and b^2 / 2
+    const double area = 0.5 * twice * 2.0 * kPi / (n * std::sin(2.0 * kPi / n)); // the ellipse around the corners
+    if (!(area > 0.0) || !(a > 0.0)) return 0.0;
+    const double b = std::min(a, area / (kPi * a));
+    return 2.0 * a * a * a * b * b * b / ((a * a + b * b) * radius * radius * radius * radius);
+}
+
+} // namespace
+
+Duct::Duct(const DuctDef& def, const geometry::TetMesh& mesh, std::span<const geometry::Triangle> skin,
+           const std::string& object)
+    : def_(def)
+{
+    if (def.path.size() < 2) fail(object, ": path must have at least two points, got ", def.path.size());
+    for (std::size_t i = 0; i + 1 < def.path.size(); ++i)
+        if (distance(def.path[i], def.path[i + 1]) == 0.0)
+            fail(object, ": path[", i, "] and path[", i + 1, "] must be two places, got one");
+    const Line line = stationsOf(def.path, def.radius);
+    spacing_ = line.spacing;
+    std::vector<Vec3> points;
+    for (std::size_t s = 0; s < line.places.size(); ++s) {
+        const Vec3 u = acrossOf(line.directions[s]), v = cross(line.directions[s], u);
+        for (std::size_t i = 0; i < kAround; ++i) {
+            const double angle = 2.0 * kPi * static_cast<double>(i) / static_cast<double>(kAround);
+            points.push_back(line.places[s] + def.radius * (std::cos(angle) * u + std::sin(angle) * v));
+        }
+    }
+    points_ = geometry::embed(mesh, points);
+    std::vector<int> nodes;
+    for (const geometry::Triangle& t : skin) nodes.insert(nodes.end(), t.begin(), t.end());
+    std::ranges::sort(nodes);
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    for (Vec3 point : points) {
+        const auto far = [&](int node) { return distance(mesh.nodes[static_cast<std::size_t>(node)], point); };
+        const int nearest = *std::ranges::min_element(nodes, {}, far);
+        if (!(far(nearest) < kFarFromBody * def.radius + 2.0 * spacing_))
+            fail(object, ": path must run through the body, but is ", far(nearest), " m away from it");
+        near_.push_back(nearest);
+    }
+    middles_ = line.places;
+}
+
+std::vector<double> Duct::conductances(std::span<const Vec3> positions)
+{
+    ring_.assign(points_.nodes.size(), Vec3{});
+    for (std::size_t i = 0; i < ring_.size(); ++i)
+        for (std::size_t k = 0; k < 4; ++k)
+            ring_[i] += points_.weights[i][k] * positions[static_cast<std::size_t>(points_.nodes[i][k])];
+    const std::size_t n = middles_.size();
+    for (std::size_t s = 0; s < n; ++s) {
+        middles_[s] = {};
+        for (std::size_t i = 0; i < kAround; ++i)
+            middles_[s] += 1.0 / static_cast<double>(kAround) * ring_[kAround * s + i];
+    }
+    std::vector<double> out(n);
+    for (std::size_t s = 0; s < n; ++s) {
+        const Vec3 along = middles_[std::min(s + 1, n - 1)] - middles_[s > 0 ? s - 1 : 0];
+        if (length(along) == 0.0) continue;
+        out[s] =
+            opennessOf(std::span(ring_).subspan(kAround * s, kAround), middles_[s], normalized(along), def_.radius);
+    }
+    return out;
+}
+
+void Duct::findCut(const DuctBody& body)
+{
+    const std::uint64_t now = body.boundary ? body.boundary->revision : 0;
+    if (now == revision_) return;
+    revision_ = now;
+    cuts_.clear();
+    if (now == 0) return;
+    DisjointSets parts(body.positions.size());
+    std::vector<char> there(body.positions.size());
+    for (const auto& [a, b, c] : body.boundary->triangles) {
+        parts.join(a, b);
+        parts.join(b, c);
+        for (int node : {a, b, c}) there[static_cast<std::size_t>(node)] = 1;
+    }
+    // The part that most of a ring's nodes are in; -1: that of a piece that was removed.
+    const auto partOf = [&](std::size_t station) {
+        std::array<int, kAround> found{};
+        for (std::size_t i = 0; i < kAround; ++i) {
+            const int node = near_[kAround * station + i];
+            found[i] = there[static_cast<std::size_t>(node)] ? parts.find(node) : -1;
+        }
+        return *std::ranges::max_element(found, {}, [&](int part) { return std::ranges::count(found, part); });
+    };
+    for (std::size_t s = 0; s + 1 < middles_.size(); ++s)
+        if (const int here = partOf(s); here == -1 || here != partOf(s + 1)) cuts_.push_back(static_cast<int>(s));
+    if (cuts_.empty()) return;
+    const std::array stations = {static_cast<std::size_t>(cuts_.front()), static_cast<std::size_t>(cuts_.back()) + 1};
+    for (std::size_t end = 0; end < 2; ++end) { // a ring may be torn: those of its nodes that are on this side
+        endNodes_[end].clear();
+        const int part = partOf(stations[end]);
+        for (std::size_t i = 0; i < kAround; ++i) {
+            const int node = near_[kAround * stations[end] + i];
+            if (there[static_cast<std::size_t>(node)] && parts.find(node) == part) endNodes_[end].push_back(node);
+        }
+    }
+}
+
+void Duct::step(const DuctBody& body, double dt)
+{
+    const std::vector<double> open = conductances(body.positions);
+    findCut(body);
+    DuctBalance now{.lost = balance_.lost};
+    now.narrowest = *std::ranges::min_element(open);
+    const auto last = static_cast<int>(open.size()) - 1;
+    const int before = cuts_.empty() ? last : cuts_.front(), after = cuts_.empty() ? 0 : cuts_.back() + 1;
+    // [Pa s/m^3] from one station to another; infinite if one of them is shut. Those beside a cut are not
+    // asked: their rings are torn.
+    const auto resistance = [&](int from, int to) {
+        const double whole = 8.0 * def_.viscosity * spacing_ / (kPi * std::pow(def_.radius, 4));
+        double sum = 0.0;
+        for (int s = from; s < to; ++s) {
+            const double here = std::min(open[static_cast<std::size_t>(s)], open[static_cast<std::size_t>(s) + 1]);
+            const double mean = 0.5 * (open[static_cast<std::size_t>(s)] + open[static_cast<std::size_t>(s) + 1]);
+            if (here < def_.shutBelow) return std::numeric_limits<double>::infinity();
+            sum += whole / mean;
+        }
+        return sum;
+    };
+    for (const frame::Clip& clip : body.clips) {
+        const auto far = [&](Vec3 middle) { return distance(middle, clip.place); };
+        const auto nearest = static_cast<int>(std::ranges::min_element(middles_, {}, far) - middles_.begin());
+        if (far(middles_[static_cast<std::size_t>(nearest)]) > kFarFromBody * def_.radius + spacing_) continue;
+        ++(nearest <= before ? now.clipsBefore : now.clipsAfter);
+    }
+    ends_.clear();
+    if (cuts_.empty()) {
+        const double all = def_.inletResistance + def_.outletResistance + resistance(0, last);
+        const bool shut = std::isinf(all);
+        now.flow = shut ? 0.0 : (def_.inletPressure - def_.outletPressure) / all;
+        now.state = shut ? DuctState::Clipped : DuctState::Open;
+    } else {
+        const auto leak = [&](double pressure, double supply, int from, int to) {
+            return std::max(0.0, pressure / std::max(1e-3, supply + resistance(from, to)));
+        };
+        const double in = leak(def_.inletPressure, def_.inletResistance, 0, std::max(0, before - 1));
+        const double out = leak(def_.outletPressure, def_.outletResistance, std::min(last, after + 1), last);
+        now.leak = in + out;
+        now.lost += dt * now.leak;
+        now.state = now.leak > 0.0 ? DuctState::Leaking : DuctState::Cut;
+        const auto placeOf = [&](std::size_t end, int station) {
+            if (endNodes_[end].empty()) return middles_[static_cast<std::size_t>(station)];
+            Vec3 sum;
+            for (const int node : endNodes_[end]) sum += body.positions[static_cast<std::size_t>(node)];
+            return 1.0 / static_cast<double>(endNodes_[end].size()) * sum;
+        };
+        ends_ = {{placeOf(0, before), in > 0.0}, {placeOf(1, after), out > 0.0}};
+    }
+    balance_ = now;
+}
+
+void Duct::restart()
+{
+    balance_ = {};
+    ends_.clear();
+}
+
+} // namespace filasofia::surface

@@ -1,0 +1,139 @@
+#include "filasofia/prefab/clip_applier.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/core/units.h"
+#include "filasofia/geometry/shapes.h"
+#include "filasofia/runtime/stepped_run.h"
+
+#include <catch2/catch.hpp>
+
+namespace clip_applier_test {
+
+using namespace filasofia;
+using namespace filasofia::prefab;
+using runtime::Simulation;
+
+namespace {
+
+/// Two tubes along x, at y = 0 and y = 20 mm, and an applier that comes from +z.
+struct Theatre {
+    Simulation sim{runtime::SimulationDef{.physics = {.rate = 500, .gravity = {}, .threads = 1}}};
+    BodyId duct = tube("duct", 0.0), artery = tube("artery", 20_mm);
+    ArticulatedInstrument tool{
+        sim,
+        {.name = "applier", .kind = InstrumentKind::ClipApplier, .pose = at(0, 50_mm), .groups = {}, .opening = 1.0}};
+    std::vector<BodyId> told;
+    ClipApplier clips{
+        sim, tool, {.clips = 3, .targets = {duct, artery}, .onClip = [this](BodyId id) { told.push_back(id); }}};
+
+    BodyId tube(const char* name, double y)
+    {
+        physics::SoftBodyDef def{.name = name,
+                                 .mesh = geometry::shapes::vessel({{-10_mm, y, 0},
+                                                                   {-8_mm, y, 0},
+                                                                   {-6_mm, y, 0},
+                                                                   {-4_mm, y, 0},
+                                                                   {-2_mm, y, 0},
+                                                                   {-1_mm, y, 0},
+                                                                   {0, y, 0},
+                                                                   {1_mm, y, 0},
+                                                                   {2_mm, y, 0},
+                                                                   {4_mm, y, 0},
+                                                                   {6_mm, y, 0},
+                                                                   {8_mm, y, 0},
+                                                                   {10_mm, y, 0}},
+                                                                  1_mm, 0.7_mm, {8, 1})};
+        def.material = physics::FemMaterial{.youngModulus = 20e3, .poissonRatio = 0.4};
+        def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {-9_mm, 1, 1}}},
+                           {.box = geometry::Box{{9_mm, -1, -1}, {1, 1, 1}}}};
+        return sim.add(def);
+    }
+    /// The pivot with which the clip lies at this height, this far from the tubes.
+    static Pose at(double y, double back) { return {{0, y, 9_mm + back}, {}}; }
+    frame::FrameRef run(int steps)
+    {
+        sim.run({.headless = true, .backend = visual::Backend::Null, .steps = steps});
+        return sim.physics().latest();
+    }
+    /// Closes on what is at this height, opens again and goes away.
+    void shut(double y)
+    {
+        tool.move(at(y, 0));
+        run(20);
+        tool.close();
+        run(300);
+        tool.open();
+        run(100);
+        tool.move(at(y, 50_mm));
+        run(20);
+    }
+};
+
+} // namespace
+
+TEST_CASE("an applier closes its clips on the tube that is between its jaws")
+{
+    Theatre it;
+    CHECK(it.clips.left() == 3);
+    it.run(20);
+    it.shut(0.0);
+    it.shut(20_mm);
+    it.shut(60_mm); // nothing is there
+    CHECK(it.clips.left() == 0);
+    CHECK(it.clips.applied() == 2);
+    CHECK(it.clips.missed() == 1);
+    CHECK(it.told == std::vector<BodyId>{it.duct, it.artery, BodyId{}});
+    it.shut(0.0); // the magazine is empty
+    CHECK(it.told.size() == 3);
+    const auto frame = it.sim.physics().latest();
+    REQUIRE(frame->clips.size() == 2);
+    CHECK(frame->clips[0].tissue == it.duct);
+    CHECK(frame->clips[0].clip == it.clips.bodies()[0]);
+    CHECK(frame->clips[1].tissue == it.artery);
+    CHECK(frame->clips[1].closed);
+    CHECK(length(frame->clips[0].place) < 0.5_mm);
+    const Pose& clip = frame->rigidBody(it.clips.bodies()[0])->poses[0];
+    CHECK(length(clip.position) < 1_mm); // it stays where it was closed
+}
+
+TEST_CASE("clips that are reloaded after a reset close again, in the same way")
+{
+    Theatre it;
+    it.run(20);
+    it.shut(0.0);
+    const double gap = it.sim.physics().latest()->clips.at(0).gap;
+    it.sim.reset();
+    it.clips.reload();
+    it.tool.open();
+    auto frame = it.run(50);
+    CHECK(frame->clips.empty());
+    CHECK(it.clips.left() == 3);
+    CHECK(frame->rigidBody(it.clips.bodies()[0])->poses[0].position.x > 1.0); // in the magazine
+    it.shut(0.0);
+    frame = it.sim.physics().latest();
+    REQUIRE(frame->clips.size() == 1);
+    CHECK(frame->clips[0].gap == Approx(gap).epsilon(0.05));
+}
+
+TEST_CASE("an applier without targets, or with wrong ones, is refused in one line")
+{
+    Theatre it;
+    const auto problem = [&](const ClipApplierDef& def) -> std::string {
+        try {
+            const ClipApplier made(it.sim, it.tool, def);
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "none";
+    };
+    CHECK(problem({}) == "clip applier 'applier': targets must name at least one soft body, got none");
+    CHECK(problem({.targets = {it.tool.body()}}) ==
+          "clip applier 'applier': targets must be soft bodies, got rigid body 'applier'");
+    CHECK(problem({.clips = 0, .targets = {it.duct}}).starts_with("clip applier 'applier': clips must be in [1, 100]"));
+    CHECK(problem({.clip = {.opening = 0.2_mm}, .targets = {it.duct}})
+              .starts_with("clip applier 'applier': clip.opening must be > gap"));
+    CHECK(problem({.clip = {.element = 1}, .targets = {it.duct}}) ==
+          "clip applier 'applier': clip.element must be 0, got 1");
+}
+
+} // namespace clip_applier_test

@@ -1,0 +1,176 @@
+#include "filasofia/surface/duct.h"
+
+#include "filasofia/core/error.h"
+#include "filasofia/geometry/shapes.h"
+#include "filasofia/math/pose.h"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+namespace duct_test {
+using namespace filasofia;
+using namespace filasofia::surface;
+
+constexpr double kPi = std::numbers::pi;
+
+/// A straight vessel along x from 0 to 40 mm; its lumen has a radius of 1 mm.
+struct Tube {
+    std::shared_ptr<const geometry::TetMesh> mesh;
+    std::vector<geometry::Triangle> skin;
+
+    Tube()
+    {
+        std::vector<Vec3> line;
+        for (int i = 0; i <= 40; ++i) line.push_back({1e-3 * i, 0, 0});
+        mesh = geometry::shapes::vessel(line, 1e-3, 0.6e-3, {12, 1});
+        // Faces that belong to one tetrahedron only.
+        std::map<std::array<int, 3>, std::pair<geometry::Triangle, int>> faces;
+        for (const auto& [a, b, c, d] : mesh->tetrahedra)
+            for (const geometry::Triangle& t : {geometry::Triangle{a, c, b}, {a, b, d}, {b, c, d}, {a, d, c}}) {
+                std::array<int, 3> key = {t[0], t[1], t[2]};
+                std::ranges::sort(key);
+                auto& [face, count] = faces[key];
+                face = t;
+                ++count;
+            }
+        for (const auto& [key, face] : faces)
+            if (face.second == 1) skin.push_back(face.first);
+    }
+    [[nodiscard]] Duct duct(DuctDef def = {}) const
+    {
+        if (def.path.empty()) def.path = {{0, 0, 0}, {0.04, 0, 0}};
+        return Duct(def, *mesh, skin, "duct");
+    }
+    /// The skin without the triangles that reach from one side of x [m] to the other: it has come apart there.
+    [[nodiscard]] frame::Boundary cutAt(double x) const
+    {
+        frame::Boundary out{.revision = 1};
+        for (const geometry::Triangle& t : skin) {
+            int before = 0;
+            for (int node : t) before += mesh->nodes[static_cast<std::size_t>(node)].x < x;
+            if (before == 0 || before == 3) out.triangles.push_back(t);
+        }
+        return out;
+    }
+};
+
+/// Squeezes the tube between two places along y, and lets it grow along z, so that its round lumen becomes an ellipse
+/// with these half axes over its radius.
+std::vector<Vec3> squeezed(const geometry::TetMesh& mesh, double from, double to, double a, double b)
+{
+    std::vector<Vec3> x = mesh.nodes;
+    for (Vec3& each : x)
+        if (each.x >= from && each.x <= to) each = {each.x, b * each.y, a * each.z};
+    return x;
+}
+
+TEST_CASE("through a round tube flows what Poiseuille says")
+{
+    const Tube tube;
+    Duct duct = tube.duct({.viscosity = 3.5e-3, .inletPressure = 3e3, .outletPressure = 1e3});
+    duct.step({.positions = tube.mesh->nodes}, 1e-3);
+    const double expected = kPi * std::pow(1e-3, 4) * 2e3 / (8.0 * 3.5e-3 * 0.04);
+    CHECK(duct.balance().flow == Approx(expected).epsilon(0.01));
+    CHECK(duct.balance().state == DuctState::Open);
+    CHECK(duct.balance().narrowest == Approx(1.0).epsilon(0.01));
+    CHECK(duct.balance().leak == 0.0);
+}
+
+TEST_CASE("through an elliptic tube flows what the closed form says, whichever way it lies")
+{
+    const Tube tube;
+    for (const auto& [a, b] : {std::pair{1.3, 0.6}, std::pair{1.5, 0.3}, std::pair{0.5, 1.2}}) {
+        Duct duct = tube.duct({.inletPressure = 1e3});
+        std::vector<Vec3> x = squeezed(*tube.mesh, -1.0, 1.0, a, b);
+        const Quat turned = axisAngle({0.3, 0.5, -0.8}, 1.1);
+        for (Vec3& each : x) each = rotate(turned, each) + Vec3{0.1, 0.2, 0.3};
+        duct.step({.positions = x}, 1e-3);
+        const double p = std::pow(a * 1e-3, 3) * std::pow(b * 1e-3, 3) / (1e-6 * (a * a + b * b));
+        CHECK(duct.balance().flow == Approx(kPi * 1e3 * p / (4.0 * 1e-3 * 0.04)).epsilon(0.02));
+    }
+}
+
+TEST_CASE("resistances before and behind it, and a narrow part of it, add up")
+{
+    const Tube tube;
+    const double whole = 8.0 * 1e-3 * 0.04 / (kPi * 1e-12);
+    Duct duct = tube.duct({.inletPressure = 1e3, .inletResistance = 2.0 * whole, .outletResistance = whole});
+    duct.step({.positions = tube.mesh->nodes}, 1e-3);
+    CHECK(duct.balance().flow == Approx(1e3 / (4.0 * whole)).epsilon(0.01));
+    // A quarter of its length has half the diameter: 16 times the resistance there.
+    Duct narrow = tube.duct({.inletPressure = 1e3});
+    narrow.step({.positions = squeezed(*tube.mesh, 0.0149, 0.0251, 0.5, 0.5)}, 1e-3);
+    CHECK(narrow.balance().flow == Approx(1e3 / (whole * (0.75 + 0.25 * 16.0))).epsilon(0.05));
+    CHECK(narrow.balance().narrowest == Approx(1.0 / 16.0).epsilon(0.01));
+}
+
+TEST_CASE("a tube that is squeezed shut, or inside out, has no flow")
+{
+    const Tube tube;
+    for (const double b : {0.02, 0.0, -0.1}) {
+        Duct duct = tube.duct({.inletPressure = 1e3});
+        const frame::Clip clip{.place = {0.02, 0, 0}};
+        duct.step({.positions = squeezed(*tube.mesh, 0.019, 0.021, 1.4, b), .clips = {&clip, 1}}, 1e-3);
+        CHECK(duct.balance().flow == 0.0);
+        CHECK(duct.balance().state == DuctState::Clipped);
+        CHECK(duct.balance().clipsBefore == 1);
+    }
+}
+
+TEST_CASE("a cut tube leaks by Poiseuille from both ends, and not from one that is shut")
+{
+    const Tube tube;
+    const double whole = 8.0 * 1e-3 * 0.04 / (kPi * 1e-12);
+    const frame::Boundary cut = tube.cutAt(0.0205);
+    const DuctDef def{.inletPressure = 3e3, .outletPressure = 1e3};
+    Duct duct = tube.duct(def);
+    for (int i = 0; i < 100; ++i) duct.step({.positions = tube.mesh->nodes, .boundary = &cut}, 1e-3);
+    CHECK(duct.balance().state == DuctState::Leaking);
+    CHECK(duct.balance().leak == Approx(8e3 / whole).epsilon(0.1)); // half of its length on each side
+    CHECK(duct.balance().lost == Approx(0.1 * duct.balance().leak).epsilon(1e-9));
+    CHECK(duct.balance().flow == 0.0);
+    REQUIRE(duct.ends().size() == 2);
+    CHECK(duct.ends()[0].place.x == Approx(0.02).margin(1.5e-3));
+    CHECK(duct.ends()[1].leaks);
+
+    const std::array clips = {frame::Clip{.place = {0.008, 0, 0}}, frame::Clip{.place = {0.012, 0, 0}},
+                              frame::Clip{.place = {0.03, 0, 0}}, frame::Clip{.place = {0.0, 0.05, 0}}};
+    Duct shut = tube.duct(def);
+    const std::vector<Vec3> before = squeezed(*tube.mesh, 0.007, 0.013, 1.4, 0.0);
+    shut.step({.positions = before, .boundary = &cut, .clips = clips}, 1e-3);
+    CHECK(shut.balance().state == DuctState::Leaking); // from the outlet's side
+    CHECK_FALSE(shut.ends()[0].leaks);
+    CHECK(shut.ends()[1].leaks);
+    CHECK(shut.balance().clipsBefore == 2);
+    CHECK(shut.balance().clipsAfter == 1); // the last one is far away
+    std::vector<Vec3> both = before;
+    for (Vec3& each : both)
+        if (each.x >= 0.0295 && each.x <= 0.0305) each.y = 0.0;
+    shut.step({.positions = both, .boundary = &cut, .clips = clips}, 1e-3);
+    CHECK(shut.balance().state == DuctState::Cut);
+    CHECK(shut.balance().leak == 0.0);
+}
+
+TEST_CASE("a path that is no path is an Error")
+{
+    const Tube tube;
+    const auto problem = [&](const std::vector<Vec3>& path) -> std::string {
+        try {
+            static_cast<void>(Duct({.path = path}, *tube.mesh, tube.skin, "duct 'd'"));
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "none";
+    };
+    CHECK(problem({}) == "duct 'd': path must have at least two points, got 0");
+    CHECK(problem({{0, 0, 0}}) == "duct 'd': path must have at least two points, got 1");
+    CHECK(problem({{0, 0, 0}, {0, 0, 0}}) == "duct 'd': path[0] and path[1] must be two places, got one");
+    CHECK(problem({{0, 0, 0}, {0.1, 0, 0}}).starts_with("duct 'd': path must run through the body, but is "));
+    CHECK(problem({{0, 0, 0}, {0.04, 0, 0}}) == "none");
+}
+
+} // namespace duct_test
