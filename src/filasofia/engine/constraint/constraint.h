@@ -67,6 +67,8 @@ struct ConstraintLaw {
     std::array<Vec3, 3> frame = {}; ///< orthonormal; the first vector is the normal, from the second side to the first
     Vec3 bias = {};                 ///< [m/s] in the frame
     double friction = 0.0;          ///< [-] Coulomb's mu; unilateral constraints only
+    double tolerance = 0.0;         ///< [m/s] how far a rigid constraint may miss C = 0 (or C >= 0)
+    double softness = 0.0;          ///< [kg] impulse per velocity of a spring; 0 if the constraint is rigid
     /// [N s] Bound on the impulse along the normal. The constraint yields beyond it.
     double maxImpulse = std::numeric_limits<double>::infinity();
     /// [N s] in the frame, on the first side. In: the last step's impulse; out: the impulse that acted in this step
@@ -82,9 +84,7 @@ struct ConstraintLaw {
 /// friction, a shaft in a channel or its tip.
 struct Constraint : ConstraintLaw {
     std::array<BodyPoint, 2> sides = {};
-    double tolerance = 0.0; ///< [m/s] how far a rigid constraint may miss C = 0 (or C >= 0)
-    double softness = 0.0;  ///< [kg] impulse per velocity of a spring; 0 if the constraint is rigid
-    double yielding = 1.0;  ///< [-] factor on the penalty of a rigid constraint, > 0
+    double yielding = 1.0; ///< [-] factor on the penalty of a rigid constraint, > 0
     /// If only one side can move along the normal, as between a body and a kinematic one: another such factor, in
     /// (0, 1], and the fraction that the carried normal impulse loses; both for kRigidKappa.
     double trappedYielding = 1.0, trappedLoss = 0.0;

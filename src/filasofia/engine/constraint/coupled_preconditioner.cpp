@@ -106,11 +106,15 @@ void CoupledSolve::chooseStiffness()
         const double across = spring ? each.softness : rigid;
         const double tangential = spring && each.bilateral() ? each.softness : rigid;
         rows_[c].stiffness = {across, tangential, tangential};
-        rows_[c].u = inFrame(each.frame, each.sides[0].velocity - each.sides[1].velocity);
         const double loss = bothMove ? each.lostLoss : trapped.loss;
         rows_[c].law.impulse.x *= 1.0 - loss;
         rows_[c].trapped = loss > 0.0;
         if (compliance == 0.0) rows_[c].law.impulse = {}; // no body can move along the normal
+        normals_[c] = {.axis = normal,
+                       .impulse = rows_[c].law.impulse.x,
+                       .stiffness = across,
+                       .velocity = each.bias.x + dot(normal, velocities_[c]),
+                       .sleeps = !each.bilateral()};
     }
 }
 
@@ -126,20 +130,25 @@ void CoupledSolve::makeFilter()
     const auto endOf = [&](std::size_t c) {
         return firstOf(c) + static_cast<std::size_t>(constraints_->list[c].count);
     };
+    for (std::size_t c : active_) filters_[c] = {};
+    active_.clear();
+    others_ = 0;
     for (std::size_t c = 0; c < rows_.size(); ++c) {
+        if (normals_[c].sleeps && !normals_[c].active && !rows_[c].state.active) continue;
         Row& row = rows_[c];
-        row.state = row.now;
+        row.state = normals_[c].sleeps ? Projected{} : row.now;
+        normals_[c].active = row.state.active;
         row.sigma = times(row.stiffness, sharesOf(row.law, row.state));
-        filters_[c] = {};
+        if (row.sigma != Vec3{}) active_.push_back(c);
         for (std::size_t k = firstOf(c); row.state.active && k < endOf(c); ++k)
             shareOf(k) += std::abs(constraints_->points[k].weight);
     }
-    for (std::size_t c = 0; together_ && c < rows_.size(); ++c) perRow_[c] = rows_[c].sigma;
+    perRow_.assign(rows_.size(), Vec3{});
+    for (std::size_t c : active_) perRow_[c] = rows_[c].sigma;
     together_ = together_ && filter_.build(perRow_);
     if (together_ && joined_) return; // else the coarse levels need the filters of single constraints
-    for (std::size_t c = 0; c < rows_.size(); ++c) {
-        Row& row = rows_[c];
-        if (row.sigma == Vec3{}) continue;
+    for (std::size_t c : active_) {
+        const Row& row = rows_[c];
         Mat3 compliance;
         for (std::size_t k = firstOf(c); k < endOf(c); ++k) {
             const WeightedPoint& at = constraints_->points[k];
@@ -151,14 +160,14 @@ void CoupledSolve::makeFilter()
     }
 }
 
+bool CoupledSolve::isOther(const Projected& now, const Projected& then)
+{
+    return now.active != then.active || now.slip > kOtherSlip * then.slip || then.slip > kOtherSlip * now.slip;
+}
+
 void CoupledSolve::renewFilter()
 {
-    const auto isOther = [](const Row& row) {
-        const Projected &now = row.now, &then = row.state;
-        return now.active != then.active || now.slip > kOtherSlip * then.slip || then.slip > kOtherSlip * now.slip;
-    };
-    const auto others = static_cast<std::size_t>(std::ranges::count_if(rows_, isOther));
-    if (others * kOthers > rows_.size()) makeFilter();
+    if (others_ * kOthers > rows_.size()) makeFilter();
 }
 
 void CoupledSolve::correctCoarseLevels() { correction_.make(network(), patchMotions(network())); }
@@ -178,21 +187,28 @@ void CoupledSolve::joinConstraints()
 void CoupledSolve::applyFilter(const std::vector<Vec3>& velocities)
 {
     if (!together_) {
-        for (std::size_t c = 0; c < rows_.size(); ++c) impulses_[c] = filters_[c] * velocities[c];
+        for (std::size_t c : active_) impulses_[c] = filters_[c] * velocities[c];
         return;
     }
-    for (std::size_t c = 0; c < rows_.size(); ++c) perRow_[c] = inFrame(rows_[c].law.frame, velocities[c]);
+    std::ranges::fill(perRow_, Vec3{});
+    for (std::size_t c : active_) perRow_[c] = inFrame(rows_[c].law.frame, velocities[c]);
     filter_.apply(perRow_);
-    for (std::size_t c = 0; c < rows_.size(); ++c) impulses_[c] = inWorld(rows_[c].law.frame, perRow_[c]);
+    for (std::size_t c : active_) impulses_[c] = inWorld(rows_[c].law.frame, perRow_[c]);
+}
+
+void CoupledSolve::readActive(SolveVector from, std::vector<Vec3>& to)
+{
+    read(from);
+    for (std::size_t c : active_) to[c] = velocityOf(c);
 }
 
 double CoupledSolve::precondition()
 {
     for (const CoupledBody& body : *bodies_) body.preconditioner->smooth();
-    read(SolveVector::Smoothed, smoothed_);
+    readActive(SolveVector::Smoothed, smoothed_);
     if (!exact_) { // else there is no coarse level
         applyFilter(smoothed_);
-        push(-1.0, [](const CoupledBody& body, std::span<const Vec3> impulses) {
+        push(-1.0, active_, [](const CoupledBody& body, std::span<const Vec3> impulses) {
             body.matrix->add(impulses, SolveVector::CoarseResidual);
         });
     }
@@ -200,14 +216,14 @@ double CoupledSolve::precondition()
     if (!correction_.empty()) correction_.project(*bodies_);
     for (std::size_t b = 0; b < bodies_->size(); ++b)
         rz += (*bodies_)[b].preconditioner->applyCoarse(correction_.shares(b));
-    read(SolveVector::Preconditioned, velocities_);
-    applyFilter(velocities_);
-    for (std::size_t c = 0; c < rows_.size(); ++c) rz -= dot(smoothed_[c], impulses_[c]);
-    push(1.0, [](const CoupledBody& body, std::span<const Vec3> impulses) {
+    readActive(SolveVector::Preconditioned, steps_);
+    applyFilter(steps_);
+    for (std::size_t c : active_) rz -= dot(smoothed_[c], impulses_[c]);
+    push(1.0, active_, [](const CoupledBody& body, std::span<const Vec3> impulses) {
         body.preconditioner->subtractSmoothed(impulses);
     });
-    read(SolveVector::Preconditioned, velocities_);
-    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].step = inFrame(rows_[c].law.frame, velocities_[c]);
+    read(SolveVector::Preconditioned);
+    for (std::size_t c = 0; c < rows_.size(); ++c) steps_[c] = velocityOf(c);
     return rz;
 }
 

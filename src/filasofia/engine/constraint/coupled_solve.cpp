@@ -74,7 +74,7 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     report.mismatch = mismatch();
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Constraint& solved = *rows.list[c].constraint;
-        solved.multiplier = law(c, rows_[c].u).impulse;
+        solved.multiplier = staysAsleep(c, 0.0) ? Vec3{} : law(c, velocityIn(c)).impulse;
         solved.impulse = rows_[c].impulse;
     }
     return report;
@@ -104,8 +104,15 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
     }
     atPoints_.resize(sharing_.size());
     rows_.assign(constraints_->list.size(), {});
-    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].law = constraint(c);
-    for (std::vector<Vec3>* each : {&smoothed_, &velocities_, &impulses_, &perRow_}) each->resize(rows_.size());
+    normals_.assign(rows_.size(), {});
+    for (std::vector<Vec3>* each : {&velocities_, &alongs_, &steps_, &smoothed_, &impulses_})
+        each->assign(rows_.size(), Vec3{});
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        const Constraint& each = constraint(c);
+        rows_[c].law = each;
+        velocities_[c] = each.sides[0].velocity - each.sides[1].velocity;
+    }
+    for (std::vector<std::size_t>* list : {&active_, &changing_, &passing_}) list->clear();
     exact_ = std::ranges::all_of(*bodies_, [](const CoupledBody& body) { return body.smoother->isExact(); });
     joined_ = exact_;
     together_ =
@@ -129,33 +136,45 @@ Projected CoupledSolve::law(std::size_t c, Vec3 u) const { return project(rows_[
 Vec3 CoupledSolve::lawAlong(std::size_t c, Vec3 u) const
 {
     const Row& row = rows_[c];
-    if (!activeSetFrozen_) return project(row.law, reaction(c, u), row.cone).impulse;
+    if (!activeSetFrozen_) return project(row.law, reaction(c, u), coneOf(row.law, row.impulse)).impulse;
     return linearised(row.law, row.state, reaction(c, u));
 }
 
-void CoupledSolve::read(SolveVector from, std::vector<Vec3>& velocities)
+void CoupledSolve::read(SolveVector from)
 {
     for (std::size_t b = 0; b < bodies_->size(); ++b)
         (*bodies_)[b].matrix->read(from,
                                    std::span(atPoints_).subspan(static_cast<std::size_t>(first_[b]),
                                                                 static_cast<std::size_t>(first_[b + 1] - first_[b])));
-    const WeightedPoint* points = constraints_->points.data();
-    for (std::size_t c = 0; c < rows_.size(); ++c) {
-        const ConstraintRow& row = constraints_->list[c];
-        Vec3 sum;
-        for (int k = row.first; k < row.first + row.count; ++k)
-            sum += points[k].weight * atPoints_[static_cast<std::size_t>(points[k].point)];
-        velocities[c] = sum;
-    }
+}
+
+Vec3 CoupledSolve::velocityOf(std::size_t c) const
+{
+    Vec3 sum;
+    for (const WeightedPoint& each : constraints_->pointsOf(constraints_->list[c]))
+        sum += each.weight * atPoints_[static_cast<std::size_t>(each.point)];
+    return sum;
 }
 
 double CoupledSolve::multiply()
 {
     double curvature = 0.0;
     for (const CoupledBody& body : *bodies_) curvature += body.matrix->multiply();
-    read(SolveVector::Direction, velocities_);
-    for (std::size_t c = 0; c < rows_.size(); ++c) rows_[c].along = inFrame(rows_[c].law.frame, velocities_[c]);
+    read(SolveVector::Direction);
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        alongs_[c] = velocityOf(c);
+        normals_[c].along = dot(normals_[c].axis, alongs_[c]);
+    }
     return curvature;
+}
+
+void CoupledSolve::moveAlong(double length)
+{
+    for (const CoupledBody& body : *bodies_) body.matrix->step(length);
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        velocities_[c] += length * alongs_[c];
+        normals_[c].velocity += length * normals_[c].along;
+    }
 }
 
 void CoupledSolve::firstGuess()
@@ -167,8 +186,11 @@ void CoupledSolve::firstGuess()
         derivative += body.matrix->dot(SolveVector::Direction, SolveVector::Residual);
     const auto rise = [&](double t) {
         double sum = t * curvature - derivative;
-        for (std::size_t c = 0; c < rows_.size(); ++c)
-            sum -= dot(rows_[c].along, law(c, rows_[c].u + t * rows_[c].along).impulse);
+        for (std::size_t c = 0; c < rows_.size(); ++c) {
+            if (staysAsleep(c, t)) continue;
+            const Vec3 along = inFrame(rows_[c].law.frame, alongs_[c]);
+            sum -= dot(along, law(c, velocityIn(c) + t * along).impulse);
+        }
         return sum;
     };
     double t = 0.0;
@@ -178,8 +200,7 @@ void CoupledSolve::firstGuess()
         if (!(std::abs(atOne) <= 0.5 * -atStart)) t = std::clamp(atStart / (atStart - atOne), 0.0, 2.0);
         if (atOne < atStart) t = 0.0;
     }
-    for (const CoupledBody& body : *bodies_) body.matrix->step(t);
-    for (Row& row : rows_) row.u += t * row.along;
+    moveAlong(t);
     energy_ += t * t * std::max(0.0, curvature);
     projectImpulses();
 }
@@ -188,10 +209,9 @@ bool CoupledSolve::impulsesSettled() const
 {
     // The change that z would still make: it estimates the error as well as the preconditioner estimates the matrix.
     double change = 0.0, all = 0.0;
-    for (const Row& row : rows_) {
-        change += lengthSquared(times(row.sigma, row.step));
-        all += lengthSquared(row.impulse);
-    }
+    for (std::size_t c : active_)
+        change += lengthSquared(times(rows_[c].sigma, inFrame(rows_[c].law.frame, steps_[c])));
+    for (const Row& row : rows_) all += lengthSquared(row.impulse);
     const double small = 0.01 * smallest_;
     return change <= limits_->tolerance * limits_->tolerance * std::max(all, small * small);
 }
@@ -205,7 +225,7 @@ bool CoupledSolve::updateDirection(double rz)
         for (const CoupledBody& body : *bodies_)
             met += body.matrix->dot(SolveVector::Preconditioned, SolveVector::Product);
         met *= length_;
-        for (const Row& row : rows_) met -= dot(row.step, row.change);
+        for (std::size_t c : changing_) met -= dot(inFrame(rows_[c].law.frame, steps_[c]), rows_[c].change);
         beta = -met / (lastDerivative_ - derivativeAtEnd_);
         derivative_ = rz + beta * derivativeAfter_;
         if (!std::isfinite(beta) || !(derivative_ > kSteepEnough * rz)) {
@@ -219,24 +239,36 @@ bool CoupledSolve::updateDirection(double rz)
     for (const CoupledBody& body : *bodies_) ownCurvature_ += body.matrix->multiply();
     curvature_ = ownCurvature_;
     for (std::size_t c = 0; c < rows_.size(); ++c) {
-        Row& row = rows_[c];
-        row.along = row.step + beta * row.along;
-        row.cone = coneOf(row.law, row.impulse);
-        curvature_ += dot(row.along, times(row.sigma, row.along));
+        alongs_[c] = steps_[c] + beta * alongs_[c];
+        normals_[c].along = dot(normals_[c].axis, alongs_[c]);
+    }
+    for (std::size_t c : active_) {
+        const Vec3 along = inFrame(rows_[c].law.frame, alongs_[c]);
+        curvature_ += dot(along, times(rows_[c].sigma, along));
     }
     return curvature_ > 0.0;
+}
+
+double CoupledSolve::changesAlong(double length)
+{
+    for (std::size_t c : changing_) rows_[c].change = {};
+    changing_.clear();
+    double sum = 0.0;
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        if (staysAsleep(c, length)) continue;
+        Row& row = rows_[c];
+        row.along = inFrame(row.law.frame, alongs_[c]);
+        row.change = lawAlong(c, velocityIn(c) + length * row.along) - row.impulse;
+        sum += dot(row.along, row.change);
+        changing_.push_back(c);
+    }
+    return sum;
 }
 
 void CoupledSolve::lineSearch()
 {
     const auto derivativeAt = [&](double length) {
-        double sum = derivative_ - length * ownCurvature_;
-        for (std::size_t c = 0; c < rows_.size(); ++c) {
-            Row& row = rows_[c];
-            row.change = lawAlong(c, row.u + length * row.along) - row.impulse;
-            sum += dot(row.along, row.change);
-        }
-        return sum;
+        return derivative_ - length * ownCurvature_ + changesAlong(length);
     };
     length_ = derivative_ / curvature_;
     derivativeAtEnd_ = derivativeAt(length_);
@@ -254,26 +286,38 @@ void CoupledSolve::lineSearch()
         derivativeAtEnd_ = derivativeAt(length_);
     }
     energy_ += length_ * length_ * std::max(0.0, ownCurvature_);
-    for (const CoupledBody& body : *bodies_) body.matrix->step(length_);
-    for (Row& row : rows_) row.u += length_ * row.along;
+    moveAlong(length_);
     projectImpulses();
     derivativeAfter_ = derivativeAtEnd_;
-    for (const Row& row : rows_) derivativeAfter_ += dot(row.along, row.passed - row.change);
+    for (std::size_t c : passing_) derivativeAfter_ += dot(inFrame(rows_[c].law.frame, alongs_[c]), rows_[c].passed);
+    for (std::size_t c : changing_) derivativeAfter_ -= dot(rows_[c].along, rows_[c].change);
     lastDerivative_ = derivative_;
     if (!activeSetFrozen_) renewFilter();
 }
 
 void CoupledSolve::projectImpulses()
 {
+    for (std::size_t c : passing_) rows_[c].passed = {};
+    passing_.clear();
+    others_ = 0;
     for (std::size_t c = 0; c < rows_.size(); ++c) {
+        if (staysAsleep(c, 0.0)) {
+            others_ += normals_[c].active ? 1 : 0;
+            continue;
+        }
         Row& row = rows_[c];
-        if (!activeSetFrozen_) row.now = law(c, row.u);
-        const Vec3 lawful = activeSetFrozen_ ? lawAlong(c, row.u) : row.now.impulse;
+        const Vec3 u = velocityIn(c);
+        if (!activeSetFrozen_) row.now = law(c, u);
+        const Vec3 lawful = activeSetFrozen_ ? lawAlong(c, u) : row.now.impulse;
+        others_ += isOther(row.now, row.state) ? 1 : 0;
+        normals_[c].sleeps = !row.law.bilateral() && !row.now.active && lawful == Vec3{};
+        if (lawful == row.impulse) continue;
         row.passed = lawful - row.impulse;
         row.impulse = lawful;
         impulses_[c] = inWorld(row.law.frame, row.passed);
+        passing_.push_back(c);
     }
-    push(1.0, [](const CoupledBody& body, std::span<const Vec3> impulses) {
+    push(1.0, passing_, [](const CoupledBody& body, std::span<const Vec3> impulses) {
         body.matrix->add(impulses, SolveVector::Residual);
     });
 }
@@ -289,7 +333,8 @@ double CoupledSolve::mismatch() const
 {
     double worst = 0.0, largest = 0.01 * smallest_;
     for (std::size_t c = 0; c < rows_.size(); ++c) {
-        const Vec3 lawful = law(c, rows_[c].u).impulse;
+        if (staysAsleep(c, 0.0)) continue;
+        const Vec3 lawful = law(c, velocityIn(c)).impulse;
         worst = std::max(worst, length(lawful - rows_[c].impulse));
         largest = std::max(largest, length(lawful));
     }
@@ -298,21 +343,23 @@ double CoupledSolve::mismatch() const
 
 bool CoupledSolve::updateMultipliers()
 {
-    const auto isRigid = [](const Constraint& constraint) { return constraint.softness == 0.0; };
     double worst = 0.0; // relative to the tolerance
     for (std::size_t c = 0; c < rows_.size(); ++c) {
-        const Constraint& each = constraint(c);
-        if (!isRigid(each) || rows_[c].stiffness.x == 0.0) continue;
-        if (std::abs(rows_[c].law.impulse.x) >= each.maxImpulse) continue; // the constraint has yielded
-        const Vec3 missed = each.bias + rows_[c].u;
+        const ConstraintLaw& each = rows_[c].law;
+        if (each.softness != 0.0 || rows_[c].stiffness.x == 0.0) continue;
+        if (std::abs(each.impulse.x) >= each.maxImpulse) continue; // the constraint has yielded
+        const Vec3 missed = each.bias + velocityIn(c);
         // What was trapped and is let go would fly off by the impulse that it was held with.
         const bool thrown = rows_[c].trapped && rows_[c].impulse.x > 0.0 && missed.x > 0.0;
         worst = std::max(worst, (each.bilateral() ? length(missed) : thrown ? missed.x : -missed.x) / each.tolerance);
     }
     if (worst <= 1.0 || worst > kUpdateHelps * missed_) return false;
     missed_ = worst;
-    for (std::size_t c = 0; c < rows_.size(); ++c)
-        if (isRigid(constraint(c))) rows_[c].law.impulse = law(c, rows_[c].u).impulse;
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        if (rows_[c].law.softness != 0.0) continue;
+        rows_[c].law.impulse = staysAsleep(c, 0.0) ? Vec3{} : law(c, velocityIn(c)).impulse;
+        normals_[c].impulse = rows_[c].law.impulse.x;
+    }
     projectImpulses();
     makeFilter();
     restart_ = true;

@@ -93,17 +93,32 @@ private:
     struct Row {              ///< scratch of a constraint, in the order of the rows
         ConstraintLaw law;    ///< a copy: constraints are large, and every pass over the rows reads this
         Vec3 stiffness;       ///< [kg] Sigma of an active constraint
-        Vec3 u;               ///< [m/s] velocity
         Vec3 impulse;         ///< [N s] impulse that acts
-        Vec3 step, along;     ///< [m/s] velocity of z; velocity of the direction
+        Vec3 along;           ///< [m/s] velocity of the direction, in the frame; of rows that are awake
         Vec3 change;          ///< [N s] change of the impulse along the direction, for cones of fixed radius
+        Vec3 passed;          ///< [N s] last change of the impulse
         bool trapped = false; ///< a contact of which only one side can move: its impulse may have grown without bound
-        double cone = 0.0;    ///< [N s] radius of the friction cone along the direction
         Projected now;        ///< the current projection onto the law
         Projected state;      ///< the projection when the filter was built
         Vec3 sigma;           ///< [kg] Sigma in that state: zero if inactive, less if sliding
-        Vec3 passed;          ///< [N s] last change of the impulse
     };
+
+    /// Most contacts are only near and do not push. What tells that, and nothing else, is read of them in every pass.
+    struct Normal {
+        Vec3 axis;              ///< of the frame
+        double impulse = 0.0;   ///< [N s] that the solve starts from
+        double stiffness = 0.0; ///< [kg]
+        double velocity = 0.0;  ///< [m/s] bias + u
+        double along = 0.0;     ///< [m/s] velocity of the direction
+        bool sleeps = false;    ///< unilateral, without impulse
+        bool active = false;    ///< when the filter was built
+    };
+    /// Whether a row that sleeps would still do so after this length of the direction.
+    [[nodiscard]] bool staysAsleep(std::size_t c, double length) const
+    {
+        const Normal& at = normals_[c];
+        return at.sleeps && !activeSetFrozen_ && at.impulse - at.stiffness * (at.velocity + length * at.along) <= 0.0;
+    }
 
     void begin(const std::vector<std::vector<ContactPoint>>& pointsOf);
     void chooseStiffness();
@@ -113,14 +128,19 @@ private:
     [[nodiscard]] double ownStiffness(const ConstraintRow& row); ///< [kg] D of the blocks that a row acts on
     void joinConstraints(); ///< filter and coarse levels know all of them together from now on
     void makeFilter();
-    void applyFilter(const std::vector<Vec3>& velocities); ///< impulses_ = M of these
+    void applyFilter(const std::vector<Vec3>& velocities); ///< impulses_ = M of these, at the active rows
     void correctCoarseLevels();
     [[nodiscard]] ConstraintNetwork network() const { return {*bodies_, first_, *constraints_, filters_}; }
-    void renewFilter(); ///< rebuilds it if states have changed since
-    /// velocities = J of this vector of the bodies, world axes
-    void read(SolveVector from, std::vector<Vec3>& velocities);
-    /// Calls add(body, its part of J^T impulses_), `factor` times.
-    template <class Add> void push(double factor, const Add& add);
+    [[nodiscard]] static bool isOther(const Projected& now, const Projected& then); ///< for the filter
+    void renewFilter();                                       ///< rebuilds it if states have changed since
+    void read(SolveVector from);                              ///< atPoints_ = this vector of the bodies
+    [[nodiscard]] Vec3 velocityOf(std::size_t c) const;       ///< J atPoints_, world axes
+    void readActive(SolveVector from, std::vector<Vec3>& to); ///< J of this vector of the bodies, at the active rows
+    /// Calls add(body, its part of J^T impulses_) with the impulses of these rows, `factor` times.
+    template <class Add> void push(double factor, const std::vector<std::size_t>& rows, const Add& add);
+    void moveAlong(double length); ///< the rows' velocities
+    [[nodiscard]] Vec3 velocityIn(std::size_t c) const { return inFrame(rows_[c].law.frame, velocities_[c]); } ///< u
+    double changesAlong(double length); ///< sum of along . change of the impulses; lists the rows that have any
     [[nodiscard]] Vec3 reaction(std::size_t c, Vec3 u) const; ///< y
     [[nodiscard]] Projected law(std::size_t c, Vec3 u) const;
     [[nodiscard]] Vec3 lawAlong(std::size_t c, Vec3 u) const; ///< the law along a direction, which has an energy
@@ -151,11 +171,18 @@ private:
     std::vector<int> sharing_;   ///< per contact point: the first one with the same unknowns
     std::vector<double> shares_;
     std::vector<Mat3> compliance_; ///< [1/kg] per contact point
+    // What the passes over all rows read lies apart from the rest: a thousand rows do not fit into a core's cache
+    // beside a body. Vectors per row are in world axes.
     std::vector<Row> rows_;
-    // Per row, world axes. What the preconditioner passes over lies apart from the rest: with a thousand contacts the
-    // rows do not fit into a core's cache beside a body.
-    std::vector<Vec3> smoothed_;        ///< [m/s] velocity of D^-1 r
-    std::vector<Vec3> velocities_;      ///< [m/s] scratch
+    std::vector<Normal> normals_;
+    std::vector<std::size_t> active_;   ///< rows that were active when the filter was built
+    std::vector<std::size_t> changing_; ///< rows with a change along the direction
+    std::vector<std::size_t> passing_;  ///< rows whose impulse was changed last
+    std::size_t others_ = 0;            ///< number of rows that have another state than when the filter was built
+    std::vector<Vec3> velocities_;      ///< [m/s] u
+    std::vector<Vec3> alongs_;          ///< [m/s] of the direction
+    std::vector<Vec3> steps_;           ///< [m/s] of z
+    std::vector<Vec3> smoothed_;        ///< [m/s] of D^-1 r, of active rows
     std::vector<Vec3> impulses_;        ///< [N s] scratch
     std::vector<Mat3> filters_;         ///< [kg] M of single constraints; zero if they are not active
     ConstraintFilter filter_;           ///< M of all constraints together
@@ -179,12 +206,10 @@ private:
     double derivativeAfter_ = 0.0; ///< derivative there, with the current cones
 };
 
-template <class Add> void CoupledSolve::push(double factor, const Add& add)
+template <class Add> void CoupledSolve::push(double factor, const std::vector<std::size_t>& rows, const Add& add)
 {
     std::ranges::fill(atPoints_, Vec3{});
-    for (std::size_t c = 0; c < rows_.size(); ++c)
-        if (impulses_[c] != Vec3{}) // most contacts are only near and do not push
-            addImpulse(*constraints_, c, factor * impulses_[c], atPoints_);
+    for (std::size_t c : rows) addImpulse(*constraints_, c, factor * impulses_[c], atPoints_);
     for (std::size_t b = 0; b < bodies_->size(); ++b) add((*bodies_)[b], ofBody(b));
 }
 
