@@ -3,6 +3,8 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/sofa/make_tie.h"
+#include "filasofia/sofa/scene_state.h"
+#include "filasofia/sofa/sofa_process.h"
 
 #include <algorithm>
 
@@ -55,7 +57,11 @@ struct ApplyCommand {
     void operator()(const physics::SetGravity& set) const { scene.root->setGravity(toSofa(set.gravity)); }
     void operator()(physics::SetMaterial& set) const
     {
-        if (auto* built = dynamic_cast<PlannedSoft*>(set.body.get())) soft(set.id)->setMaterial(built->plan);
+        auto* built = dynamic_cast<PlannedSoft*>(set.body.get());
+        if (!built) return;
+        const SoftPlan& plan = built->plan;
+        soft(set.id)->setTissue(std::make_shared<const SoftSettings::Tissue>(
+            SoftSettings::Tissue{plan.def.material, plan.youngModulus, plan.poissonRatio}));
     }
     void operator()(const physics::SetForces& set) const { soft(set.id)->loads().forces = set.forces; }
     void operator()(const physics::SetPressure& set) const { soft(set.id)->loads().pressure = set.pressure; }
@@ -93,27 +99,15 @@ struct ApplyCommand {
                 body->setPins(std::move(pins));
         }
     }
-    void operator()(const physics::Reset&) const
-    {
-        scene.contacts.clear();
-        for (const auto& body : scene.soft) {
-            const std::vector<Vec3>& rest = body->plan().mesh.nodes;
-            body->write({rest, std::vector<Vec3>(rest.size())});
-        }
-        for (const auto& body : scene.rigid) body->write(body->start());
-    }
+    void operator()(const physics::Reset&) const { resetScene(scene); }
     void operator()(const physics::Pause&) const {} // the server steps with dt = 0
     void operator()(const physics::Tune& tune) const
     {
         report.set(StepFlag::Tuned);
         const SceneState before = stateOf(scene);
-        try {
-            tune.change(self);
-        } catch (const std::exception& problem) {
-            setState(before, scene); // components that it added or changed stay
-            report.set(StepFlag::TuneRejected);
-            logError("tune: ", problem.what());
-        }
+        if (attempt("tune", [&] { tune.change(self); })) return;
+        report.set(StepFlag::TuneRejected);
+        attempt("tune", [&] { setState(before, scene); }); // components that it added or changed stay
     }
     template <class Refused> void operator()(const Refused&) const {} // see checkCommand()
 
@@ -185,12 +179,9 @@ void checkCommand(const Command& command, const physics::BodyDef* def)
 void applyCommands(std::span<Command> commands, physics::PhysicsEngine& self, SofaScene& scene,
                    physics::StepReport& report)
 {
-    for (Command& command : commands) try {
-            std::visit(ApplyCommand{self, scene, report}, command);
-        } catch (const std::exception& problem) {
+    for (Command& command : commands)
+        if (!attempt("SOFA: a command failed", [&] { std::visit(ApplyCommand{self, scene, report}, command); }))
             report.set(StepFlag::TuneRejected);
-            logError("SOFA: a command failed: ", problem.what());
-        }
 }
 
 } // namespace filasofia::sofaengine

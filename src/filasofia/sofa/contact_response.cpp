@@ -80,6 +80,14 @@ FoundContact contactOf(const ModelTag& a, const ModelTag& b, Vec3 normal, Vec3 f
             .secondElement = turned ? b.element : a.element};
 }
 
+/// In SOFA 25.12 the mapping of a contact and its mapper hold each other, and with them the surface, when the contact
+/// has long ended: the mapper needs no master.
+template <class Mapper> void freeMapper(Mapper& contact)
+{
+    if constexpr (requires { contact.mapping->removeSlave(contact.mapper); })
+        if (contact.mapping && contact.mapper) contact.mapping->removeSlave(contact.mapper);
+}
+
 template <class First, class Second> class Friction final : public response::FrictionContact<First, Second>,
                                                             public ContactSource {
 public:
@@ -94,6 +102,8 @@ public:
     void setupConstraint(typename Base::MechanicalState1* first, typename Base::MechanicalState2* second) override
     {
         this->m_constraint = New<ContactRows>(first, second);
+        freeMapper(this->mapper1); // both have just been made
+        freeMapper(this->mapper2);
     }
     void read(std::span<const double> impulses, double dt, std::vector<FoundContact>& out) const override
     {
@@ -123,6 +133,8 @@ public:
     void setDetectionOutputs(::sofa::core::collision::DetectionOutputVector* outputs) override
     {
         Base::setDetectionOutputs(outputs);
+        freeMapper(this->mapper1);
+        freeMapper(this->mapper2);
         auto& contacts = *this->ff->contacts.beginEdit();
         for (auto& each : contacts) each.ks = tagOf(this->model1).stiffness; // SOFA's is divided by the distance
         this->ff->contacts.endEdit();

@@ -222,4 +222,27 @@ void RigidNode::finishMove()
     write(now);
 }
 
+void RigidNode::rewind()
+{
+    write(start());
+    targets_.assign(targets_.size(), std::nullopt);
+}
+
+RigidSettings RigidNode::settings() const
+{
+    RigidSettings settings{.targets = targets_};
+    if (!loads_) return settings;
+    settings.wrenches = loads_->wrenches;
+    settings.hands = loads_->hands;
+    return settings;
+}
+
+void RigidNode::apply(const RigidSettings& settings)
+{
+    targets_ = settings.targets;
+    if (!loads_) return;
+    loads_->wrenches = settings.wrenches;
+    loads_->hands = settings.hands;
+}
+
 } // namespace filasofia::sofaengine

@@ -20,6 +20,13 @@ struct RigidState {
     std::vector<Vec3> angularVelocities = {}; ///< [rad/s] in world axes
 };
 
+/// What commands change of a rigid body, besides its motion; per element.
+struct RigidSettings {
+    std::vector<RigidLoads::Wrench> wrenches = {};           ///< of a dynamic body
+    std::vector<std::optional<RigidLoads::Hand>> hands = {}; ///< of a dynamic body
+    std::vector<std::optional<Pose>> targets = {}; ///< where a kinematic body will be at the end of the next step
+};
+
 /// A rigid body in SOFA: a node with one frame per element at its centre of mass. A kinematic body has no solver.
 class RigidNode {
 public:
@@ -52,6 +59,11 @@ public:
     /// Gives a kinematic body the velocities that lead to its poses in dt [s]; finishMove() puts it there.
     void beginMove(double dt);
     void finishMove();
+    /// Puts it where its Def says.
+    void rewind();
+
+    [[nodiscard]] RigidSettings settings() const;
+    void apply(const RigidSettings& settings);
 
 private:
     RigidNode(BodyId id, RigidPlan plan) : id_(id), plan_(std::move(plan)), targets_(plan_.def.elements.size()) {}

@@ -5,6 +5,7 @@
 #include "filasofia/core/validate.h"
 #include "filasofia/sofa/apply_commands.h"
 #include "filasofia/sofa/make_tie.h"
+#include "filasofia/sofa/scene_state.h"
 #include "filasofia/sofa/sofa_process.h"
 #include "filasofia/sofa/try_body.h"
 
@@ -61,15 +62,7 @@ double fastest(const SofaScene& scene)
 
 bool animate(::sofa::simulation::Node& root, double dt)
 {
-    try {
-        ::sofa::simulation::node::animate(&root, dt);
-        return true;
-    } catch (const std::exception& problem) {
-        logError("SOFA: a step ended with an exception: ", problem.what());
-    } catch (...) {
-        logError("SOFA: a step ended with an exception that is none of the standard library");
-    }
-    return false;
+    return attempt("SOFA: a step ended with an exception", [&] { ::sofa::simulation::node::animate(&root, dt); });
 }
 
 SofaWorld::SofaWorld(const SofaEngineDef& def) : scene_{.contact = ContactStage(checked(def).contact)}
@@ -138,36 +131,48 @@ physics::StepReport SofaWorld::step(const physics::StepInput& in)
 
 void SofaWorld::advance(double dt, physics::StepReport& report)
 {
-    const SceneState before = stateOf(scene_);
-    scene_.root->setDt(dt);                                     // some components read it in place of the step's
-    ::sofa::simulation::node::updateContext(scene_.root.get()); // a step of SOFA hands gravity down only at its end
-    for (const auto& body : scene_.rigid) body->beginMove(dt);
-    if (scene_.contact.isOn()) {
-        followBodies(*scene_.root);
-        scene_.contact.prepare(fastest(scene_) + length(before.gravity) * dt, dt);
-    }
+    const SceneMotion before = motionOf(scene_);
     std::erase_if(scene_.ties, [](const auto& each) { return each->isBroken(); });
-    for (const auto& tie : scene_.ties) tie->prepare(dt);
-    const bool failed = !animate(*scene_.root, dt);
+    const bool failed = !attempt("SOFA: a step ended with an exception", [&] { move(dt); });
     readConstraints(failed, dt, report);
-    for (std::size_t b = 0; b < scene_.soft.size(); ++b)
-        if (failed || !scene_.soft[b]->isUsable()) {
-            const std::vector<Vec3>& positions = before.soft[b].positions;
-            scene_.soft[b]->write({positions, std::vector<Vec3>(positions.size())});
-            report.set(physics::StepFlag::Undone);
-        }
-    for (std::size_t b = 0; b < scene_.rigid.size(); ++b)
-        if (failed || !scene_.rigid[b]->isUsable()) {
-            const std::vector<Vec3> rest(before.rigid[b].poses.size());
-            scene_.rigid[b]->write({before.rigid[b].poses, rest, rest});
-            report.set(physics::StepFlag::Undone);
-        }
+    if (putBack(failed, before)) report.set(physics::StepFlag::Undone);
     for (const auto& body : scene_.rigid) body->finishMove();
     for (const auto& body : scene_.soft) {
         const SolveOutcome solve = body->outcome();
         if (solve.atLimit) report.set(physics::StepFlag::NotConverged);
         report.solves.push_back({body->id(), solve.iterations, solve.residual, body->id()});
     }
+}
+
+void SofaWorld::move(double dt)
+{
+    scene_.root->setDt(dt);                                     // some components read it in place of the step's
+    ::sofa::simulation::node::updateContext(scene_.root.get()); // a step of SOFA hands gravity down only at its end
+    for (const auto& body : scene_.rigid) body->beginMove(dt);
+    if (scene_.contact.isOn()) {
+        followBodies(*scene_.root);
+        scene_.contact.prepare(fastest(scene_) + length(fromSofa(scene_.root->getGravity())) * dt, dt);
+    }
+    for (const auto& tie : scene_.ties) tie->prepare(dt);
+    ::sofa::simulation::node::animate(scene_.root.get(), dt);
+}
+
+bool SofaWorld::putBack(bool failed, const SceneMotion& before)
+{
+    bool any = false;
+    for (std::size_t b = 0; b < scene_.soft.size(); ++b) {
+        if (!failed && scene_.soft[b]->isUsable()) continue;
+        const std::vector<Vec3>& positions = before.soft[b].positions;
+        scene_.soft[b]->write({positions, std::vector<Vec3>(positions.size())});
+        any = true;
+    }
+    for (std::size_t b = 0; b < scene_.rigid.size(); ++b) {
+        if (!failed && scene_.rigid[b]->isUsable()) continue;
+        const std::vector<Vec3> rest(before.rigid[b].poses.size());
+        scene_.rigid[b]->write({before.rigid[b].poses, rest, rest});
+        any = true;
+    }
+    return any;
 }
 
 void SofaWorld::readConstraints(bool failed, double dt, physics::StepReport& report)
@@ -179,12 +184,16 @@ void SofaWorld::readConstraints(bool failed, double dt, physics::StepReport& rep
     }
     scene_.contact.read(dt, scene_.contacts, report);
     for (const auto& tie : scene_.ties) tie->finish(scene_.contact.impulses(), dt);
-    for (const physics::Grasp& grasp : std::exchange(scene_.grasps, {}))
-        if (!addTie(grasp, scene_)) {
-            report.set(physics::StepFlag::NothingAttached);
-            logWarning("rigid body '", findBody(scene_.rigid, grasp.rigid)->plan().def.name,
-                       "': grasp.target: no contact with body ", grasp.target.value, "; nothing is attached");
-        }
+    for (const physics::Grasp& grasp : std::exchange(scene_.grasps, {})) {
+        const RigidNode* jaw = findBody(scene_.rigid, grasp.rigid);
+        const std::string object = text("rigid body '", jaw ? jaw->plan().def.name : "", "': grasp");
+        bool found = true;
+        const bool made =
+            attempt(object + ": nothing is attached, because SOFA failed", [&] { found = addTie(grasp, scene_); });
+        if (made && found) continue;
+        report.set(physics::StepFlag::NothingAttached);
+        if (made) logWarning(object, ".target: no contact with body ", grasp.target.value, "; nothing is attached");
+    }
 }
 
 void SofaWorld::capture(frame::Frame& out) const
@@ -230,19 +239,10 @@ void SofaWorld::record(physics::StepRecord& out) const
 std::uint64_t SofaWorld::hash() const
 {
     const Lock lock(sofaMutex());
-    const SceneState state = stateOf(scene_);
     Hasher hasher;
     hasher.add(steps_);
     hasher.add(time_);
-    for (const SoftState& body : state.soft) {
-        hasher.addAll(std::span<const Vec3>(body.positions));
-        hasher.addAll(std::span<const Vec3>(body.velocities));
-    }
-    for (const RigidState& body : state.rigid) {
-        hasher.addAll(std::span<const Pose>(body.poses));
-        hasher.addAll(std::span<const Vec3>(body.velocities));
-        hasher.addAll(std::span<const Vec3>(body.angularVelocities));
-    }
+    addTo(hasher, stateOf(scene_));
     return hasher.value();
 }
 
@@ -263,8 +263,11 @@ void SofaWorld::restore(const physics::EngineState& saved)
     const Lock lock(sofaMutex());
     if (state->scene.soft.size() != scene_.soft.size() || state->scene.rigid.size() != scene_.rigid.size())
         fail("restore: the state has other bodies");
-    if (state->scene.ties != stateOf(scene_).ties) fail("restore: the state has other attachments between bodies");
-    setState(state->scene, scene_);
+    try {
+        setState(state->scene, scene_);
+    } catch (...) {
+        fail("restore: SOFA cannot make an attachment of the state: ", problemNow());
+    }
     time_ = state->time;
     steps_ = state->steps;
 }

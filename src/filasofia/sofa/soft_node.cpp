@@ -144,6 +144,12 @@ template <class Gradients> SolveOutcome outcomeOf(const Gradients& solver)
 
 } // namespace
 
+SoftNode::SoftNode(BodyId id, SoftPlan plan)
+    : id_(id), plan_(std::move(plan)), tissue_(std::make_shared<const SoftSettings::Tissue>(SoftSettings::Tissue{
+                                           plan_.def.material, plan_.youngModulus, plan_.poissonRatio}))
+{
+}
+
 // Delegating: if what follows throws, the destructor takes the node out of the graph.
 SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root, const ContactStage& contact)
     : SoftNode(id, std::move(plan))
@@ -211,7 +217,10 @@ void SoftNode::addLaw()
 
 void SoftNode::joinConstraints()
 {
-    if (correction_) node_->removeObject(correction_);
+    if (correction_) {
+        correction_->cleanup(); // the constraint solver lists it
+        node_->removeObject(correction_);
+    }
     if (coupled_ && solver_) {
         correction_ = New<constraint::lagrangian::correction::LinearSolverConstraintCorrection<Vec3Types>>();
     } else {
@@ -226,9 +235,20 @@ void SoftNode::joinConstraints()
     correction_->init();
 }
 
-void SoftNode::couple()
+void SoftNode::setCoupled(bool coupled)
 {
-    if (std::exchange(coupled_, true)) return;
+    if (std::exchange(coupled_, coupled) == coupled) return;
+    try {
+        remakeSolver();
+    } catch (...) {
+        coupled_ = !coupled;
+        remakeSolver();
+        throw;
+    }
+}
+
+void SoftNode::remakeSolver()
+{
     if (solver_ && !std::holds_alternative<physics::Cholesky>(plan_.def.solver)) {
         // The system that the old solver made would be found by the new one, and the old one by the integrator.
         for (auto* system : node_->getNodeObjects<::sofa::core::behavior::BaseMatrixLinearSystem>())
@@ -240,6 +260,21 @@ void SoftNode::couple()
         euler_->init();
     }
     joinConstraints();
+}
+
+SoftSettings SoftNode::settings() const
+{
+    return {
+        .tissue = tissue_, .pins = pins_, .forces = loads_->forces, .pressure = loads_->pressure, .coupled = coupled_};
+}
+
+void SoftNode::apply(const SoftSettings& settings)
+{
+    if (coupled_ != settings.coupled) setCoupled(settings.coupled);
+    if (tissue_ != settings.tissue) setTissue(settings.tissue);
+    if (pins_ != settings.pins) setPins(settings.pins);
+    loads_->forces = settings.forces;
+    loads_->pressure = settings.pressure;
 }
 
 double SoftNode::speed() const
@@ -308,11 +343,12 @@ void SoftNode::setPins(std::vector<PinGroup> pins)
     fixed->init();
 }
 
-void SoftNode::setMaterial(SoftPlan plan)
+void SoftNode::setTissue(std::shared_ptr<const SoftSettings::Tissue> tissue)
 {
-    plan_.def.material = plan.def.material;
-    plan_.youngModulus = std::move(plan.youngModulus);
-    plan_.poissonRatio = std::move(plan.poissonRatio);
+    tissue_ = std::move(tissue);
+    plan_.def.material = tissue_->material;
+    plan_.youngModulus = tissue_->youngModulus;
+    plan_.poissonRatio = tissue_->poissonRatio;
     // An assembled system keeps what it made for the old law, and with it the law, until it begins anew: a change of
     // this value, even to the same, makes it.
     for (auto* system : node_->getNodeObjects<linearsystem::MatrixLinearSystem<Blocks, Assembled>>())
