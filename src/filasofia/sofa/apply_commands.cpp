@@ -105,7 +105,11 @@ struct ApplyCommand {
     {
         report.set(StepFlag::Tuned);
         const SceneState before = stateOf(scene);
-        if (attempt("tune", [&] { tune.change(self); })) return;
+        const auto change = [&] {
+            tune.change(self);
+            if (!isUsable(scene)) fail("it left numbers that are not finite, or too large");
+        };
+        if (attempt("tune", change)) return;
         report.set(StepFlag::TuneRejected);
         attempt("tune", [&] { setState(before, scene); }); // components that it added or changed stay
     }

@@ -59,6 +59,12 @@ SceneMotion motionOf(const SofaScene& scene)
     return motion;
 }
 
+bool isUsable(const SofaScene& scene)
+{
+    const auto usable = [](const auto& body) { return body->isUsable(); };
+    return std::ranges::all_of(scene.soft, usable) && std::ranges::all_of(scene.rigid, usable);
+}
+
 SceneState stateOf(const SofaScene& scene)
 {
     SceneState state{.gravity = fromSofa(scene.root->getGravity()),

@@ -11,6 +11,8 @@ struct SceneMotion {
     std::vector<RigidState> rigid = {};
 };
 SceneMotion motionOf(const SofaScene& scene);
+/// Whether frames can have every number of it.
+bool isUsable(const SofaScene& scene);
 
 /// The whole state of a scene between two steps, without pointers into it.
 struct SceneState {
