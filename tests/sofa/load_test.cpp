@@ -202,7 +202,7 @@ TEST_CASE("a loaded scene may cut its mesh: nodes keep their numbers, and frames
     const auto before = server->save();
     std::size_t removed = 0;
     std::uint64_t revision = 0;
-    while (removed < 40) { // of 60: the far end goes first, then what is behind it
+    while (removed < 40) { // there are 60: the far end goes first, then what is behind it
         carve(*server, {static_cast<unsigned>(59 - removed), static_cast<unsigned>(58 - removed)});
         removed += 2;
         REQUIRE_FALSE(server->step(0.01).has(StepFlag::Undone));
