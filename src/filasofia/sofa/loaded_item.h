@@ -24,7 +24,7 @@ bool makeItem(::sofa::core::BaseState& state, double unit, LoadedItem& item);
 /// The elements over a state as SOFA has them now, by its nodes.
 struct ItemElements {
     std::vector<geometry::Tetrahedron> tetrahedra = {}; ///< those of a hexahedron are six
-    std::vector<geometry::Triangle> triangles = {};     ///< of a body without volumes; those of a quad are two
+    std::vector<geometry::Triangle> triangles = {};     ///< without volumes; those of a quad are two
     friend bool operator==(const ItemElements&, const ItemElements&) = default;
 };
 /// `nodes`: for the orientation of tetrahedra. Elements of nodes that do not exist are left out.

@@ -22,8 +22,8 @@ struct RigidState {
 
 /// What commands change of a rigid body, besides its motion; per element.
 struct RigidSettings {
-    std::vector<RigidLoads::Wrench> wrenches = {};           ///< of a dynamic body
-    std::vector<std::optional<RigidLoads::Hand>> hands = {}; ///< of a dynamic body
+    std::vector<RigidLoads::Wrench> wrenches = {};           ///< empty if it is kinematic
+    std::vector<std::optional<RigidLoads::Hand>> hands = {}; ///< empty if it is kinematic
     std::vector<std::optional<Pose>> targets = {}; ///< where a kinematic body will be at the end of the next step
 };
 
