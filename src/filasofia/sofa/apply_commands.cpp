@@ -54,6 +54,10 @@ struct ApplyCommand {
         rigid(set.id)->setWrench(set.element, {set.force, set.torque});
     }
     void operator()(const physics::SetHaptic& set) const { rigid(set.id)->setHand(set.element, set.target); }
+    void operator()(const physics::SetJoint& set) const
+    {
+        rigid(set.id)->setJoint(set.joint, std::get<physics::JointPosition>(set.command).value);
+    }
     void operator()(const physics::SetGravity& set) const { scene.root->setGravity(toSofa(set.gravity)); }
     void operator()(physics::SetMaterial& set) const
     {
@@ -143,7 +147,10 @@ private:
 
 /// The command's name, if this engine has no such command at all.
 struct Missing {
-    const char* operator()(const physics::SetJoint&) const { return "SetJoint"; }
+    const char* operator()(const physics::SetJoint& set) const
+    {
+        return std::holds_alternative<physics::JointForce>(set.command) ? "SetJoint by a JointForce" : nullptr;
+    }
     const char* operator()(const physics::SetTissue&) const { return "SetTissue"; }
     const char* operator()(const physics::SetFibreStress&) const { return "SetFibreStress"; }
     const char* operator()(const physics::SetCavity&) const { return "SetCavity"; }
@@ -177,7 +184,6 @@ void checkCommand(const Command& command, const physics::BodyDef* def)
         fail(object, ": ", name, " is not available with the engine 'sofa'");
     const auto* attach = std::get_if<physics::Attach>(&command);
     if (attach && isTie(attach->def)) checkTie(attach->def, object + ": attach");
-    if (const auto* rigid = std::get_if<physics::AttachRigid>(&command)) checkTie(rigid->def, object + ": attach");
 }
 
 void applyCommands(std::span<Command> commands, physics::PhysicsEngine& self, SofaScene& scene,

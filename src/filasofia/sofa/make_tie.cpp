@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/geometry/embedding.h"
+#include "filasofia/sofa/lacks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +10,6 @@
 
 namespace filasofia::sofaengine {
 namespace {
-
-constexpr const char* kLacks = " is not available with the engine 'sofa'"; // how every refusal ends
 
 std::vector<TiePoint> embedded(const SoftNode& body, std::span<const Vec3> places)
 {
@@ -86,6 +85,32 @@ void meet(const std::vector<Vec3>& places, const physics::AttachmentDef* def, Ha
     }
 }
 
+/// [m] Radius of gyration of an element, from its centre of mass; a quarter of its surface's size if it has no mass.
+double gyration(const RigidNode& body)
+{
+    const physics::RigidInertia& inertia = body.plan().inertia;
+    if (inertia.mass > 0.0) return std::sqrt(0.5 * trace(inertia.inertia) / inertia.mass);
+    const auto surface = physics::loadMesh(body.plan().def.mesh, "mesh");
+    if (!surface) return 0.0;
+    const geometry::Box box = geometry::boxAround(surface->vertices);
+    return 0.25 * length(box.high - box.low);
+}
+
+/// Four points around the centre of mass, not in one plane: they hold position and orientation, as in the native
+/// engine.
+std::vector<Vec3> pointsAround(const Tie::Side& body, const Tie::Side& other)
+{
+    double radius = body.rigid->plan().def.dynamic ? gyration(*body.rigid) : 0.0;
+    if (radius == 0.0 && other.rigid) radius = gyration(*other.rigid);
+    if (radius == 0.0 && other.soft) {
+        const geometry::Box box = geometry::boxAround(other.soft->plan().mesh.nodes);
+        radius = 0.25 * length(box.high - box.low);
+    }
+    const Vec3 centre = body.rigid->plan().inertia.centre;
+    const double r = radius / std::sqrt(3.0);
+    return {centre + Vec3{r, r, r}, centre + Vec3{r, -r, -r}, centre + Vec3{-r, r, -r}, centre + Vec3{-r, -r, r}};
+}
+
 void keep(AttachmentId id, const Half& body, const Half& other, const TieLaw& law, SofaScene& scene)
 {
     TieState state{.body = body.end, .to = other.end, .law = law};
@@ -116,11 +141,6 @@ void checkTie(const physics::AttachmentDef& def, const std::string& object)
     if (def.cutDistance > 0.0) fail(object, ".cutDistance", kLacks);
     if (def.nodes.empty() && !def.box && !def.ball)
         fail(object, ": selecting what is near the other body", kLacks, ": select nodes");
-}
-
-void checkTie(const physics::RigidAttachmentDef& def, const std::string& object)
-{
-    if (def.points.empty()) fail(object, ": attaching an element as a whole", kLacks, ": give points");
 }
 
 std::unique_ptr<Tie> makeTie(const TieState& state, SofaScene& scene)
@@ -164,7 +184,7 @@ bool addTie(AttachmentId id, BodyId body, const physics::RigidAttachmentDef& def
     RigidState now;
     side.side.rigid->read(now);
     std::vector<Vec3> places;
-    for (const Vec3 point : def.points)
+    for (const Vec3 point : def.points.empty() ? pointsAround(side.side, other.side) : def.points)
         places.push_back(transform(now.poses[static_cast<std::size_t>(def.element)], point));
     pointAt(places, side);
     meet(side.places, nullptr, other);

@@ -12,7 +12,6 @@ bool isTie(const physics::AttachmentDef& def);
 
 /// Throws an Error that begins with `object` if this engine lacks what a tie asks for.
 void checkTie(const physics::AttachmentDef& def, const std::string& object);
-void checkTie(const physics::RigidAttachmentDef& def, const std::string& object);
 
 /// Ties nodes, or points of an element; false if there are none. Throws what SOFA throws.
 bool addTie(AttachmentId id, BodyId body, const physics::AttachmentDef& def, SofaScene& scene);

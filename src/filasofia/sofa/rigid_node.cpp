@@ -11,6 +11,8 @@
 #include <sofa/defaulttype/RigidMass.h>
 #include <sofa/simulation/Simulation.h>
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
 
 namespace filasofia::sofaengine {
@@ -193,10 +195,37 @@ void RigidNode::setPose(int element, const Pose& pose)
     write(now);
 }
 
-void RigidNode::beginMove(double dt)
+Pose RigidNode::endOf(int element) const
+{
+    const auto at = static_cast<std::size_t>(element);
+    if (targets_[at]) return *targets_[at];
+    RigidState now;
+    read(now);
+    return now.poses[at];
+}
+
+void RigidNode::moveLinks(double dt, const RigidNode* carrier)
+{
+    const physics::ArticulationDef& def = plan_.def.articulation;
+    const std::vector<Pose> poses = joints_.move(dt, carrier ? carrier->endOf(def.toElement) * def.offset : endOf(0));
+    targets_.assign(poses.begin(), poses.end());
+}
+
+void RigidNode::loadJoints(std::span<const PointForce> forces)
+{
+    if (joints_.empty()) return;
+    std::vector<PointForce> own;
+    std::ranges::copy_if(forces, std::back_inserter(own), [&](const PointForce& each) { return each.body == id_; });
+    RigidState now;
+    read(now);
+    joints_.load(own, now.poses);
+}
+
+void RigidNode::beginMove(double dt, const RigidNode* carrier)
 {
     if (loads_) loads_->limitHands(dt);
     if (plan_.def.dynamic) return;
+    if (!joints_.empty()) moveLinks(dt, carrier);
     RigidState now;
     read(now);
     for (std::size_t i = 0; i < targets_.size(); ++i) {
@@ -226,11 +255,14 @@ void RigidNode::rewind()
 {
     write(start());
     targets_.assign(targets_.size(), std::nullopt);
+    joints_.rewind();
 }
 
 RigidSettings RigidNode::settings() const
 {
-    RigidSettings settings{.targets = targets_};
+    RigidSettings settings;
+    settings.targets = targets_;
+    settings.joints = joints_.state();
     if (!loads_) return settings;
     settings.wrenches = loads_->wrenches;
     settings.hands = loads_->hands;
@@ -240,6 +272,7 @@ RigidSettings RigidNode::settings() const
 void RigidNode::apply(const RigidSettings& settings)
 {
     targets_ = settings.targets;
+    joints_.apply(settings.joints);
     if (!loads_) return;
     loads_->wrenches = settings.wrenches;
     loads_->hands = settings.hands;

@@ -3,6 +3,7 @@
 #include "filasofia/sofa/contact_stage.h"
 #include "filasofia/sofa/rigid_loads.h"
 #include "filasofia/sofa/rigid_plan.h"
+#include "filasofia/sofa/told_joints.h"
 
 #include "filasofia/frame/frame.h"
 
@@ -25,6 +26,7 @@ struct RigidSettings {
     std::vector<RigidLoads::Wrench> wrenches = {};           ///< empty if it is kinematic
     std::vector<std::optional<RigidLoads::Hand>> hands = {}; ///< empty if it is kinematic
     std::vector<std::optional<Pose>> targets = {}; ///< where a kinematic body will be at the end of the next step
+    ToldJoints::State joints = {};
 };
 
 /// A rigid body in SOFA: a node with one frame per element at its centre of mass. A kinematic body has no solver.
@@ -56,9 +58,15 @@ public:
     void setHand(int element, const physics::HapticTarget& target);
     /// For a dynamic body its pose at once and at rest, for a kinematic one that at the end of the next step.
     void setPose(int element, const Pose& pose);
-    /// Gives a kinematic body the velocities that lead to its poses in dt [s]; finishMove() puts it there.
-    void beginMove(double dt);
+    /// A joint of a told body goes to a position.
+    void setJoint(int joint, double position) { joints_.setTarget(joint, position); }
+    /// Gives a kinematic body the velocities that lead to its poses in dt [s]; finishMove() puts it there. `carrier`:
+    /// the body that its base follows, which has begun; or null.
+    void beginMove(double dt, const RigidNode* carrier);
     void finishMove();
+    /// After a step: what forces on the body do to its joints.
+    void loadJoints(std::span<const PointForce> forces);
+    [[nodiscard]] const std::vector<frame::Joint>& joints() const { return joints_.state().joints; }
     /// Puts it where its Def says.
     void rewind();
 
@@ -66,12 +74,18 @@ public:
     void apply(const RigidSettings& settings);
 
 private:
-    RigidNode(BodyId id, RigidPlan plan) : id_(id), plan_(std::move(plan)), targets_(plan_.def.elements.size()) {}
+    RigidNode(BodyId id, RigidPlan plan)
+        : id_(id), plan_(std::move(plan)), joints_(plan_.def), targets_(plan_.def.elements.size())
+    {
+    }
+    [[nodiscard]] Pose endOf(int element) const; ///< where it will be at the end of the step
+    void moveLinks(double dt, const RigidNode* carrier);
 
     using State = ::sofa::component::statecontainer::MechanicalObject<RigidTypes>;
 
     BodyId id_;
     RigidPlan plan_;
+    ToldJoints joints_;
     ::sofa::simulation::Node::SPtr node_;
     State::SPtr state_;
     RigidLoads::SPtr loads_; ///< null for a kinematic body

@@ -45,6 +45,10 @@ void addTo(Hasher& hash, const RigidSettings& body)
              {c.linearStiffness, c.linearDamping, c.angularStiffness, c.angularDamping, c.forceLimit, c.torqueLimit})
             hash.add(each);
     }
+    for (std::size_t j = 0; j < body.joints.targets.size(); ++j) {
+        hash.add(body.joints.targets[j]);
+        hash.add(body.joints.joints[j].position);
+    }
     for (const auto& target : body.targets)
         if (target) hash.addAll(std::span<const Pose>(&*target, 1));
 }

@@ -50,6 +50,19 @@ void writeConstraints(const SofaScene& scene, std::vector<frame::Contact>& conta
     for (const auto& tie : scene.ties) attachments.push_back(tie->report());
 }
 
+/// Those of contacts and attachments on elements of rigid bodies.
+std::vector<PointForce> forcesOn(const SofaScene& scene)
+{
+    std::vector<PointForce> forces;
+    for (const auto& [contact, firstElement, secondElement] : scene.contacts) {
+        const Vec3 onFirst = contact.normalForce * contact.normal + contact.friction;
+        forces.push_back({contact.first, firstElement, contact.point, onFirst});
+        forces.push_back({contact.second, secondElement, contact.point, -onFirst});
+    }
+    for (const auto& tie : scene.ties) tie->addForces(forces);
+    return forces;
+}
+
 double fastest(const SofaScene& scene)
 {
     double speed = 0.0;
@@ -89,7 +102,10 @@ SofaWorld::~SofaWorld()
     scene_.root.reset();
 }
 
-physics::EngineInfo SofaWorld::info() const { return {.name = "sofa", .version = FILASOFIA_SOFA_VERSION}; }
+physics::EngineInfo SofaWorld::info() const
+{
+    return {.name = "sofa", .version = FILASOFIA_SOFA_VERSION, .joints = true};
+}
 
 std::unique_ptr<physics::BuiltBody> SofaWorld::build(const physics::BodyDef& def) const
 {
@@ -136,7 +152,11 @@ void SofaWorld::advance(double dt, physics::StepReport& report)
     const bool failed = !attempt("SOFA: a step ended with an exception", [&] { move(dt); });
     readConstraints(failed, dt, report);
     if (putBack(failed, before)) report.set(physics::StepFlag::Undone);
-    for (const auto& body : scene_.rigid) body->finishMove();
+    const std::vector<PointForce> forces = forcesOn(scene_);
+    for (const auto& body : scene_.rigid) {
+        body->finishMove();
+        body->loadJoints(forces);
+    }
     for (const auto& body : scene_.soft) {
         const SolveOutcome solve = body->outcome();
         if (solve.atLimit) report.set(physics::StepFlag::NotConverged);
@@ -148,7 +168,8 @@ void SofaWorld::move(double dt)
 {
     scene_.root->setDt(dt);                                     // some components read it in place of the step's
     ::sofa::simulation::node::updateContext(scene_.root.get()); // a step of SOFA hands gravity down only at its end
-    for (const auto& body : scene_.rigid) body->beginMove(dt);
+    for (const auto& body : scene_.rigid)                       // a carrier comes before the bodies that follow it
+        body->beginMove(dt, findBody(scene_.rigid, body->plan().def.articulation.to));
     if (scene_.contact.isOn()) {
         followBodies(*scene_.root);
         scene_.contact.prepare(fastest(scene_) + length(fromSofa(scene_.root->getGravity())) * dt, dt);
@@ -217,7 +238,8 @@ void SofaWorld::capture(frame::Frame& out) const
         out.rigidBodies[b] = {.id = scene_.rigid[b]->id(),
                               .poses = std::move(state.poses),
                               .velocities = std::move(state.velocities),
-                              .angularVelocities = std::move(state.angularVelocities)};
+                              .angularVelocities = std::move(state.angularVelocities),
+                              .joints = scene_.rigid[b]->joints()};
     }
     writeConstraints(scene_, out.contacts, out.attachments);
     out.channels.clear();

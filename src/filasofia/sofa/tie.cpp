@@ -131,6 +131,15 @@ void Tie::finish(std::span<const double> impulses, double dt)
     report.broken = report.points == 0 || length(report.force) > state_.law.breakForce;
 }
 
+void Tie::addForces(std::vector<PointForce>& out) const
+{
+    for (const TieRows::Pair& each : rows_->pairs) {
+        out.push_back({state_.body.id, state_.body.element, placeOf(0, each.first), each.force});
+        if (rows_->space) continue;
+        out.push_back({state_.to.id, state_.to.element, placeOf(1, each.second), -each.force});
+    }
+}
+
 void Tie::rewind()
 {
     rows_->pairs = state_.whole;

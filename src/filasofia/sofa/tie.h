@@ -55,6 +55,8 @@ public:
     void prepare(double dt) { rows_->draw(dt); }
     /// Reads the forces and lets go what they exceed. `impulses`: those by all constraints [N s].
     void finish(std::span<const double> impulses, double dt);
+    /// Adds the forces on its sides.
+    void addForces(std::vector<PointForce>& out) const;
     /// Begins anew where its bodies are now: all of its points hold, and welds are drawn together from there.
     void rewind();
 
