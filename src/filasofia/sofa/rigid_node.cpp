@@ -6,9 +6,7 @@
 #include "filasofia/sofa/node_removal.h"
 
 #include <sofa/component/linearsolver/iterative/CGLinearSolver.h>
-#include <sofa/component/mass/UniformMass.h>
 #include <sofa/component/odesolver/backward/EulerImplicitSolver.h>
-#include <sofa/defaulttype/RigidMass.h>
 #include <sofa/simulation/Simulation.h>
 
 #include <algorithm>
@@ -24,15 +22,6 @@ using RigidGradients =
     linearsolver::iterative::CGLinearSolver<linearsolver::GraphScatteredMatrix, linearsolver::GraphScatteredVector>;
 
 constexpr double kJump = 20.0; ///< [m/s] a kinematic body that would have to move faster jumps, as in our engine
-
-::sofa::defaulttype::Rigid3dMass massOf(const physics::RigidInertia& inertia)
-{
-    ::sofa::defaulttype::Rigid3dMass mass(inertia.mass);
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) mass.inertiaMatrix(i, j) = inertia.inertia[i][j] / inertia.mass;
-    mass.recalc();
-    return mass;
-}
 
 /// The solver's matrix is that of the masses alone: a few iterations are exact.
 void addRigidSolver(const physics::RigidBodyDef& def, ::sofa::simulation::Node& node)
@@ -64,9 +53,10 @@ RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root, 
     state_->x0.setValue(state_->x.getValue());
     node_->addObject(state_);
     if (dynamic) {
-        auto mass = New<mass::UniformMass<RigidTypes>>();
-        mass->d_vertexMass.setValue(massOf(plan_.inertia));
-        node_->addObject(mass);
+        mass_ = New<ElementMass>();
+        mass_->mass = plan_.inertia.mass;
+        mass_->inertia = plan_.inertia.inertia;
+        node_->addObject(mass_);
         loads_ = New<RigidLoads>();
         loads_->setName("loads");
         loads_->wrenches.resize(plan_.def.elements.size());
@@ -92,11 +82,11 @@ void RigidNode::joinConstraints()
 {
     constrained_ = true;
     const auto correction = New<FreeCorrection<RigidTypes>>();
-    if (plan_.def.dynamic) // as the solver: the inertia keeps the axes of the world
+    if (plan_.def.dynamic)
         correction->respond = [this](std::size_t element, const RigidTypes::Deriv& impulse, double dt) {
             const RigidLoads::HandInertia hand = loads_->handInertia(element, dt);
             const double damped = 1 + dt * plan_.def.linearDamping;
-            const Mat3 inertia = damped * plan_.inertia.inertia + hand.inertia * Mat3::identity();
+            const Mat3 inertia = damped * mass_->inertiaOf(element) + hand.inertia * Mat3::identity();
             return RigidTypes::Deriv(getVCenter(impulse) / (plan_.inertia.mass * damped + hand.mass),
                                      toSofa(inverse(inertia) * fromSofa(getVOrientation(impulse))));
         };
@@ -223,8 +213,11 @@ void RigidNode::loadJoints(std::span<const PointForce> forces)
 
 void RigidNode::beginMove(double dt, const RigidNode* carrier)
 {
-    if (loads_) loads_->limitHands(dt);
-    if (plan_.def.dynamic) return;
+    if (plan_.def.dynamic) {
+        mass_->begin(dt);
+        loads_->limitHands(dt);
+        return;
+    }
     if (!joints_.empty()) moveLinks(dt, carrier);
     RigidState now;
     read(now);
@@ -243,7 +236,10 @@ void RigidNode::beginMove(double dt, const RigidNode* carrier)
 
 void RigidNode::finishMove()
 {
-    if (plan_.def.dynamic) return;
+    if (plan_.def.dynamic) {
+        mass_->finish();
+        return;
+    }
     RigidState now;
     read(now);
     for (std::size_t i = 0; i < targets_.size(); ++i)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/sofa/contact_stage.h"
+#include "filasofia/sofa/element_mass.h"
 #include "filasofia/sofa/rigid_loads.h"
 #include "filasofia/sofa/rigid_plan.h"
 #include "filasofia/sofa/told_joints.h"
@@ -89,6 +90,7 @@ private:
     ::sofa::simulation::Node::SPtr node_;
     State::SPtr state_;
     RigidLoads::SPtr loads_; ///< null for a kinematic body
+    ElementMass::SPtr mass_; ///< null for a kinematic body
     bool constrained_ = false;
     double reach_ = 0.0;                       ///< [m] from the centre of mass to the farthest vertex of its models
     std::vector<std::optional<Pose>> targets_; ///< where a kinematic body will be at the end of the step

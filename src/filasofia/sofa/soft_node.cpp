@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/sofa/collision_node.h"
+#include "filasofia/sofa/compliant_factor.h"
 #include "filasofia/sofa/corotational.h"
 #include "filasofia/sofa/free_correction.h"
 #include "filasofia/sofa/node_removal.h"
@@ -10,7 +11,6 @@
 
 #include <sofa/component/constraint/lagrangian/correction/LinearSolverConstraintCorrection.h>
 #include <sofa/component/constraint/projective/FixedProjectiveConstraint.h>
-#include <sofa/component/linearsolver/direct/SparseLDLSolver.h>
 #include <sofa/component/linearsolver/iterative/CGLinearSolver.h>
 #include <sofa/component/linearsystem/MatrixLinearSystem.h>
 #include <sofa/component/mass/DiagonalMass.h>
@@ -32,12 +32,9 @@ namespace {
 using namespace ::sofa::component;
 using ::sofa::core::objectmodel::New;
 using Fixed = constraint::projective::FixedProjectiveConstraint<Vec3Types>;
-using Blocks = ::sofa::linearalgebra::CompressedRowSparseMatrix<::sofa::type::Mat<3, 3, SReal>>;
-using Assembled = ::sofa::linearalgebra::FullVector<SReal>;
 using Scattered = linearsolver::GraphScatteredMatrix;
 using FreeGradients = linearsolver::iterative::CGLinearSolver<Scattered, linearsolver::GraphScatteredVector>;
 using AssembledGradients = linearsolver::iterative::CGLinearSolver<Blocks, Assembled>;
-using Direct = linearsolver::direct::SparseLDLSolver<Blocks, Assembled>;
 using Springs = solidmechanics::spring::SpringForceField<Vec3Types>;
 using Hyperelastic = solidmechanics::fem::hyperelastic::TetrahedronHyperelasticityFEMForceField<Vec3Types>;
 
@@ -81,7 +78,7 @@ template <class Gradients> typename Gradients::SPtr gradients(const physics::Con
 
 ::sofa::core::objectmodel::BaseObject::SPtr solverOf(const physics::Solver& def)
 {
-    if (std::holds_alternative<physics::Cholesky>(def)) return New<Direct>();
+    if (std::holds_alternative<physics::Cholesky>(def)) return New<CompliantFactor>();
     const auto& iterative = std::get<physics::ConjugateGradient>(def);
     if (iterative.assembled) return gradients<AssembledGradients>(iterative);
     return gradients<FreeGradients>(iterative);
