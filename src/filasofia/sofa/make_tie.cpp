@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/geometry/embedding.h"
 #include "filasofia/sofa/lacks.h"
+#include "filasofia/sofa/near_surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,6 +41,33 @@ Tie::Side sideOf(BodyId id, SofaScene& scene)
     const Tie::Side side{.soft = findBody(scene.soft, id), .rigid = findBody(scene.rigid, id)};
     if (id && !side.soft && !side.rigid) fail("body ", id.value, " could not be made when it was added");
     return side;
+}
+
+/// [-] times the size of the other body: how near counts if an attachment selects nothing, as in the native engine.
+constexpr double kNearby = 0.01;
+
+/// Adds the nodes that are near the other body, or inside it.
+void addNodesNear(const physics::AttachmentDef& def, const std::vector<Vec3>& nodes, const Tie::Side& other,
+                  std::vector<int>& out)
+{
+    NearSurface near({}, {});
+    Pose pose;
+    if (other.soft) {
+        SoftState now;
+        other.soft->read(now);
+        near = NearSurface(now.positions, other.soft->plan().surface);
+    } else {
+        RigidState now;
+        other.rigid->read(now);
+        pose = inverse(now.poses[static_cast<std::size_t>(def.element)]);
+        const auto mesh = physics::loadMesh(other.rigid->plan().def.mesh, "mesh");
+        near = NearSurface(mesh->vertices, mesh->triangles);
+    }
+    const double within = def.within.value_or(kNearby * near.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        if (near.has(transform(pose, nodes[i]), within)) out.push_back(static_cast<int>(i));
+    std::ranges::sort(out);
+    out.erase(std::ranges::unique(out).begin(), out.end());
 }
 
 /// A side of a tie in the making.
@@ -137,10 +165,7 @@ bool isTie(const physics::AttachmentDef& def) { return def.to || std::isfinite(d
 
 void checkTie(const physics::AttachmentDef& def, const std::string& object)
 {
-    if (def.within) fail(object, ".within", kLacks, ": select nodes");
     if (def.cutDistance > 0.0) fail(object, ".cutDistance", kLacks);
-    if (def.nodes.empty() && !def.box && !def.ball)
-        fail(object, ": selecting what is near the other body", kLacks, ": select nodes");
 }
 
 std::unique_ptr<Tie> makeTie(const TieState& state, SofaScene& scene)
@@ -166,7 +191,9 @@ bool addTie(AttachmentId id, BodyId body, const physics::AttachmentDef& def, Sof
     Half side = halfOf(body, 0, scene), other = halfOf(def.to, def.element, scene);
     SoftState now;
     side.side.soft->read(now);
-    const std::vector<int> nodes = def.toNodes.empty() ? nodesOf(def, now.positions) : def.nodes;
+    std::vector<int> nodes = def.toNodes.empty() ? nodesOf(def, now.positions) : def.nodes;
+    const bool selects = !def.nodes.empty() || def.box || def.ball;
+    if (def.within || !selects) addNodesNear(def, now.positions, other.side, nodes);
     for (const int node : nodes) {
         side.points.push_back({.nodes = {node, 0, 0, 0}});
         side.places.push_back(now.positions[static_cast<std::size_t>(node)]);
