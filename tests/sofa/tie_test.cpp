@@ -128,7 +128,7 @@ TEST_CASE("an attachment selects the nodes that are near another body, or inside
         server->step(kDt);
         return points;
     };
-    CHECK(attached({.within = 0.0}) == 4); // of the upper nodes, which are 10 mm apart
+    CHECK(attached({.within = 0.0}) == 4); // upper nodes, which are 10 mm apart
     CHECK(attached({}) == 9);              // within 1 % of its size
     CHECK(attached({.within = 0.0053}) == 18);
     CHECK(attached({.nodes = {0}, .within = 0.0053}) == 19);

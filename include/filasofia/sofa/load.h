@@ -33,7 +33,7 @@ constexpr auto fields(const LoadDef*)
 
 /// An object of the scene that is a body of the simulator.
 struct LoadedBody {
-    /// its path in the scene: "Liver/Visu/VisualModel"; of siblings with the same name the second has "#2" after it
+    /// its path in the scene: "Liver/Visu/VisualModel"; if siblings have the same name, the second has "#2" after it
     std::string name = {};
     BodyId id = {};
     bool picture = false; ///< an OglModel: made to be shown

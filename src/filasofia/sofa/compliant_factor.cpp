@@ -77,25 +77,34 @@ template <class Data> std::vector<double> complianceOf(const Data& factor, const
     return dense;
 }
 
+/// The numbers of the factor that J reads, ascending, and its rows by their places in that list.
+template <class Data, class Jacobian>
+std::vector<Row> rowsOf(const Data& factor, const Jacobian& jacobian, std::vector<int>& numbers)
+{
+    for (auto row = jacobian.begin(); row != jacobian.end(); ++row)
+        for (const auto& entry : row->second) numbers.push_back(factor.invperm[entry.first]);
+    std::ranges::sort(numbers);
+    numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
+    std::vector<Row> rows;
+    for (auto row = jacobian.begin(); row != jacobian.end(); ++row) {
+        Row& fresh = rows.emplace_back(Row{.row = static_cast<int>(row->first)});
+        for (const auto& [column, value] : row->second) {
+            const auto at = std::ranges::lower_bound(numbers, factor.invperm[column]);
+            fresh.entries.emplace_back(static_cast<int>(at - numbers.begin()), value);
+        }
+    }
+    return rows;
+}
+
 } // namespace
 
 bool CompliantFactor::addJMInvJtLocal(Blocks* matrix, ResMatrixType* result, const JMatrixType* jacobian, SReal factor)
 {
     if (!this->isComponentStateValid() || jacobian->rowSize() == 0) return true;
     const auto& data = *static_cast<InvertData*>(this->getMatrixInvertData(matrix));
-    std::vector<int> numbers; // that J reads, in the order of the factor
-    for (auto row = jacobian->begin(); row != jacobian->end(); ++row)
-        for (const auto& entry : row->second) numbers.push_back(data.invperm[entry.first]);
-    std::ranges::sort(numbers);
-    numbers.erase(std::ranges::unique(numbers).begin(), numbers.end());
+    std::vector<int> numbers;
+    const std::vector<Row> rows = rowsOf(data, *jacobian, numbers);
     if (numbers.empty()) return true;
-    std::vector<Row> rows;
-    for (auto row = jacobian->begin(); row != jacobian->end(); ++row) {
-        Row& fresh = rows.emplace_back(Row{.row = static_cast<int>(row->first)});
-        for (const auto& [column, value] : row->second)
-            fresh.entries.emplace_back(
-                static_cast<int>(std::ranges::lower_bound(numbers, data.invperm[column]) - numbers.begin()), value);
-    }
     const std::vector<double> dense = complianceOf(data, numbers);
     std::vector<double> moved(numbers.size());
     for (std::size_t r = 0; r < rows.size(); ++r) {

@@ -6,7 +6,7 @@
 namespace filasofia::sofaengine {
 namespace {
 
-constexpr int kRounds = 10; // of the fixed point: each gains the factor of half the angle of a step
+constexpr int kRounds = 10; // round by round: each gains the factor of half the angle of a step
 using ::sofa::core::vec_id::read_access::position;
 using ::sofa::core::vec_id::read_access::velocity;
 

@@ -25,14 +25,19 @@ double NearSurface::size() const
     return length(box.high - box.low);
 }
 
-bool NearSurface::has(Vec3 point, double within) const
+double NearSurface::distance(Vec3 point) const
 {
     const auto squaredDistance = [&](int t) {
         const auto [a, b, c] = triangles_[static_cast<std::size_t>(t)];
         const auto at = [&](int corner) { return vertices_[static_cast<std::size_t>(corner)]; };
         return geometry::nearestOnTriangle(point, at(a), at(b), at(c)).squaredDistance;
     };
-    if (std::sqrt(tree_.nearest(point, squaredDistance).value) <= within) return true;
+    return std::sqrt(tree_.nearest(point, squaredDistance).value);
+}
+
+bool NearSurface::has(Vec3 point, double within) const
+{
+    if (distance(point) <= within) return true;
     return geometry::squaredDistance(tree_.bounds(), point) == 0.0 && isInside(point);
 }
 

@@ -13,6 +13,7 @@ public:
     NearSurface(std::vector<Vec3> vertices, std::vector<geometry::Triangle> triangles);
     /// [m] The diagonal of its box.
     [[nodiscard]] double size() const;
+    [[nodiscard]] double distance(Vec3 point) const; ///< [m]
     /// Whether a point is inside, or nearer than `within` [m].
     [[nodiscard]] bool has(Vec3 point, double within) const;
 

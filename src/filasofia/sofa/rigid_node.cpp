@@ -66,8 +66,8 @@ RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root, 
     }
     for (const CollisionPlan& each : plan_.collision) {
         for (const Vec3 vertex : each.mesh.vertices) reach_ = std::max(reach_, distance(vertex, plan_.inertia.centre));
-        addCollision(each, {.body = id, .moves = dynamic, .friction = plan_.def.friction}, contact, *state_,
-                     plan_.inertia.centre);
+        surfaces_.push_back(addCollision(each, {.body = id, .moves = dynamic, .friction = plan_.def.friction}, contact,
+                                         *state_, plan_.inertia.centre));
     }
     ::sofa::simulation::node::init(node_.get());
     if (contact.constrains()) joinConstraints();
@@ -75,6 +75,7 @@ RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root, 
 
 RigidNode::~RigidNode()
 {
+    surfaces_.clear();
     if (node_) removeNode(node_);
 }
 

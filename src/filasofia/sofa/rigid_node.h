@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/sofa/collision_surface.h"
 #include "filasofia/sofa/contact_stage.h"
 #include "filasofia/sofa/element_mass.h"
 #include "filasofia/sofa/rigid_loads.h"
@@ -50,6 +51,7 @@ public:
     [[nodiscard]] RigidState start() const; ///< as the Def says
     [[nodiscard]] bool isUsable() const;
 
+    [[nodiscard]] const std::vector<CollisionSurface>& surfaces() const { return surfaces_; }
     [[nodiscard]] double speed() const; ///< [m/s] the fastest point of its collision models, and of its centres
     /// The scene has constraints from now on: without it they would hold the body where it is.
     void joinConstraints();
@@ -91,6 +93,7 @@ private:
     State::SPtr state_;
     RigidLoads::SPtr loads_; ///< null for a kinematic body
     ElementMass::SPtr mass_; ///< null for a kinematic body
+    std::vector<CollisionSurface> surfaces_;
     bool constrained_ = false;
     double reach_ = 0.0;                       ///< [m] from the centre of mass to the farthest vertex of its models
     std::vector<std::optional<Pose>> targets_; ///< where a kinematic body will be at the end of the step

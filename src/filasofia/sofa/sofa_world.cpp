@@ -4,6 +4,7 @@
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/sofa/apply_commands.h"
+#include "filasofia/sofa/intersections.h"
 #include "filasofia/sofa/make_tie.h"
 #include "filasofia/sofa/scene_state.h"
 #include "filasofia/sofa/sofa_process.h"
@@ -14,10 +15,15 @@
 #include <sofa/simulation/MechanicalOperations.h>
 #include <sofa/simulation/Simulation.h>
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 namespace filasofia::sofaengine {
 
 namespace {
 
+constexpr double kLookEvery = 0.01; // [s] simulated, for intersections, as the native engine
 using Lock = std::lock_guard<std::recursive_mutex>;
 
 struct WorldState final : physics::EngineState {
@@ -48,6 +54,12 @@ void writeConstraints(const SofaScene& scene, std::vector<frame::Contact>& conta
     for (const FoundContact& each : scene.contacts) contacts.push_back(each.contact);
     attachments.clear();
     for (const auto& tie : scene.ties) attachments.push_back(tie->report());
+}
+
+bool changesBodies(const physics::Command& command)
+{
+    return std::holds_alternative<physics::AddBody>(command) || std::holds_alternative<physics::RemoveBody>(command) ||
+           std::holds_alternative<physics::Reset>(command);
 }
 
 /// Those of contacts and attachments on elements of rigid bodies.
@@ -131,6 +143,7 @@ physics::StepReport SofaWorld::step(const physics::StepInput& in)
     const auto now = [&] { return in.budget && in.budget->now ? in.budget->now() : std::int64_t{0}; };
     const Lock lock(sofaMutex());
     const std::int64_t begin = now();
+    looksAgain_ = looksAgain_ || std::ranges::any_of(in.commands, changesBodies);
     applyCommands(in.commands, *this, scene_, report);
     const std::int64_t applied = now();
     report.times.commands = 1e-9 * static_cast<double>(applied - begin);
@@ -151,6 +164,8 @@ void SofaWorld::advance(double dt, physics::StepReport& report)
     std::erase_if(scene_.ties, [](const auto& each) { return each->isBroken(); });
     const bool failed = !attempt("SOFA: a step ended with an exception", [&] { move(dt); });
     readConstraints(failed, dt, report);
+    report.intersections = intersections_;
+    if (!intersections_.empty()) report.set(physics::StepFlag::Intersecting);
     if (putBack(failed, before)) report.set(physics::StepFlag::Undone);
     const std::vector<PointForce> forces = forcesOn(scene_);
     for (const auto& body : scene_.rigid) {
@@ -172,6 +187,9 @@ void SofaWorld::move(double dt)
         body->beginMove(dt, findBody(scene_.rigid, body->plan().def.articulation.to));
     if (scene_.contact.isOn()) {
         followBodies(*scene_.root);
+        const auto window = [](double time) { return std::floor(time / kLookEvery + 1e-6); };
+        if (std::exchange(looksAgain_, false) || window(time_) != window(time_ + dt))
+            intersections_ = intersectionsOf(scene_);
         scene_.contact.prepare(fastest(scene_) + length(fromSofa(scene_.root->getGravity())) * dt, dt);
     }
     for (const auto& tie : scene_.ties) tie->prepare(dt);
@@ -290,6 +308,7 @@ void SofaWorld::restore(const physics::EngineState& saved)
     } catch (...) {
         fail("restore: SOFA cannot make an attachment of the state: ", problemNow());
     }
+    looksAgain_ = true;
     time_ = state->time;
     steps_ = state->steps;
 }

@@ -35,7 +35,9 @@ private:
     void readConstraints(bool failed, double dt, physics::StepReport& report);
 
     SofaScene scene_;
-    double time_ = 0.0; ///< [s]
+    std::vector<physics::Intersection> intersections_; ///< the last answer
+    bool looksAgain_ = true;                           ///< for intersections, in the next step
+    double time_ = 0.0;                                ///< [s]
     std::uint64_t steps_ = 0;
 };
 

@@ -174,7 +174,8 @@ SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root, con
     if (!plan_.def.gravity) loads_->weightless = plan_.masses;
     node_->addObject(loads_);
     for (const CollisionPlan& each : plan_.collision)
-        addCollision(each, {.body = id, .soft = true, .friction = plan_.def.friction}, contact, *state_);
+        surfaces_.push_back(
+            addCollision(each, {.body = id, .soft = true, .friction = plan_.def.friction}, contact, *state_));
     ::sofa::simulation::node::init(node_.get());
     if (contact.constrains()) joinConstraints();
     setPins(plan_.pins);
@@ -182,6 +183,7 @@ SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root, con
 
 SoftNode::~SoftNode()
 {
+    surfaces_.clear();
     if (node_) removeNode(node_);
 }
 

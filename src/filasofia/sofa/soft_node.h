@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/sofa/body_loads.h"
+#include "filasofia/sofa/collision_surface.h"
 #include "filasofia/sofa/contact_stage.h"
 
 #include "filasofia/frame/frame.h"
@@ -73,6 +74,7 @@ public:
     [[nodiscard]] SoftSettings settings() const;
     void apply(const SoftSettings& settings);
 
+    [[nodiscard]] const std::vector<CollisionSurface>& surfaces() const { return surfaces_; }
     /// Attachments to space.
     [[nodiscard]] const std::vector<PinGroup>& pins() const { return pins_; }
     void setPins(std::vector<PinGroup> pins);
@@ -94,6 +96,7 @@ private:
     ::sofa::simulation::Node::SPtr node_;
     State::SPtr state_;
     BodyLoads::SPtr loads_;
+    std::vector<CollisionSurface> surfaces_;
     ::sofa::core::objectmodel::BaseObject::SPtr law_, fixed_, euler_, solver_, correction_;
     bool coupled_ = false; ///< constraints act on it
 };
