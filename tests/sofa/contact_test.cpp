@@ -162,6 +162,23 @@ TEST_CASE("boxes stand on each other, and tissue on tissue")
     }
 }
 
+TEST_CASE("a box that is placed within its skin comes out of it without a hop")
+{
+    const auto server = serverWith("sofa", kDt);
+    server->add(floorDef());
+    const BodyId box = server->add(rigidBox("box", {0.02, 0.02, 0.02}, {{0, 0.02005, 0}, {}}));
+    double highest = 0.0, fastest = 0.0;
+    for (int i = 0; i < 200; ++i) {
+        server->step(kDt);
+        const auto frame = server->latest();
+        highest = std::max(highest, frame->rigidBody(box)->poses[0].position.y);
+        fastest = std::max(fastest, length(frame->rigidBody(box)->velocities[0]));
+    }
+    CHECK(highest < 0.02025);
+    CHECK(fastest < 0.015);
+    CHECK(server->latest()->rigidBody(box)->poses[0].position.y == Approx(0.0202).margin(2e-5)); // two skins of 0.1 mm
+}
+
 TEST_CASE("only models of the same group meet, and a model of its own may differ from the body's surface")
 {
     const std::string engine = GENERATE(as<std::string>(), "native", "sofa");

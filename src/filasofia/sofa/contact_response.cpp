@@ -22,6 +22,8 @@ using Points = models::PointCollisionModel<Vec3Types>;
 using Lines = models::LineCollisionModel<Vec3Types>;
 using Triangles = models::TriangleCollisionModel<Vec3Types>;
 
+constexpr double kParting = 0.01; // [m/s] by which surfaces that overlap part, apart from what else moves them
+
 /// SOFA divides by how far an impulse moves the two points: nothing may be done where both are held, as at pins.
 class FrictionResolution final : public model::UnilateralConstraintResolutionWithFriction {
 public:
@@ -47,6 +49,16 @@ public:
     ContactRows(MechanicalState* first, MechanicalState* second) : UnilateralLagrangianConstraint(first, second) {}
 
     [[nodiscard]] const auto& rows() const { return contacts; }
+    /// SOFA parts what overlaps at once, which throws bodies that were placed within their skins.
+    void getPositionViolation(::sofa::linearalgebra::BaseVector* out) override
+    {
+        UnilateralLagrangianConstraint::getPositionViolation(out);
+        const double way = kParting * this->getContext()->getDt();
+        for (const Contact& each : contacts) {
+            const double gap = dot(each.P - each.Q, each.norm) - each.contactDistance;
+            if (gap + way < 0.0) out->add(each.id, -(gap + way)); // as if the surfaces were that much farther in
+        }
+    }
     void getConstraintResolution(const ::sofa::core::ConstraintParams* /*params*/,
                                  std::vector<ConstraintResolution*>& all, unsigned int& offset) override
     {
