@@ -3,10 +3,12 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/sofa/make_tie.h"
+#include "filasofia/sofa/node_removal.h"
 #include "filasofia/sofa/scene_state.h"
 #include "filasofia/sofa/sofa_process.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace filasofia::sofaengine {
 namespace {
@@ -37,6 +39,8 @@ struct ApplyCommand {
     }
     void operator()(const physics::RemoveBody& remove) const
     {
+        std::optional<PartedSlaves> parted; // before its contacts go
+        if (const SoftNode* body = findBody(scene.soft, remove.id)) parted.emplace(body->node());
         scene.contact.forget();
         std::erase_if(scene.ties, [&](const auto& each) { return each->holds(remove.id); });
         std::erase_if(scene.grasps,

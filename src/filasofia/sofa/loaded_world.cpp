@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/hash.h"
 #include "filasofia/core/log.h"
+#include "filasofia/sofa/node_removal.h"
 #include "filasofia/sofa/sofa_process.h"
 
 #include <sofa/simulation/Simulation.h>
@@ -67,7 +68,7 @@ void updateMappings(::sofa::simulation::Node& root)
 LoadedWorld::Graph::~Graph()
 {
     views.clear();
-    if (root) ::sofa::simulation::node::unload(root);
+    if (root) removeNode(root);
 }
 
 LoadedWorld::Graph& LoadedWorld::Graph::operator=(Graph&& other) noexcept

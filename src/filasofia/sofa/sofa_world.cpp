@@ -6,6 +6,7 @@
 #include "filasofia/sofa/apply_commands.h"
 #include "filasofia/sofa/intersections.h"
 #include "filasofia/sofa/make_tie.h"
+#include "filasofia/sofa/node_removal.h"
 #include "filasofia/sofa/scene_state.h"
 #include "filasofia/sofa/sofa_process.h"
 #include "filasofia/sofa/try_body.h"
@@ -106,6 +107,7 @@ SofaWorld::SofaWorld(const SofaEngineDef& def) : scene_{.contact = ContactStage(
 SofaWorld::~SofaWorld()
 {
     const Lock lock(sofaMutex());
+    const PartedSlaves parted(*scene_.root);
     scene_.contact.forget();
     scene_.ties.clear();
     scene_.soft.clear();
