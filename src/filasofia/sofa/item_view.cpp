@@ -69,11 +69,7 @@ ItemView::ItemView(LoadedItem item, double unit, bool cut) : item_(std::move(ite
     look();
 }
 
-int ItemView::nodeCount() const
-{
-    if (item_.rigid) return static_cast<int>(rigid_.poses.size());
-    return static_cast<int>(item_.vertices.empty() ? item_.soft->getSize() : item_.vertices.size());
-}
+int ItemView::nodeCount() const { return static_cast<int>(item_.rigid ? rigid_.poses.size() : places_.size()); }
 
 void ItemView::lookAtRigid()
 {

@@ -20,7 +20,7 @@ public:
 
     [[nodiscard]] const LoadedItem& item() const { return item_; }
     [[nodiscard]] const ItemElements& elements() const { return elements_; }
-    [[nodiscard]] int nodeCount() const; ///< at the start
+    [[nodiscard]] int nodeCount() const; ///< or elements
     [[nodiscard]] bool isCut() const { return revision_ > 0; }
     /// Reads SOFA's state, whose numbers are usable.
     void look();

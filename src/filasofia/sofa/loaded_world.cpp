@@ -95,6 +95,7 @@ physics::EngineInfo LoadedWorld::info() const { return {.name = "sofa", .version
 
 std::unique_ptr<physics::BuiltBody> LoadedWorld::build(const physics::BodyDef& def) const
 {
+    const Lock lock(sofaMutex()); // a step may read the file again
     const auto nameOfView = [](const ItemView& each) { return each.item().name; };
     const auto found = std::ranges::find(graph_.views, nameOf(def), nameOfView);
     if (found == graph_.views.end()) fail(describeBody(def), ": a loaded scene of SOFA has no bodies besides its own");
