@@ -1,7 +1,12 @@
 #include "sofa/sofa_stage.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/core/text.h"
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/sofa/tune.h"
+
+#include <sofa/component/mapping/linear/BarycentricMapping.h>
+#include <sofa/simulation/Node.h>
 
 // Contact with either engine: against the same closed forms, with bounds per engine.
 namespace contact_test {
@@ -11,6 +16,9 @@ using namespace filasofia::physics;
 using namespace filasofia::sofa_test;
 
 namespace {
+
+using Mapping = ::sofa::component::mapping::linear::BarycentricMapping<::sofa::defaulttype::Vec3Types,
+                                                                       ::sofa::defaulttype::Vec3Types>;
 
 constexpr double kG = 9.81, kDt = 1e-3;
 
@@ -154,6 +162,23 @@ TEST_CASE("boxes stand on each other, and tissue on tissue")
     }
 }
 
+TEST_CASE("a box that is placed within its skin comes out of it without a hop")
+{
+    const auto server = serverWith("sofa", kDt);
+    server->add(floorDef());
+    const BodyId box = server->add(rigidBox("box", {0.02, 0.02, 0.02}, {{0, 0.02005, 0}, {}}));
+    double highest = 0.0, fastest = 0.0;
+    for (int i = 0; i < 200; ++i) {
+        server->step(kDt);
+        const auto frame = server->latest();
+        highest = std::max(highest, frame->rigidBody(box)->poses[0].position.y);
+        fastest = std::max(fastest, length(frame->rigidBody(box)->velocities[0]));
+    }
+    CHECK(highest < 0.02025);
+    CHECK(fastest < 0.015);
+    CHECK(server->latest()->rigidBody(box)->poses[0].position.y == Approx(0.0202).margin(2e-5)); // two skins of 0.1 mm
+}
+
 TEST_CASE("only models of the same group meet, and a model of its own may differ from the body's surface")
 {
     const std::string engine = GENERATE(as<std::string>(), "native", "sofa");
@@ -236,6 +261,51 @@ TEST_CASE("the damping of a penalty is refused before a step")
 {
     CHECK_THROWS_WITH(runtime::makeEngine("sofa", {.contact = PenaltyContact{.damping = 1.0}}),
                       Catch::Contains("damping of a PenaltyContact is not available with the engine 'sofa'"));
+}
+
+TEST_CASE("each engine tells once that friction has no effect by penalty")
+{
+    std::vector<std::string> lines;
+    setLogSink([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+    for (int i = 0; i < 2; ++i) {
+        const auto server = std::make_unique<PhysicsServer>(
+            runtime::makeEngine("sofa", {.period = kDt, .contact = PenaltyContact{.stiffness = 2000.0}}),
+            PhysicsServerDef{});
+        server->add(floorDef(0.0)); // has none
+        server->add(rigidBox("box", {0.02, 0.02, 0.02}, {}, 0.4));
+        server->add(rigidBox("other", {0.02, 0.02, 0.02}, {{1, 0, 0}, {}}, 0.4));
+        steps(*server, 2, kDt);
+    }
+    setLogSink({});
+    REQUIRE(lines.size() == 2);
+    CHECK_THAT(lines[0], Catch::Contains("rigid body 'box': friction 0.4 has no effect: contacts by PenaltyContact"));
+    CHECK(lines[1] == lines[0]);
+}
+
+TEST_CASE("what SOFA makes for a contact does not hold itself: it goes with the contact")
+{
+    const bool exact = GENERATE(true, false);
+    CAPTURE(exact);
+    ContactMethod method = ExactContact{};
+    if (!exact) method = PenaltyContact{.stiffness = 2000.0};
+    const auto server = std::make_unique<PhysicsServer>(runtime::makeEngine("sofa", {.period = kDt, .contact = method}),
+                                                        PhysicsServerDef{});
+    server->add(floorDef(0.0));
+    RigidBodyDef box = rigidBox("box", {0.02, 0.02, 0.02}, {{0, 0.0201, 0}, {}}, 0.0);
+    box.elements[0].orientation = axisAngle({0, 1, 0}, 0.3);
+    server->add(box);
+    std::size_t mappings = 0, holding = 0;
+    for (int i = 0; i < 20; ++i) {
+        sofaengine::tune(*server, [&](::sofa::simulation::Node& root, const sofaengine::NodeOf&) {
+            std::vector<Mapping*> all;
+            root.getTreeObjects<Mapping>(&all);
+            mappings += all.size();
+            for (const Mapping* each : all) holding += each->getSlaves().size();
+        });
+        server->step(kDt);
+    }
+    CHECK(mappings > 0);
+    CHECK(holding == 0);
 }
 
 TEST_CASE("bodies in contact come and go a thousand times, and engines with contact fifty times")

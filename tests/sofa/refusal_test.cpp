@@ -32,7 +32,8 @@ TEST_CASE("what the engine says of itself")
 {
     const auto info = runtime::makeEngine("sofa", {})->info();
     CHECK((info.name == "sofa" && !info.version.empty()));
-    CHECK_FALSE((info.repeatable || info.deadline || info.cuts || info.joints));
+    CHECK(info.joints);
+    CHECK_FALSE((info.repeatable || info.deadline || info.cuts));
     CHECK_THROWS_WITH(runtime::makeEngine("sofa", {.period = 0.0}), Catch::Contains("period must be in (0, 10] s"));
 }
 
@@ -100,16 +101,6 @@ TEST_CASE("a rigid body or a rod that asks for what SOFA lacks is refused")
                           .cutting = true}};
         refuses(def, "collision[0].cutting");
     }
-    SECTION("joints")
-    {
-        def.articulation.joints = {{}};
-        refuses(def, "articulation");
-    }
-    SECTION("attachment")
-    {
-        def.attachments = {{}};
-        refuses(def, "attachments[0]: attaching an element as a whole");
-    }
     SECTION("damping")
     {
         def.angularDamping = 1.0;
@@ -131,9 +122,6 @@ TEST_CASE("a command that SOFA cannot carry out is refused at its caller")
     const auto refused = [&](auto&& act, const std::string& says) {
         CHECK_THROWS_WITH(act(), Catch::Contains(says) && Catch::Contains("not available with the engine 'sofa'"));
     };
-    const BodyId stone = server->add(RigidBodyDef{.name = "stone", .dynamic = true, .mass = GivenInertia{}});
-    refused([&] { server->attach(stone, RigidAttachmentDef{}); },
-            "rigid body 'stone': attach: attaching an element as a whole");
     refused([&] { server->setTissue(body, {.where = Listed{{0}}, .youngModulus = 1e3}); },
             "soft body 'tissue': SetTissue");
     refused([&] { server->attach(body, AttachmentDef{.nodes = {0}, .to = tool, .cutDistance = 0.01}); },

@@ -78,15 +78,50 @@ TEST_CASE("damping slows a rigid body, and without gravity it stays")
     CHECK(length(frame->rigidBody(b)->poses[0].position) < 1e-12);
 }
 
-TEST_CASE("SOFA has no gyroscopic moment: a body without moments keeps its angular velocity, not its momentum")
+TEST_CASE("a body that tumbles freely keeps its angular momentum and its energy, and turns as in the native engine")
+{
+    const Vec3 moments{1e-4, 2e-4, 2.5e-4};
+    Quat end[2];
+    int e = 0;
+    for (const std::string engine : {"native", "sofa"}) {
+        CAPTURE(engine);
+        const auto server = serverWith(engine, 1e-3, {});
+        RigidBodyDef def = ball();
+        def.mass = GivenInertia{.mass = 0.2, .moments = moments};
+        def.angularVelocity = {0.1, 5, 0.2}; // about the middle axis: it turns over
+        const BodyId body = server->add(def);
+        double overturned = 1.0;
+        for (int i = 0; i < 4000; ++i) {
+            server->step(1e-3);
+            const auto frame = server->latest();
+            const Pose pose = frame->rigidBody(body)->poses[0];
+            const Vec3 w = rotate(conjugate(pose.orientation), frame->rigidBody(body)->angularVelocities[0]);
+            const Vec3 own{moments.x * w.x, moments.y * w.y, moments.z * w.z};
+            overturned = std::min(overturned, rotate(pose.orientation, {0, 1, 0}).y);
+            if (i % 500 != 499) continue;
+            CHECK(length(rotate(pose.orientation, own) - Vec3{1e-5, 1e-3, 5e-5}) < 1e-8);
+            CHECK(0.5 * dot(own, w) == Approx(0.5 * (1e-4 * 0.01 + 2e-4 * 25 + 2.5e-4 * 0.04)).epsilon(1e-5));
+        }
+        CHECK(overturned < -0.9);
+        end[e++] = server->latest()->rigidBody(body)->poses[0].orientation;
+    }
+    CHECK(length(rotationVector(end[0] * conjugate(end[1]))) < 5e-3); // after 20 rad
+}
+
+TEST_CASE("the axis of a top that is free goes around its momentum with L / I")
 {
     const auto server = serverWith("sofa", 1e-3, {});
     RigidBodyDef def = ball();
-    def.mass = GivenInertia{.mass = 0.2, .moments = {1e-4, 2e-4, 2.5e-4}};
-    def.angularVelocity = {1, 5, 3};
+    const double across = 1e-4, along = 1.6e-4;
+    def.mass = GivenInertia{.mass = 0.2, .moments = {across, along, across}};
+    def.angularVelocity = {3, 10, 0};
     const BodyId body = server->add(def);
-    steps(*server, 200, 1e-3);
-    CHECK(length(server->latest()->rigidBody(body)->angularVelocities[0] - Vec3{1, 5, 3}) < 1e-9);
+    const Vec3 momentum{across * 3, along * 10, 0};
+    steps(*server, 1000, 1e-3);
+    const Vec3 axis = rotate(server->latest()->rigidBody(body)->poses[0].orientation, {0, 1, 0});
+    const Vec3 expected =
+        rotate(axisAngle(normalized(momentum), std::fmod(length(momentum) / across, 2 * M_PI)), {0, 1, 0});
+    CHECK(length(axis - expected) < 1e-3);
 }
 
 } // namespace rigid_body_test

@@ -105,6 +105,35 @@ TEST_CASE("a cube hangs from another body by its nodes, with its weight, and bre
     CHECK(server->latest()->softBody(below)->positions[0].y < -0.05);
 }
 
+TEST_CASE("an attachment selects the nodes that are near another body, or inside it")
+{
+    const std::string engine = GENERATE(as<std::string>(), "native", "sofa");
+    const bool soft = GENERATE(false, true);
+    CAPTURE(engine, soft);
+    const auto server = serverWith(engine, kDt, {});
+    SoftBodyDef large = cube("large", {0, 0, 0});
+    large.mesh = bar(4, 4, 4, {0.04, 0.04, 0.04});
+    const BodyId tissue = server->add(large);
+    const Vec3 place{0.0201, 0.045, 0.0203}; // it reaches 5 mm into the cube
+    const BodyId other =
+        soft ? server->add(cube("small", place - Vec3{0.01, 0.01, 0.01})) : server->add(box("tool", place));
+    server->step(kDt);
+    const auto attached = [&](AttachmentDef def) {
+        def.to = other;
+        const AttachmentId id = server->attach(tissue, def);
+        server->step(kDt);
+        const auto* found = attachment(*server, id);
+        const int points = found ? found->points : 0;
+        server->release(id);
+        server->step(kDt);
+        return points;
+    };
+    CHECK(attached({.within = 0.0}) == 4); // upper nodes, which are 10 mm apart
+    CHECK(attached({}) == 9);              // within 1 % of its size
+    CHECK(attached({.within = 0.0053}) == 18);
+    CHECK(attached({.nodes = {0}, .within = 0.0053}) == 19);
+}
+
 TEST_CASE("points of a rigid element are tied to space and to tissue, and released")
 {
     const std::string engine = GENERATE(as<std::string>(), "native", "sofa");

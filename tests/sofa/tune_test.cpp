@@ -89,6 +89,20 @@ TEST_CASE("a tune() that throws is undone")
     CHECK(server->latest()->softBody(body)->velocities[0].y < before[0].y);
 }
 
+TEST_CASE("a tune() that leaves a number which is none is undone")
+{
+    const auto server = serverWith("sofa", 1e-3, {});
+    const BodyId body = server->add(tissue());
+    server->step(1e-3);
+    sofaengine::tune(*server, [&](::sofa::simulation::Node&, const sofaengine::NodeOf& nodeOf) {
+        ::sofa::helper::WriteAccessor x(dynamic_cast<State*>(nodeOf(body)->getMechanicalState())->x);
+        x[3] = {0, std::nan(""), 0};
+    });
+    CHECK(server->step(1e-3).has(StepFlag::TuneRejected));
+    for (const Vec3 each : server->latest()->softBody(body)->positions) CHECK(length(each) < 0.1);
+    CHECK(server->step(1e-3).flags == 0);
+}
+
 TEST_CASE("a component that throws, or makes numbers which are none, ends as a flag, with the state put back")
 {
     const bool throws = GENERATE(true, false);

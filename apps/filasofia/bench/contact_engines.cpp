@@ -31,6 +31,7 @@ struct TouchCell {
 std::vector<ContactScene> scenes(bool quick)
 {
     std::vector<ContactScene> all = {towerOfFive(), bunnyOnFloor(756), ballOnFloor()};
+    if (!quick) all.push_back(bunnyOnFloor(3004));
     for (ContactScene& each : all) each.settle = 0.5;
     if (!quick) all.push_back(bunnyScraped(756, 0.1));
     return all;

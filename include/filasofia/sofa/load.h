@@ -33,7 +33,8 @@ constexpr auto fields(const LoadDef*)
 
 /// An object of the scene that is a body of the simulator.
 struct LoadedBody {
-    std::string name = {}; ///< its path in the scene: "Liver/Visu/VisualModel"
+    /// its path in the scene: "Liver/Visu/VisualModel"; if siblings have the same name, the second has "#2" after it
+    std::string name = {};
     BodyId id = {};
     bool picture = false; ///< an OglModel: made to be shown
 };
@@ -53,6 +54,8 @@ struct LoadedScene {
 /// Makes a scene the physics of a server that has no bodies and has made no step. Its states with tetrahedra,
 /// hexahedra, triangles or quads become soft bodies, rigid states become rigid ones, and pictures (OglModel) become
 /// soft bodies of triangles. SOFA moves them all; commands other than gravity, pause, reset and tune() are refused.
+/// A scene may cut its meshes: frames then have the new boundary. To reset or restore what was cut, the file is read
+/// again: what tune() changed is gone then.
 /// Throws an Error that names the file and what SOFA could not make, if this program was built without SOFA, or if the
 /// server is in use.
 LoadedScene load(physics::PhysicsServer& server, const LoadDef& def);

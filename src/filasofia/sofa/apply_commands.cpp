@@ -3,8 +3,12 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/sofa/make_tie.h"
+#include "filasofia/sofa/node_removal.h"
+#include "filasofia/sofa/scene_state.h"
+#include "filasofia/sofa/sofa_process.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace filasofia::sofaengine {
 namespace {
@@ -35,6 +39,8 @@ struct ApplyCommand {
     }
     void operator()(const physics::RemoveBody& remove) const
     {
+        std::optional<PartedSlaves> parted; // before its contacts go
+        if (const SoftNode* body = findBody(scene.soft, remove.id)) parted.emplace(body->node());
         scene.contact.forget();
         std::erase_if(scene.ties, [&](const auto& each) { return each->holds(remove.id); });
         std::erase_if(scene.grasps,
@@ -52,10 +58,18 @@ struct ApplyCommand {
         rigid(set.id)->setWrench(set.element, {set.force, set.torque});
     }
     void operator()(const physics::SetHaptic& set) const { rigid(set.id)->setHand(set.element, set.target); }
+    void operator()(const physics::SetJoint& set) const
+    {
+        rigid(set.id)->setJoint(set.joint, std::get<physics::JointPosition>(set.command).value);
+    }
     void operator()(const physics::SetGravity& set) const { scene.root->setGravity(toSofa(set.gravity)); }
     void operator()(physics::SetMaterial& set) const
     {
-        if (auto* built = dynamic_cast<PlannedSoft*>(set.body.get())) soft(set.id)->setMaterial(built->plan);
+        auto* built = dynamic_cast<PlannedSoft*>(set.body.get());
+        if (!built) return;
+        const SoftPlan& plan = built->plan;
+        soft(set.id)->setTissue(std::make_shared<const SoftSettings::Tissue>(
+            SoftSettings::Tissue{plan.def.material, plan.youngModulus, plan.poissonRatio}));
     }
     void operator()(const physics::SetForces& set) const { soft(set.id)->loads().forces = set.forces; }
     void operator()(const physics::SetPressure& set) const { soft(set.id)->loads().pressure = set.pressure; }
@@ -93,27 +107,19 @@ struct ApplyCommand {
                 body->setPins(std::move(pins));
         }
     }
-    void operator()(const physics::Reset&) const
-    {
-        scene.contacts.clear();
-        for (const auto& body : scene.soft) {
-            const std::vector<Vec3>& rest = body->plan().mesh.nodes;
-            body->write({rest, std::vector<Vec3>(rest.size())});
-        }
-        for (const auto& body : scene.rigid) body->write(body->start());
-    }
+    void operator()(const physics::Reset&) const { resetScene(scene); }
     void operator()(const physics::Pause&) const {} // the server steps with dt = 0
     void operator()(const physics::Tune& tune) const
     {
         report.set(StepFlag::Tuned);
         const SceneState before = stateOf(scene);
-        try {
+        const auto change = [&] {
             tune.change(self);
-        } catch (const std::exception& problem) {
-            setState(before, scene); // components that it added or changed stay
-            report.set(StepFlag::TuneRejected);
-            logError("tune: ", problem.what());
-        }
+            if (!isUsable(scene)) fail("it left numbers that are not finite, or too large");
+        };
+        if (attempt("tune", change)) return;
+        report.set(StepFlag::TuneRejected);
+        attempt("tune", [&] { setState(before, scene); }); // components that it added or changed stay
     }
     template <class Refused> void operator()(const Refused&) const {} // see checkCommand()
 
@@ -145,7 +151,10 @@ private:
 
 /// The command's name, if this engine has no such command at all.
 struct Missing {
-    const char* operator()(const physics::SetJoint&) const { return "SetJoint"; }
+    const char* operator()(const physics::SetJoint& set) const
+    {
+        return std::holds_alternative<physics::JointForce>(set.command) ? "SetJoint by a JointForce" : nullptr;
+    }
     const char* operator()(const physics::SetTissue&) const { return "SetTissue"; }
     const char* operator()(const physics::SetFibreStress&) const { return "SetFibreStress"; }
     const char* operator()(const physics::SetCavity&) const { return "SetCavity"; }
@@ -180,18 +189,14 @@ void checkCommand(const Command& command, const physics::BodyDef* def)
         fail(object, ": ", name, " is not available with the engine 'sofa'");
     const auto* attach = std::get_if<physics::Attach>(&command);
     if (attach && isTie(attach->def)) checkTie(attach->def, object + ": attach");
-    if (const auto* rigid = std::get_if<physics::AttachRigid>(&command)) checkTie(rigid->def, object + ": attach");
 }
 
 void applyCommands(std::span<Command> commands, physics::PhysicsEngine& self, SofaScene& scene,
                    physics::StepReport& report)
 {
-    for (Command& command : commands) try {
-            std::visit(ApplyCommand{self, scene, report}, command);
-        } catch (const std::exception& problem) {
+    for (Command& command : commands)
+        if (!attempt("SOFA: a command failed", [&] { std::visit(ApplyCommand{self, scene, report}, command); }))
             report.set(StepFlag::TuneRejected);
-            logError("SOFA: a command failed: ", problem.what());
-        }
 }
 
 } // namespace filasofia::sofaengine

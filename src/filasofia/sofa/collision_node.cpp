@@ -51,7 +51,7 @@ void addModel(const CollisionPlan& plan, const ModelTag& tag, const ContactStage
     to.addObject(model);
 }
 
-void addModels(const CollisionPlan& plan, ModelTag tag, const ContactStage& contact, Node& to)
+ModelTag addModels(const CollisionPlan& plan, ModelTag tag, const ContactStage& contact, Node& to)
 {
     tag.group = plan.def.group;
     tag.self = plan.def.self;
@@ -61,6 +61,7 @@ void addModels(const CollisionPlan& plan, ModelTag tag, const ContactStage& cont
     if (plan.def.primitives.triangles) addModel<TriangleCollisionModel<Vec3Types>>(plan, tag, contact, to);
     if (plan.def.primitives.lines) addModel<LineCollisionModel<Vec3Types>>(plan, tag, contact, to);
     if (plan.def.primitives.points) addModel<PointCollisionModel<Vec3Types>>(plan, tag, contact, to);
+    return tag;
 }
 
 Node& nodeOf(const ::sofa::core::objectmodel::BaseObject& each)
@@ -71,7 +72,8 @@ Node& nodeOf(const ::sofa::core::objectmodel::BaseObject& each)
 
 } // namespace
 
-void addCollision(const CollisionPlan& plan, const ModelTag& tag, const ContactStage& contact, SoftStates& body)
+CollisionSurface addCollision(const CollisionPlan& plan, const ModelTag& tag, const ContactStage& contact,
+                              SoftStates& body)
 {
     Vec3Types::VecCoord places;
     for (const Vec3 vertex : plan.mesh.vertices) places.push_back(toSofa(vertex));
@@ -88,11 +90,12 @@ void addCollision(const CollisionPlan& plan, const ModelTag& tag, const ContactS
         mapping->d_indices.setValue(indices);
         surface.node->addObject(mapping);
     }
-    addModels(plan, tag, contact, *surface.node);
+    return {addModels(plan, tag, contact, *surface.node), surface.states, plan.mesh.triangles,
+            contact.skin(plan.def.proximity)};
 }
 
-void addCollision(const CollisionPlan& plan, const ModelTag& tag, const ContactStage& contact, RigidStates& body,
-                  Vec3 centre)
+CollisionSurface addCollision(const CollisionPlan& plan, const ModelTag& tag, const ContactStage& contact,
+                              RigidStates& body, Vec3 centre)
 {
     Vec3Types::VecCoord places;
     for (const Vec3 vertex : plan.mesh.vertices) places.push_back(toSofa(vertex - centre));
@@ -102,7 +105,8 @@ void addCollision(const CollisionPlan& plan, const ModelTag& tag, const ContactS
     mapping->d_points.setValue(places);
     mapping->d_index.setValue(static_cast<::sofa::Index>(plan.def.element));
     surface.node->addObject(mapping);
-    addModels(plan, tag, contact, *surface.node);
+    return {addModels(plan, tag, contact, *surface.node), surface.states, plan.mesh.triangles,
+            contact.skin(plan.def.proximity)};
 }
 
 } // namespace filasofia::sofaengine

@@ -22,6 +22,8 @@ using Points = models::PointCollisionModel<Vec3Types>;
 using Lines = models::LineCollisionModel<Vec3Types>;
 using Triangles = models::TriangleCollisionModel<Vec3Types>;
 
+constexpr double kParting = 0.01; // [m/s] by which surfaces that overlap part, apart from what else moves them
+
 /// SOFA divides by how far an impulse moves the two points: nothing may be done where both are held, as at pins.
 class FrictionResolution final : public model::UnilateralConstraintResolutionWithFriction {
 public:
@@ -47,6 +49,16 @@ public:
     ContactRows(MechanicalState* first, MechanicalState* second) : UnilateralLagrangianConstraint(first, second) {}
 
     [[nodiscard]] const auto& rows() const { return contacts; }
+    /// SOFA parts what overlaps at once, which throws bodies that were placed within their skins.
+    void getPositionViolation(::sofa::linearalgebra::BaseVector* out) override
+    {
+        UnilateralLagrangianConstraint::getPositionViolation(out);
+        const double way = kParting * this->getContext()->getDt();
+        for (const Contact& each : contacts) {
+            const double gap = dot(each.P - each.Q, each.norm) - each.contactDistance;
+            if (gap + way < 0.0) out->add(each.id, -(gap + way)); // as if the surfaces were that much farther in
+        }
+    }
     void getConstraintResolution(const ::sofa::core::ConstraintParams* /*params*/,
                                  std::vector<ConstraintResolution*>& all, unsigned int& offset) override
     {
@@ -80,6 +92,14 @@ FoundContact contactOf(const ModelTag& a, const ModelTag& b, Vec3 normal, Vec3 f
             .secondElement = turned ? b.element : a.element};
 }
 
+/// In SOFA 25.12 the mapping of a contact and its mapper hold each other, and with them the surface, when the contact
+/// has long ended: the mapper needs no master.
+template <class Mapper> void freeMapper(Mapper& contact)
+{
+    if constexpr (requires { contact.mapping->removeSlave(contact.mapper); })
+        if (contact.mapping && contact.mapper) contact.mapping->removeSlave(contact.mapper);
+}
+
 template <class First, class Second> class Friction final : public response::FrictionContact<First, Second>,
                                                             public ContactSource {
 public:
@@ -94,6 +114,8 @@ public:
     void setupConstraint(typename Base::MechanicalState1* first, typename Base::MechanicalState2* second) override
     {
         this->m_constraint = New<ContactRows>(first, second);
+        freeMapper(this->mapper1); // both have just been made
+        freeMapper(this->mapper2);
     }
     void read(std::span<const double> impulses, double dt, std::vector<FoundContact>& out) const override
     {
@@ -123,6 +145,8 @@ public:
     void setDetectionOutputs(::sofa::core::collision::DetectionOutputVector* outputs) override
     {
         Base::setDetectionOutputs(outputs);
+        freeMapper(this->mapper1);
+        freeMapper(this->mapper2);
         auto& contacts = *this->ff->contacts.beginEdit();
         for (auto& each : contacts) each.ks = tagOf(this->model1).stiffness; // SOFA's is divided by the distance
         this->ff->contacts.endEdit();

@@ -41,15 +41,6 @@ ConstraintSolver::SPtr solverOf(const physics::ExactContact& exact)
     return solver;
 }
 
-void warnOfPenalty()
-{
-    static const bool once = [] {
-        logWarning("SOFA: contacts by penalty have no friction with the engine 'sofa'");
-        return true;
-    }();
-    static_cast<void>(once);
-}
-
 } // namespace
 
 struct ContactStage::Parts {
@@ -84,6 +75,11 @@ void ContactStage::check(const physics::BodyDef& def) const
     const auto* rigid = std::get_if<physics::RigidBodyDef>(&def);
     const bool ties = soft ? std::ranges::any_of(soft->attachments, isTie) : rigid && !rigid->attachments.empty();
     if (ties) checkTies(describeBody(def) + ": attachments");
+    const double friction = soft ? soft->friction : rigid ? rigid->friction : 0.0;
+    const bool collides = soft ? !soft->collision.empty() : rigid && !rigid->collision.empty();
+    if (!isExact() && collides && friction > 0.0 && !toldOfFriction_.exchange(true))
+        logWarning(describeBody(def), ": friction ", friction,
+                   " has no effect: contacts by PenaltyContact have none with the engine 'sofa'");
     if (!soft || isExact() || soft->collision.empty() ||
         !std::holds_alternative<physics::ImplicitEuler>(soft->integrator))
         return;
@@ -111,8 +107,7 @@ void ContactStage::start(::sofa::simulation::Node& root)
         root.addObject(loop);
         root.addObject(parts->solver = solverOf(*exact));
         loop->init();
-    } else
-        warnOfPenalty();
+    }
     const auto pipeline = New<collision::detection::algorithm::CollisionPipeline>();
     root.addObject(pipeline);
     root.addObject(New<collision::detection::algorithm::BruteForceBroadPhase>());

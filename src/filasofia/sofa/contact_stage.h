@@ -7,6 +7,7 @@
 
 #include <sofa/simulation/Node.h>
 
+#include <atomic>
 #include <memory>
 
 namespace filasofia::sofaengine {
@@ -31,7 +32,8 @@ public:
     /// [m] At this distance a surface of this proximity begins to push.
     [[nodiscard]] double skin(double proximity) const;
 
-    /// Throws an Error if a body cannot meet others by this method.
+    /// Throws an Error if a body cannot meet others by this method. Warns once if its friction will have no effect.
+    /// From any thread.
     void check(const physics::BodyDef& def) const;
     /// Throws an Error that begins with `object` if bodies cannot be tied.
     void checkTies(const std::string& object) const;
@@ -54,6 +56,7 @@ private:
     double proximity_ = 0.0; ///< [m] the largest
     bool joined_ = false;    ///< a body has come since the last step
     std::unique_ptr<Parts> parts_;
+    mutable std::atomic<bool> toldOfFriction_ = false;
 };
 
 } // namespace filasofia::sofaengine

@@ -18,7 +18,7 @@ LoadedScene load(physics::PhysicsServer& server, const LoadDef& def)
     scene.dt = root->getDt();
     scene.gravity = def.unit * fromSofa(root->getGravity());
     const std::vector<LoadedItem> items = itemsOf(*root, def.unit, scene.left);
-    server.useEngine(std::make_unique<LoadedWorld>(root, items, def.unit));
+    server.useEngine(std::make_unique<LoadedWorld>(root, items, def));
     for (const LoadedItem& each : items)
         scene.bodies.push_back(
             {each.name, std::visit([&](const auto& body) { return server.add(body); }, each.def), each.picture});

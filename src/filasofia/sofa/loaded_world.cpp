@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/hash.h"
 #include "filasofia/core/log.h"
+#include "filasofia/sofa/node_removal.h"
 #include "filasofia/sofa/sofa_process.h"
 
 #include <sofa/simulation/Simulation.h>
@@ -25,7 +26,8 @@ struct PlannedItem final : physics::BuiltBody {
 
 struct LoadedState final : physics::EngineState {
     GraphState graph;
-    Vec3 gravity; ///< in the scene's units
+    std::vector<ItemElements> elements; ///< per item
+    Vec3 gravity;                       ///< in the scene's units
     double time = 0.0;
     std::uint64_t steps = 0;
 };
@@ -35,59 +37,71 @@ const std::string& nameOf(const physics::BodyDef& def)
     return std::visit([](const auto& each) -> const std::string& { return each.name; }, def);
 }
 
-frame::SoftBodyFrame softFrame(BodyId id, const LoadedItem& item, double unit)
+std::vector<ItemElements> elementsOf(const std::vector<ItemView>& views)
 {
-    frame::SoftBodyFrame body{.id = id};
-    const auto& x = item.soft->read(position)->getValue();
-    const auto* speeds = item.picture ? nullptr : item.soft->read(velocity);
-    const std::size_t count = item.vertices.empty() ? x.size() : item.vertices.size();
-    for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t at = item.vertices.empty() ? i : static_cast<std::size_t>(item.vertices[i]);
-        body.positions.push_back(unit * fromSofa(x[at]));
-        const bool moves = speeds && at < speeds->getValue().size(); // pictures have no velocities
-        body.velocities.push_back(moves ? unit * fromSofa(speeds->getValue()[at]) : Vec3{});
-    }
-    return body;
+    std::vector<ItemElements> elements;
+    for (const ItemView& each : views) elements.push_back(each.elements());
+    return elements;
 }
 
-frame::RigidBodyFrame rigidFrame(BodyId id, const ::sofa::core::State<RigidTypes>& state, double unit)
+/// Whether a state has the objects and the meshes of a graph.
+bool fits(const LoadedState& state, ::sofa::simulation::Node& root, const std::vector<ItemView>& views)
 {
-    frame::RigidBodyFrame body{.id = id};
-    for (const auto& x : state.read(position)->getValue())
-        body.poses.push_back({unit * fromSofa(x.getCenter()), fromSofa(x.getOrientation())});
-    for (const auto& v : state.read(velocity)->getValue()) {
-        body.velocities.push_back(unit * fromSofa(getVCenter(v)));
-        body.angularVelocities.push_back(fromSofa(getVOrientation(v)));
-    }
-    return body;
+    const auto sameSize = [](const auto& a, const auto& b) { return a.size() == b.size(); };
+    return std::ranges::equal(state.graph, stateOfGraph(root), sameSize) && state.elements == elementsOf(views);
+}
+
+std::vector<ItemView> viewsOf(std::vector<LoadedItem> items, double unit, bool cut)
+{
+    std::vector<ItemView> views;
+    for (LoadedItem& each : items) views.emplace_back(std::move(each), unit, cut);
+    return views;
+}
+
+void updateMappings(::sofa::simulation::Node& root)
+{
+    root.execute<::sofa::simulation::UpdateMappingVisitor>(::sofa::core::execparams::defaultInstance());
 }
 
 } // namespace
 
-LoadedWorld::LoadedWorld(::sofa::simulation::Node::SPtr root, std::vector<LoadedItem> items, double unit)
-    : root_(std::move(root)), items_(std::move(items)), unit_(unit)
+LoadedWorld::Graph::~Graph()
 {
+    views.clear();
+    if (root) removeNode(root);
+}
+
+LoadedWorld::Graph& LoadedWorld::Graph::operator=(Graph&& other) noexcept
+{
+    std::swap(root, other.root); // it unloads the old one
+    std::swap(views, other.views);
+    return *this;
+}
+
+LoadedWorld::LoadedWorld(::sofa::simulation::Node::SPtr root, std::vector<LoadedItem> items, LoadDef def)
+    : def_(std::move(def))
+{
+    graph_.root = std::move(root);
+    graph_.views = viewsOf(std::move(items), def_.unit, false);
 }
 
 LoadedWorld::~LoadedWorld()
 {
     const Lock lock(sofaMutex());
-    ::sofa::simulation::node::unload(root_);
-    root_.reset();
+    graph_ = {};
 }
 
 physics::EngineInfo LoadedWorld::info() const { return {.name = "sofa", .version = FILASOFIA_SOFA_VERSION}; }
 
 std::unique_ptr<physics::BuiltBody> LoadedWorld::build(const physics::BodyDef& def) const
 {
-    const auto found = std::ranges::find(items_, nameOf(def), &LoadedItem::name);
-    if (found == items_.end()) fail(describeBody(def), ": a loaded scene of SOFA has no bodies besides its own");
+    const Lock lock(sofaMutex()); // a step may read the file again
+    const auto nameOfView = [](const ItemView& each) { return each.item().name; };
+    const auto found = std::ranges::find(graph_.views, nameOf(def), nameOfView);
+    if (found == graph_.views.end()) fail(describeBody(def), ": a loaded scene of SOFA has no bodies besides its own");
     auto planned = std::make_unique<PlannedItem>();
-    planned->item = static_cast<std::size_t>(found - items_.begin());
-    if (found->rigid)
-        planned->nodes = static_cast<int>(found->rigid->getSize());
-    else
-        planned->nodes = static_cast<int>(found->vertices.empty() ? found->soft->getSize() : found->vertices.size());
+    planned->item = static_cast<std::size_t>(found - graph_.views.begin());
+    planned->nodes = found->nodeCount();
     return planned;
 }
 
@@ -108,50 +122,85 @@ physics::StepReport LoadedWorld::step(const physics::StepInput& in)
     const auto now = [&] { return in.budget && in.budget->now ? in.budget->now() : std::int64_t{0}; };
     const Lock lock(sofaMutex());
     const std::int64_t begin = now();
-    apply(in.commands, report);
+    for (physics::Command& each : in.commands)
+        if (!attempt("SOFA: a command failed", [&] { apply(each, report); }))
+            report.set(physics::StepFlag::TuneRejected);
     if (in.dt > 0.0) {
         advance(in.dt, report);
         ++steps_;
         time_ += in.dt;
     }
+    look();
     report.times.advance = 1e-9 * static_cast<double>(now() - begin);
     report.step = steps_;
     report.time = time_;
     return report;
 }
 
-void LoadedWorld::apply(std::span<physics::Command> commands, physics::StepReport& report)
+void LoadedWorld::apply(physics::Command& command, physics::StepReport& report)
 {
-    for (physics::Command& command : commands) {
-        if (auto* add = std::get_if<physics::AddBody>(&command))
-            seen_.push_back({add->id, dynamic_cast<const PlannedItem&>(*add->body).item});
-        if (auto* remove = std::get_if<physics::RemoveBody>(&command))
-            std::erase_if(seen_, [&](const Seen& each) { return each.id == remove->id; });
-        if (auto* set = std::get_if<physics::SetGravity>(&command)) root_->setGravity(toSofa(set->gravity / unit_));
-        if (std::holds_alternative<physics::Reset>(command)) ::sofa::simulation::node::reset(root_.get());
-        auto* tune = std::get_if<physics::Tune>(&command);
-        if (!tune) continue;
-        report.set(physics::StepFlag::Tuned);
-        const GraphState before = stateOfGraph(*root_);
-        try {
-            tune->change(*this);
-        } catch (const std::exception& problem) {
-            setGraphState(before, *root_); // components that it added or changed stay
-            report.set(physics::StepFlag::TuneRejected);
-            logError("tune: ", problem.what());
-        }
-    }
+    if (auto* add = std::get_if<physics::AddBody>(&command))
+        seen_.push_back({add->id, dynamic_cast<const PlannedItem&>(*add->body).item});
+    if (auto* remove = std::get_if<physics::RemoveBody>(&command))
+        std::erase_if(seen_, [&](const Seen& each) { return each.id == remove->id; });
+    if (auto* set = std::get_if<physics::SetGravity>(&command))
+        graph_.root->setGravity(toSofa(set->gravity / def_.unit));
+    if (std::holds_alternative<physics::Reset>(command)) reset();
+    auto* tune = std::get_if<physics::Tune>(&command);
+    if (!tune) return;
+    report.set(physics::StepFlag::Tuned);
+    const GraphState before = stateOfGraph(*graph_.root);
+    const auto change = [&] {
+        tune->change(*this);
+        if (!isUsable(stateOfGraph(*graph_.root), def_.unit)) fail("it left numbers that are not finite, or too large");
+    };
+    if (attempt("tune", change)) return;
+    setGraphState(before, *graph_.root, def_.unit); // components that it added or changed stay
+    report.set(physics::StepFlag::TuneRejected);
 }
 
 void LoadedWorld::advance(double dt, physics::StepReport& report)
 {
-    const GraphState before = stateOfGraph(*root_);
-    root_->setDt(dt);
-    ::sofa::simulation::node::updateContext(root_.get());
-    if (animate(*root_, dt) && isUsable(stateOfGraph(*root_), unit_)) return;
-    setGraphState(before, *root_);
-    root_->execute<::sofa::simulation::UpdateMappingVisitor>(::sofa::core::execparams::defaultInstance());
+    const GraphState before = stateOfGraph(*graph_.root);
+    graph_.root->setDt(dt);
+    ::sofa::simulation::node::updateContext(graph_.root.get());
+    if (animate(*graph_.root, dt) && isUsable(stateOfGraph(*graph_.root), def_.unit)) return;
     report.set(physics::StepFlag::Undone);
+    setGraphState(before, *graph_.root, def_.unit);
+    attempt("SOFA: a step was undone, but not its pictures", [&] { updateMappings(*graph_.root); });
+}
+
+bool LoadedWorld::isCut() const
+{
+    return std::ranges::any_of(graph_.views, [](const ItemView& each) { return each.isCut(); });
+}
+
+LoadedWorld::Graph LoadedWorld::loadAgain() const
+{
+    Graph graph;
+    graph.root = loadGraph(def_);
+    std::vector<std::string> left;
+    std::vector<LoadedItem> items = itemsOf(*graph.root, def_.unit, left);
+    const auto nameOfView = [](const ItemView& each) { return each.item().name; };
+    if (!std::ranges::equal(items, graph_.views, {}, &LoadedItem::name, nameOfView))
+        fail(def_.file, ": has other objects than when it was loaded");
+    graph.root->setGravity(graph_.root->getGravity());
+    graph.views = viewsOf(std::move(items), def_.unit, true);
+    return graph;
+}
+
+// SOFA resets numbers, but not meshes.
+void LoadedWorld::reset()
+{
+    if (isCut())
+        graph_ = loadAgain();
+    else
+        ::sofa::simulation::node::reset(graph_.root.get());
+}
+
+void LoadedWorld::look()
+{
+    for (ItemView& each : graph_.views) each.look();
 }
 
 void LoadedWorld::capture(frame::Frame& out) const
@@ -161,11 +210,13 @@ void LoadedWorld::capture(frame::Frame& out) const
     out.time = time_;
     out.softBodies.clear();
     out.rigidBodies.clear();
-    for (const auto& [id, item] : seen_)
-        if (items_[item].soft)
-            out.softBodies.push_back(softFrame(id, items_[item], unit_));
+    for (const auto& [id, item] : seen_) {
+        const ItemView& view = graph_.views[item];
+        if (view.item().soft)
+            view.write(id, out.softBodies.emplace_back());
         else
-            out.rigidBodies.push_back(rigidFrame(id, *items_[item].rigid, unit_));
+            out.rigidBodies.emplace_back(view.rigid()).id = id;
+    }
     out.contacts.clear();
     out.attachments.clear();
     out.channels.clear();
@@ -176,8 +227,7 @@ void LoadedWorld::record(physics::StepRecord& out) const
     const Lock lock(sofaMutex());
     out.rigidPoses.clear();
     for (const auto& [id, item] : seen_) {
-        if (!items_[item].rigid) continue;
-        const std::vector<Pose> poses = rigidFrame(id, *items_[item].rigid, unit_).poses;
+        const std::vector<Pose>& poses = graph_.views[item].rigid().poses;
         out.rigidPoses.insert(out.rigidPoses.end(), poses.begin(), poses.end());
     }
     out.contacts.clear();
@@ -191,7 +241,7 @@ std::uint64_t LoadedWorld::hash() const
     Hasher hasher;
     hasher.add(steps_);
     hasher.add(time_);
-    for (const std::vector<double>& each : stateOfGraph(*root_)) hasher.addAll(std::span<const double>(each));
+    for (const std::vector<double>& each : stateOfGraph(*graph_.root)) hasher.addAll(std::span<const double>(each));
     return hasher.value();
 }
 
@@ -199,8 +249,9 @@ std::shared_ptr<const physics::EngineState> LoadedWorld::save() const
 {
     const Lock lock(sofaMutex());
     auto state = std::make_shared<LoadedState>();
-    state->graph = stateOfGraph(*root_);
-    state->gravity = fromSofa(root_->getGravity());
+    state->graph = stateOfGraph(*graph_.root);
+    state->elements = elementsOf(graph_.views);
+    state->gravity = fromSofa(graph_.root->getGravity());
     state->time = time_;
     state->steps = steps_;
     return state;
@@ -211,10 +262,16 @@ void LoadedWorld::restore(const physics::EngineState& saved)
     const auto* state = dynamic_cast<const LoadedState*>(&saved);
     if (!state) fail("restore: the state is one of another engine");
     const Lock lock(sofaMutex());
-    if (state->graph.size() != stateOfGraph(*root_).size()) fail("restore: the state has other objects");
-    setGraphState(state->graph, *root_);
-    root_->setGravity(toSofa(state->gravity));
-    root_->execute<::sofa::simulation::UpdateMappingVisitor>(::sofa::core::execparams::defaultInstance());
+    if (!fits(*state, *graph_.root, graph_.views)) {
+        Graph again = loadAgain(); // the state may be one from before a cut
+        if (!fits(*state, *again.root, again.views))
+            fail("restore: the scene's meshes are not those of the state, and not those of ", def_.file);
+        graph_ = std::move(again);
+    }
+    setGraphState(state->graph, *graph_.root, def_.unit);
+    graph_.root->setGravity(toSofa(state->gravity));
+    updateMappings(*graph_.root);
+    look();
     time_ = state->time;
     steps_ = state->steps;
 }
@@ -223,7 +280,7 @@ void LoadedWorld::restore(const physics::EngineState& saved)
 {
     const auto found = std::ranges::find(seen_, id, &Seen::id);
     if (found == seen_.end()) return nullptr;
-    const LoadedItem& item = items_[found->item];
+    const LoadedItem& item = graph_.views[found->item].item();
     const ::sofa::core::BaseState* state = item.soft;
     if (!state) state = item.rigid;
     return dynamic_cast<::sofa::simulation::Node*>(

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "filasofia/sofa/graph_owner.h"
+#include "filasofia/sofa/item_view.h"
 #include "filasofia/sofa/loaded_graph.h"
 
-#include "filasofia/frame/frame.h"
 #include "filasofia/physics/physics_engine.h"
 
 namespace filasofia::sofaengine {
@@ -11,7 +11,8 @@ namespace filasofia::sofaengine {
 /// The engine of a loaded scene: SOFA moves everything, and bodies are how its objects are seen.
 class LoadedWorld final : public physics::PhysicsEngine, public GraphOwner {
 public:
-    LoadedWorld(::sofa::simulation::Node::SPtr root, std::vector<LoadedItem> items, double unit);
+    /// `def`: where the scene comes from. If it has cut its meshes, a reset loads it again.
+    LoadedWorld(::sofa::simulation::Node::SPtr root, std::vector<LoadedItem> items, LoadDef def);
     ~LoadedWorld() override;
     LoadedWorld(const LoadedWorld&) = delete;
     LoadedWorld& operator=(const LoadedWorld&) = delete;
@@ -26,7 +27,7 @@ public:
     [[nodiscard]] std::shared_ptr<const physics::EngineState> save() const override;
     void restore(const physics::EngineState& state) override;
 
-    [[nodiscard]] ::sofa::simulation::Node& root() const override { return *root_; }
+    [[nodiscard]] ::sofa::simulation::Node& root() const override { return *graph_.root; }
     [[nodiscard]] ::sofa::simulation::Node* nodeOf(BodyId id) const override;
 
 private:
@@ -34,12 +35,24 @@ private:
         BodyId id = {};
         std::size_t item = 0;
     };
-    void apply(std::span<physics::Command> commands, physics::StepReport& report);
+    /// A graph and how its objects are seen.
+    struct Graph {
+        ::sofa::simulation::Node::SPtr root = {};
+        std::vector<ItemView> views = {};
+        Graph() = default;
+        ~Graph();
+        Graph(Graph&& other) noexcept { *this = std::move(other); }
+        Graph& operator=(Graph&& other) noexcept;
+    };
+    void apply(physics::Command& command, physics::StepReport& report);
     void advance(double dt, physics::StepReport& report);
+    void reset();
+    void look(); ///< reads what frames show
+    [[nodiscard]] Graph loadAgain() const;
+    [[nodiscard]] bool isCut() const;
 
-    ::sofa::simulation::Node::SPtr root_;
-    std::vector<LoadedItem> items_;
-    double unit_;            ///< [m]
+    Graph graph_;
+    LoadDef def_;
     std::vector<Seen> seen_; ///< the bodies that were added, in the order of ids
     double time_ = 0.0;      ///< [s]
     std::uint64_t steps_ = 0;

@@ -2,6 +2,8 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/geometry/embedding.h"
+#include "filasofia/sofa/lacks.h"
+#include "filasofia/sofa/near_surface.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,8 +11,6 @@
 
 namespace filasofia::sofaengine {
 namespace {
-
-constexpr const char* kLacks = " is not available with the engine 'sofa'"; // how every refusal ends
 
 std::vector<TiePoint> embedded(const SoftNode& body, std::span<const Vec3> places)
 {
@@ -36,52 +36,126 @@ std::vector<TiePoint> nearest(const std::vector<Vec3>& nodes, std::span<const Ve
     return points;
 }
 
-/// The side of the body with this id; its points are still missing. Both sides of a tie must be coupled.
-Tie::Side sideOf(BodyId id, int element, SofaScene& scene)
+Tie::Side sideOf(BodyId id, SofaScene& scene)
 {
-    Tie::Side side{.soft = findBody(scene.soft, id), .rigid = findBody(scene.rigid, id), .element = element};
-    if (side.soft) side.soft->couple();
+    const Tie::Side side{.soft = findBody(scene.soft, id), .rigid = findBody(scene.rigid, id)};
     if (id && !side.soft && !side.rigid) fail("body ", id.value, " could not be made when it was added");
     return side;
 }
 
-std::vector<Vec3> apartOf(const std::vector<TiePoint>& points, const std::vector<Vec3>& nodes,
-                          const std::vector<Vec3>& places)
+/// [-] times the size of the other body: how near counts if an attachment selects nothing, as in the native engine.
+constexpr double kNearby = 0.01;
+
+/// Adds the nodes that are near the other body, or inside it.
+void addNodesNear(const physics::AttachmentDef& def, const std::vector<Vec3>& nodes, const Tie::Side& other,
+                  std::vector<int>& out)
 {
-    std::vector<Vec3> apart;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        Vec3 place;
-        for (std::size_t k = 0; k < 4; ++k)
-            place += points[i].weights[k] * nodes[static_cast<std::size_t>(points[i].nodes[k])];
-        apart.push_back(places[i] - place);
+    NearSurface near({}, {});
+    Pose pose;
+    if (other.soft) {
+        SoftState now;
+        other.soft->read(now);
+        near = NearSurface(now.positions, other.soft->plan().surface);
+    } else {
+        RigidState now;
+        other.rigid->read(now);
+        pose = inverse(now.poses[static_cast<std::size_t>(def.element)]);
+        const auto mesh = physics::loadMesh(other.rigid->plan().def.mesh, "mesh");
+        near = NearSurface(mesh->vertices, mesh->triangles);
     }
-    return apart;
+    const double within = def.within.value_or(kNearby * near.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        if (near.has(transform(pose, nodes[i]), within)) out.push_back(static_cast<int>(i));
+    std::ranges::sort(out);
+    out.erase(std::ranges::unique(out).begin(), out.end());
 }
 
-/// Adds the points of the second side where the first's places are, and says how far the pairs are apart.
-std::vector<Vec3> meet(const std::vector<Vec3>& places, const physics::AttachmentDef* def, Tie::Side& other)
+/// A side of a tie in the making.
+struct Half {
+    Tie::Side side;
+    TieEnd end;
+    std::vector<TiePoint> points = {};
+    std::vector<Vec3> places = {}; ///< [m] where its points are now
+};
+Half halfOf(BodyId id, int element, SofaScene& scene) { return {sideOf(id, scene), {.id = id, .element = element}}; }
+
+/// Puts points of a rigid element at places.
+void pointAt(std::span<const Vec3> places, Half& half)
 {
-    if (other.rigid) {
-        other.places = places;
-        return std::vector<Vec3>(places.size());
+    RigidState now;
+    half.side.rigid->read(now);
+    const Pose pose = now.poses[static_cast<std::size_t>(half.end.element)];
+    for (const Vec3 place : places) {
+        half.points.push_back({.nodes = {static_cast<int>(half.points.size()), 0, 0, 0}});
+        half.end.points.push_back(rotate(conjugate(pose.orientation), place - pose.position) -
+                                  half.side.rigid->plan().inertia.centre);
+        half.places.push_back(place);
     }
-    if (!other.soft) return places; // space
+}
+
+/// Gives the second side points where those of the first are, or nearest to them, or as the Def says.
+void meet(const std::vector<Vec3>& places, const physics::AttachmentDef* def, Half& other)
+{
+    if (other.side.rigid) pointAt(places, other);
+    if (!other.side.soft) return;
     SoftState now;
-    other.soft->read(now);
+    other.side.soft->read(now);
     if (def && !def->toNodes.empty())
         for (const int node : def->toNodes) other.points.push_back({.nodes = {node, 0, 0, 0}});
     else if (def && def->mode == physics::AttachMode::Nearest)
         other.points = nearest(now.positions, places);
     else
-        other.points = embedded(*other.soft, places);
-    return apartOf(other.points, now.positions, places);
+        other.points = embedded(*other.side.soft, places);
+    for (const TiePoint& point : other.points) {
+        Vec3& place = other.places.emplace_back();
+        for (std::size_t k = 0; k < 4; ++k)
+            place += point.weights[k] * now.positions[static_cast<std::size_t>(point.nodes[k])];
+    }
 }
 
-void keep(AttachmentId id, const Tie::Side& body, const Tie::Side& other, const Tie::Law& law,
-          std::span<const Vec3> apart, SofaScene& scene)
+/// [m] Radius of gyration of an element, from its centre of mass; a quarter of its surface's size if it has no mass.
+double gyration(const RigidNode& body)
 {
+    const physics::RigidInertia& inertia = body.plan().inertia;
+    if (inertia.mass > 0.0) return std::sqrt(0.5 * trace(inertia.inertia) / inertia.mass);
+    const auto surface = physics::loadMesh(body.plan().def.mesh, "mesh");
+    if (!surface) return 0.0;
+    const geometry::Box box = geometry::boxAround(surface->vertices);
+    return 0.25 * length(box.high - box.low);
+}
+
+/// Four points around the centre of mass, not in one plane: they hold position and orientation, as in the native
+/// engine.
+std::vector<Vec3> pointsAround(const Tie::Side& body, const Tie::Side& other)
+{
+    double radius = body.rigid->plan().def.dynamic ? gyration(*body.rigid) : 0.0;
+    if (radius == 0.0 && other.rigid) radius = gyration(*other.rigid);
+    if (radius == 0.0 && other.soft) {
+        const geometry::Box box = geometry::boxAround(other.soft->plan().mesh.nodes);
+        radius = 0.25 * length(box.high - box.low);
+    }
+    const Vec3 centre = body.rigid->plan().inertia.centre;
+    const double r = radius / std::sqrt(3.0);
+    return {centre + Vec3{r, r, r}, centre + Vec3{r, -r, -r}, centre + Vec3{-r, r, -r}, centre + Vec3{-r, -r, r}};
+}
+
+void keep(AttachmentId id, const Half& body, const Half& other, const TieLaw& law, SofaScene& scene)
+{
+    TieState state{.body = body.end, .to = other.end, .law = law};
+    const bool space = !other.end.id, weld = !std::isfinite(law.stiffness);
+    for (std::size_t i = 0; i < body.points.size(); ++i) {
+        TieRows::Pair& pair = state.pairs.emplace_back(TieRows::Pair{.first = body.points[i]});
+        if (!space) pair.second = other.points[i];
+        if (space)
+            pair.apart = body.places[i];
+        else if (weld) // it is drawn together; a spring pulls
+            pair.apart = body.places[i] - other.places[i];
+    }
+    state.whole = state.pairs;
+    state.report = {.id = id, .body = body.end.id, .to = other.end.id, .points = static_cast<int>(state.pairs.size())};
+    auto tie = makeTie(state, scene);
     const auto place = std::ranges::upper_bound(scene.ties, id, {}, [](const auto& each) { return each->id(); });
-    scene.ties.insert(place, std::make_unique<Tie>(id, body, other, law, apart, *scene.root));
+    scene.ties.insert(place, std::move(tie));
     scene.contact.join({});
 }
 
@@ -91,45 +165,57 @@ bool isTie(const physics::AttachmentDef& def) { return def.to || std::isfinite(d
 
 void checkTie(const physics::AttachmentDef& def, const std::string& object)
 {
-    if (def.within) fail(object, ".within", kLacks, ": select nodes");
     if (def.cutDistance > 0.0) fail(object, ".cutDistance", kLacks);
-    if (def.nodes.empty() && !def.box && !def.ball)
-        fail(object, ": selecting what is near the other body", kLacks, ": select nodes");
 }
 
-void checkTie(const physics::RigidAttachmentDef& def, const std::string& object)
+std::unique_ptr<Tie> makeTie(const TieState& state, SofaScene& scene)
 {
-    if (def.points.empty()) fail(object, ": attaching an element as a whole", kLacks, ": give points");
+    const std::array sides{sideOf(state.body.id, scene), sideOf(state.to.id, scene)};
+    std::vector<SoftNode*> coupled;
+    try {
+        for (const Tie::Side& side : sides)
+            if (side.soft && !side.soft->isCoupled()) {
+                side.soft->setCoupled(true);
+                coupled.push_back(side.soft);
+            }
+        return std::make_unique<Tie>(state, sides[0], sides[1], *scene.root);
+    } catch (...) {
+        for (SoftNode* each : coupled) each->setCoupled(false);
+        throw;
+    }
 }
 
 bool addTie(AttachmentId id, BodyId body, const physics::AttachmentDef& def, SofaScene& scene)
 {
     startConstraints(scene);
-    Tie::Side side = sideOf(body, 0, scene), other = sideOf(def.to, def.element, scene);
+    Half side = halfOf(body, 0, scene), other = halfOf(def.to, def.element, scene);
     SoftState now;
-    side.soft->read(now);
-    std::vector<Vec3> places;
-    const std::vector<int> nodes = def.toNodes.empty() ? nodesOf(def, now.positions) : def.nodes;
+    side.side.soft->read(now);
+    std::vector<int> nodes = def.toNodes.empty() ? nodesOf(def, now.positions) : def.nodes;
+    const bool selects = !def.nodes.empty() || def.box || def.ball;
+    if (def.within || !selects) addNodesNear(def, now.positions, other.side, nodes);
     for (const int node : nodes) {
         side.points.push_back({.nodes = {node, 0, 0, 0}});
-        places.push_back(now.positions[static_cast<std::size_t>(node)]);
+        side.places.push_back(now.positions[static_cast<std::size_t>(node)]);
     }
-    if (places.empty()) return false;
-    const std::vector<Vec3> apart = meet(places, &def, other);
-    keep(id, side, other, {def.stiffness, def.breakForce, def.pointBreakForce}, apart, scene);
+    if (side.places.empty()) return false;
+    meet(side.places, &def, other);
+    keep(id, side, other, {def.stiffness, def.breakForce, def.pointBreakForce}, scene);
     return true;
 }
 
 bool addTie(AttachmentId id, BodyId body, const physics::RigidAttachmentDef& def, SofaScene& scene)
 {
     startConstraints(scene);
-    Tie::Side side = sideOf(body, def.element, scene), other = sideOf(def.to, def.toElement, scene);
+    Half side = halfOf(body, def.element, scene), other = halfOf(def.to, def.toElement, scene);
     RigidState now;
-    side.rigid->read(now);
-    for (const Vec3 point : def.points)
-        side.places.push_back(transform(now.poses[static_cast<std::size_t>(def.element)], point));
-    const std::vector<Vec3> apart = meet(side.places, nullptr, other);
-    keep(id, side, other, {.stiffness = def.stiffness, .breakForce = def.breakForce}, apart, scene);
+    side.side.rigid->read(now);
+    std::vector<Vec3> places;
+    for (const Vec3 point : def.points.empty() ? pointsAround(side.side, other.side) : def.points)
+        places.push_back(transform(now.poses[static_cast<std::size_t>(def.element)], point));
+    pointAt(places, side);
+    meet(side.places, nullptr, other);
+    keep(id, side, other, {.stiffness = def.stiffness, .breakForce = def.breakForce}, scene);
     return true;
 }
 
@@ -149,12 +235,14 @@ bool addTie(const physics::Grasp& grasp, SofaScene& scene)
     if (touched.empty()) return false;
     startConstraints(scene);
     const auto most = std::ranges::max_element(touched, {}, [](const auto& each) { return each.second.size(); });
-    Tie::Side side = sideOf(grasp.target, targets[most->first], scene), other = sideOf(grasp.rigid, most->first, scene);
-    other.places = most->second;
+    Half side = halfOf(grasp.target, targets[most->first], scene), other = halfOf(grasp.rigid, most->first, scene);
+    pointAt(most->second, other);
+    if (side.side.rigid)
+        pointAt(most->second, side);
+    else
+        side.points = embedded(*side.side.soft, most->second);
     side.places = most->second;
-    if (side.soft) side.points = embedded(*side.soft, most->second);
-    keep(grasp.id, side, other, {.stiffness = grasp.def.stiffness, .breakForce = grasp.def.breakForce},
-         std::vector<Vec3>(most->second.size()), scene);
+    keep(grasp.id, side, other, {.stiffness = grasp.def.stiffness, .breakForce = grasp.def.breakForce}, scene);
     return true;
 }
 

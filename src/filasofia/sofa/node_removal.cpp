@@ -1,9 +1,6 @@
 #include "filasofia/sofa/node_removal.h"
 
-#include <sofa/core/objectmodel/BaseObject.h>
 #include <sofa/simulation/Simulation.h>
-
-#include <vector>
 
 namespace filasofia::sofaengine {
 namespace {
@@ -18,16 +15,20 @@ void addComponents(const ::sofa::simulation::Node& node, Components& out)
 
 } // namespace
 
-void removeNode(::sofa::simulation::Node::SPtr& node)
+PartedSlaves::PartedSlaves(const ::sofa::simulation::Node& node) { addComponents(node, components_); }
+
+PartedSlaves::~PartedSlaves()
 {
-    Components components;
-    addComponents(*node, components);
-    ::sofa::simulation::node::unload(node);
-    // SOFA's assembled systems give a component slaves that hold their master: without this neither would be deleted.
-    for (const auto& each : components) {
+    for (const auto& each : components_) {
         const auto slaves = each->getSlaves(); // a copy: the list shrinks
         for (const auto& slave : slaves) each->removeSlave(slave);
     }
+}
+
+void removeNode(::sofa::simulation::Node::SPtr& node)
+{
+    const PartedSlaves parted(*node);
+    ::sofa::simulation::node::unload(node);
     node.reset();
 }
 

@@ -6,11 +6,11 @@
 #include "filasofia/sofa/node_removal.h"
 
 #include <sofa/component/linearsolver/iterative/CGLinearSolver.h>
-#include <sofa/component/mass/UniformMass.h>
 #include <sofa/component/odesolver/backward/EulerImplicitSolver.h>
-#include <sofa/defaulttype/RigidMass.h>
 #include <sofa/simulation/Simulation.h>
 
+#include <algorithm>
+#include <iterator>
 #include <limits>
 
 namespace filasofia::sofaengine {
@@ -22,15 +22,6 @@ using RigidGradients =
     linearsolver::iterative::CGLinearSolver<linearsolver::GraphScatteredMatrix, linearsolver::GraphScatteredVector>;
 
 constexpr double kJump = 20.0; ///< [m/s] a kinematic body that would have to move faster jumps, as in our engine
-
-::sofa::defaulttype::Rigid3dMass massOf(const physics::RigidInertia& inertia)
-{
-    ::sofa::defaulttype::Rigid3dMass mass(inertia.mass);
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) mass.inertiaMatrix(i, j) = inertia.inertia[i][j] / inertia.mass;
-    mass.recalc();
-    return mass;
-}
 
 /// The solver's matrix is that of the masses alone: a few iterations are exact.
 void addRigidSolver(const physics::RigidBodyDef& def, ::sofa::simulation::Node& node)
@@ -62,9 +53,10 @@ RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root, 
     state_->x0.setValue(state_->x.getValue());
     node_->addObject(state_);
     if (dynamic) {
-        auto mass = New<mass::UniformMass<RigidTypes>>();
-        mass->d_vertexMass.setValue(massOf(plan_.inertia));
-        node_->addObject(mass);
+        mass_ = New<ElementMass>();
+        mass_->mass = plan_.inertia.mass;
+        mass_->inertia = plan_.inertia.inertia;
+        node_->addObject(mass_);
         loads_ = New<RigidLoads>();
         loads_->setName("loads");
         loads_->wrenches.resize(plan_.def.elements.size());
@@ -74,8 +66,8 @@ RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root, 
     }
     for (const CollisionPlan& each : plan_.collision) {
         for (const Vec3 vertex : each.mesh.vertices) reach_ = std::max(reach_, distance(vertex, plan_.inertia.centre));
-        addCollision(each, {.body = id, .moves = dynamic, .friction = plan_.def.friction}, contact, *state_,
-                     plan_.inertia.centre);
+        surfaces_.push_back(addCollision(each, {.body = id, .moves = dynamic, .friction = plan_.def.friction}, contact,
+                                         *state_, plan_.inertia.centre));
     }
     ::sofa::simulation::node::init(node_.get());
     if (contact.constrains()) joinConstraints();
@@ -83,6 +75,7 @@ RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root, 
 
 RigidNode::~RigidNode()
 {
+    surfaces_.clear();
     if (node_) removeNode(node_);
 }
 
@@ -90,11 +83,11 @@ void RigidNode::joinConstraints()
 {
     constrained_ = true;
     const auto correction = New<FreeCorrection<RigidTypes>>();
-    if (plan_.def.dynamic) // as the solver: the inertia keeps the axes of the world
+    if (plan_.def.dynamic)
         correction->respond = [this](std::size_t element, const RigidTypes::Deriv& impulse, double dt) {
             const RigidLoads::HandInertia hand = loads_->handInertia(element, dt);
             const double damped = 1 + dt * plan_.def.linearDamping;
-            const Mat3 inertia = damped * plan_.inertia.inertia + hand.inertia * Mat3::identity();
+            const Mat3 inertia = damped * mass_->inertiaOf(element) + hand.inertia * Mat3::identity();
             return RigidTypes::Deriv(getVCenter(impulse) / (plan_.inertia.mass * damped + hand.mass),
                                      toSofa(inverse(inertia) * fromSofa(getVOrientation(impulse))));
         };
@@ -193,10 +186,40 @@ void RigidNode::setPose(int element, const Pose& pose)
     write(now);
 }
 
-void RigidNode::beginMove(double dt)
+Pose RigidNode::endOf(int element) const
 {
-    if (loads_) loads_->limitHands(dt);
-    if (plan_.def.dynamic) return;
+    const auto at = static_cast<std::size_t>(element);
+    if (targets_[at]) return *targets_[at];
+    RigidState now;
+    read(now);
+    return now.poses[at];
+}
+
+void RigidNode::moveLinks(double dt, const RigidNode* carrier)
+{
+    const physics::ArticulationDef& def = plan_.def.articulation;
+    const std::vector<Pose> poses = joints_.move(dt, carrier ? carrier->endOf(def.toElement) * def.offset : endOf(0));
+    targets_.assign(poses.begin(), poses.end());
+}
+
+void RigidNode::loadJoints(std::span<const PointForce> forces)
+{
+    if (joints_.empty()) return;
+    std::vector<PointForce> own;
+    std::ranges::copy_if(forces, std::back_inserter(own), [&](const PointForce& each) { return each.body == id_; });
+    RigidState now;
+    read(now);
+    joints_.load(own, now.poses);
+}
+
+void RigidNode::beginMove(double dt, const RigidNode* carrier)
+{
+    if (plan_.def.dynamic) {
+        mass_->begin(dt);
+        loads_->limitHands(dt);
+        return;
+    }
+    if (!joints_.empty()) moveLinks(dt, carrier);
     RigidState now;
     read(now);
     for (std::size_t i = 0; i < targets_.size(); ++i) {
@@ -214,12 +237,42 @@ void RigidNode::beginMove(double dt)
 
 void RigidNode::finishMove()
 {
-    if (plan_.def.dynamic) return;
+    if (plan_.def.dynamic) {
+        mass_->finish();
+        return;
+    }
     RigidState now;
     read(now);
     for (std::size_t i = 0; i < targets_.size(); ++i)
         if (const auto target = std::exchange(targets_[i], std::nullopt)) now.poses[i] = *target;
     write(now);
+}
+
+void RigidNode::rewind()
+{
+    write(start());
+    targets_.assign(targets_.size(), std::nullopt);
+    joints_.rewind();
+}
+
+RigidSettings RigidNode::settings() const
+{
+    RigidSettings settings;
+    settings.targets = targets_;
+    settings.joints = joints_.state();
+    if (!loads_) return settings;
+    settings.wrenches = loads_->wrenches;
+    settings.hands = loads_->hands;
+    return settings;
+}
+
+void RigidNode::apply(const RigidSettings& settings)
+{
+    targets_ = settings.targets;
+    joints_.apply(settings.joints);
+    if (!loads_) return;
+    loads_->wrenches = settings.wrenches;
+    loads_->hands = settings.hands;
 }
 
 } // namespace filasofia::sofaengine

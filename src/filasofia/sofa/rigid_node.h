@@ -1,8 +1,11 @@
 #pragma once
 
+#include "filasofia/sofa/collision_surface.h"
 #include "filasofia/sofa/contact_stage.h"
+#include "filasofia/sofa/element_mass.h"
 #include "filasofia/sofa/rigid_loads.h"
 #include "filasofia/sofa/rigid_plan.h"
+#include "filasofia/sofa/told_joints.h"
 
 #include "filasofia/frame/frame.h"
 
@@ -18,6 +21,14 @@ struct RigidState {
     std::vector<Pose> poses = {};             ///< where the elements have their origins
     std::vector<Vec3> velocities = {};        ///< [m/s] at the centres of mass
     std::vector<Vec3> angularVelocities = {}; ///< [rad/s] in world axes
+};
+
+/// What commands change of a rigid body, besides its motion; per element.
+struct RigidSettings {
+    std::vector<RigidLoads::Wrench> wrenches = {};           ///< empty if it is kinematic
+    std::vector<std::optional<RigidLoads::Hand>> hands = {}; ///< empty if it is kinematic
+    std::vector<std::optional<Pose>> targets = {}; ///< where a kinematic body will be at the end of the next step
+    ToldJoints::State joints = {};
 };
 
 /// A rigid body in SOFA: a node with one frame per element at its centre of mass. A kinematic body has no solver.
@@ -40,6 +51,7 @@ public:
     [[nodiscard]] RigidState start() const; ///< as the Def says
     [[nodiscard]] bool isUsable() const;
 
+    [[nodiscard]] const std::vector<CollisionSurface>& surfaces() const { return surfaces_; }
     [[nodiscard]] double speed() const; ///< [m/s] the fastest point of its collision models, and of its centres
     /// The scene has constraints from now on: without it they would hold the body where it is.
     void joinConstraints();
@@ -49,20 +61,39 @@ public:
     void setHand(int element, const physics::HapticTarget& target);
     /// For a dynamic body its pose at once and at rest, for a kinematic one that at the end of the next step.
     void setPose(int element, const Pose& pose);
-    /// Gives a kinematic body the velocities that lead to its poses in dt [s]; finishMove() puts it there.
-    void beginMove(double dt);
+    /// A joint of a told body goes to a position.
+    void setJoint(int joint, double position) { joints_.setTarget(joint, position); }
+    /// Gives a kinematic body the velocities that lead to its poses in dt [s]; finishMove() puts it there. `carrier`:
+    /// the body that its base follows, which has begun; or null.
+    void beginMove(double dt, const RigidNode* carrier);
     void finishMove();
+    /// After a step: what forces on the body do to its joints.
+    void loadJoints(std::span<const PointForce> forces);
+    [[nodiscard]] const std::vector<frame::Joint>& joints() const { return joints_.state().joints; }
+    /// Puts it where its Def says.
+    void rewind();
+
+    [[nodiscard]] RigidSettings settings() const;
+    void apply(const RigidSettings& settings);
 
 private:
-    RigidNode(BodyId id, RigidPlan plan) : id_(id), plan_(std::move(plan)), targets_(plan_.def.elements.size()) {}
+    RigidNode(BodyId id, RigidPlan plan)
+        : id_(id), plan_(std::move(plan)), joints_(plan_.def), targets_(plan_.def.elements.size())
+    {
+    }
+    [[nodiscard]] Pose endOf(int element) const; ///< where it will be at the end of the step
+    void moveLinks(double dt, const RigidNode* carrier);
 
     using State = ::sofa::component::statecontainer::MechanicalObject<RigidTypes>;
 
     BodyId id_;
     RigidPlan plan_;
+    ToldJoints joints_;
     ::sofa::simulation::Node::SPtr node_;
     State::SPtr state_;
     RigidLoads::SPtr loads_; ///< null for a kinematic body
+    ElementMass::SPtr mass_; ///< null for a kinematic body
+    std::vector<CollisionSurface> surfaces_;
     bool constrained_ = false;
     double reach_ = 0.0;                       ///< [m] from the centre of mass to the farthest vertex of its models
     std::vector<std::optional<Pose>> targets_; ///< where a kinematic body will be at the end of the step

@@ -42,11 +42,14 @@ void ShownModel::init()
     // Without vertices of its own it shows the mesh around it.
     auto* around = getContext()->getMeshTopology();
     if (!position.empty() || !around) return;
+    showsMesh_ = true;
     for (::sofa::Size i = 0; i < around->getNbPoints(); ++i)
         position.push_back({around->getPX(i), around->getPY(i), around->getPZ(i)});
     for (const auto& each : around->getTriangles()) triangles.push_back(each);
     for (const auto& each : around->getQuads()) quads.push_back(each);
 }
+
+ShownModel::Topology* ShownModel::mesh() const { return showsMesh_ ? getContext()->getMeshTopology() : nullptr; }
 
 void ShownModel::place()
 {

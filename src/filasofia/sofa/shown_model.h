@@ -29,6 +29,8 @@ public:
     ::sofa::Data<std::string> d_color, d_material, d_texture;              ///< read and not used
 
     void init() override;
+    /// The mesh whose faces it shows; null if it has faces of its own.
+    [[nodiscard]] Topology* mesh() const;
     bool insertInNode(::sofa::core::objectmodel::BaseNode* node) override;
     bool removeInNode(::sofa::core::objectmodel::BaseNode* node) override;
     [[nodiscard]] ::sofa::Size getSize() const override
@@ -55,6 +57,7 @@ public:
 private:
     void place();
     static constexpr auto kPlace = ::sofa::core::vec_id::write_access::position;
+    bool showsMesh_ = false;    ///< it has no vertices of its own
     bool isNodesState_ = false; ///< the node has it as its state
 };
 

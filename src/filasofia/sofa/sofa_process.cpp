@@ -41,6 +41,28 @@ std::recursive_mutex& sofaMutex()
     return mutex;
 }
 
+std::string problemNow()
+{
+    try {
+        throw;
+    } catch (const std::exception& problem) {
+        return problem.what();
+    } catch (...) {
+        return "an exception that is none of the standard library";
+    }
+}
+
+bool attempt(const std::string& what, const std::function<void()>& act)
+{
+    try {
+        act();
+        return true;
+    } catch (...) {
+        logError(what, ": ", problemNow());
+        return false;
+    }
+}
+
 void startSofa()
 {
     static const bool once = [] {

@@ -20,23 +20,10 @@ struct SofaScene {
     std::vector<physics::Grasp> grasps = {};     ///< those that wait for contacts in the next step
 };
 
-/// The state of a scene between two steps.
-struct SceneState {
-    Vec3 gravity = {}; ///< [m/s^2]
-    std::vector<SoftState> soft = {};
-    std::vector<RigidState> rigid = {};
-    std::vector<std::vector<PinGroup>> pins = {}; ///< per soft body
-    std::vector<AttachmentId> ties = {};
-};
-
 /// From now on bodies may have constraints.
 void startConstraints(SofaScene& scene);
 /// A body comes with collision models, whose proximities [m] it has: contact begins with the first.
 void startContact(const std::vector<CollisionPlan>& collision, SofaScene& scene);
-
-SceneState stateOf(const SofaScene& scene);
-/// The scene must have the same bodies.
-void setState(const SceneState& state, SofaScene& scene);
 
 /// Null if there is no such body.
 template <class Body> Body* findBody(const std::vector<std::unique_ptr<Body>>& bodies, BodyId id)

@@ -4,7 +4,10 @@
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/sofa/apply_commands.h"
+#include "filasofia/sofa/intersections.h"
 #include "filasofia/sofa/make_tie.h"
+#include "filasofia/sofa/node_removal.h"
+#include "filasofia/sofa/scene_state.h"
 #include "filasofia/sofa/sofa_process.h"
 #include "filasofia/sofa/try_body.h"
 
@@ -13,10 +16,15 @@
 #include <sofa/simulation/MechanicalOperations.h>
 #include <sofa/simulation/Simulation.h>
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
 namespace filasofia::sofaengine {
 
 namespace {
 
+constexpr double kLookEvery = 0.01; // [s] simulated, for intersections, as the native engine
 using Lock = std::lock_guard<std::recursive_mutex>;
 
 struct WorldState final : physics::EngineState {
@@ -49,6 +57,25 @@ void writeConstraints(const SofaScene& scene, std::vector<frame::Contact>& conta
     for (const auto& tie : scene.ties) attachments.push_back(tie->report());
 }
 
+bool changesBodies(const physics::Command& command)
+{
+    return std::holds_alternative<physics::AddBody>(command) || std::holds_alternative<physics::RemoveBody>(command) ||
+           std::holds_alternative<physics::Reset>(command);
+}
+
+/// Those of contacts and attachments on elements of rigid bodies.
+std::vector<PointForce> forcesOn(const SofaScene& scene)
+{
+    std::vector<PointForce> forces;
+    for (const auto& [contact, firstElement, secondElement] : scene.contacts) {
+        const Vec3 onFirst = contact.normalForce * contact.normal + contact.friction;
+        forces.push_back({contact.first, firstElement, contact.point, onFirst});
+        forces.push_back({contact.second, secondElement, contact.point, -onFirst});
+    }
+    for (const auto& tie : scene.ties) tie->addForces(forces);
+    return forces;
+}
+
 double fastest(const SofaScene& scene)
 {
     double speed = 0.0;
@@ -61,15 +88,7 @@ double fastest(const SofaScene& scene)
 
 bool animate(::sofa::simulation::Node& root, double dt)
 {
-    try {
-        ::sofa::simulation::node::animate(&root, dt);
-        return true;
-    } catch (const std::exception& problem) {
-        logError("SOFA: a step ended with an exception: ", problem.what());
-    } catch (...) {
-        logError("SOFA: a step ended with an exception that is none of the standard library");
-    }
-    return false;
+    return attempt("SOFA: a step ended with an exception", [&] { ::sofa::simulation::node::animate(&root, dt); });
 }
 
 SofaWorld::SofaWorld(const SofaEngineDef& def) : scene_{.contact = ContactStage(checked(def).contact)}
@@ -88,6 +107,7 @@ SofaWorld::SofaWorld(const SofaEngineDef& def) : scene_{.contact = ContactStage(
 SofaWorld::~SofaWorld()
 {
     const Lock lock(sofaMutex());
+    const PartedSlaves parted(*scene_.root);
     scene_.contact.forget();
     scene_.ties.clear();
     scene_.soft.clear();
@@ -96,7 +116,10 @@ SofaWorld::~SofaWorld()
     scene_.root.reset();
 }
 
-physics::EngineInfo SofaWorld::info() const { return {.name = "sofa", .version = FILASOFIA_SOFA_VERSION}; }
+physics::EngineInfo SofaWorld::info() const
+{
+    return {.name = "sofa", .version = FILASOFIA_SOFA_VERSION, .joints = true};
+}
 
 std::unique_ptr<physics::BuiltBody> SofaWorld::build(const physics::BodyDef& def) const
 {
@@ -122,6 +145,7 @@ physics::StepReport SofaWorld::step(const physics::StepInput& in)
     const auto now = [&] { return in.budget && in.budget->now ? in.budget->now() : std::int64_t{0}; };
     const Lock lock(sofaMutex());
     const std::int64_t begin = now();
+    looksAgain_ = looksAgain_ || std::ranges::any_of(in.commands, changesBodies);
     applyCommands(in.commands, *this, scene_, report);
     const std::int64_t applied = now();
     report.times.commands = 1e-9 * static_cast<double>(applied - begin);
@@ -138,36 +162,58 @@ physics::StepReport SofaWorld::step(const physics::StepInput& in)
 
 void SofaWorld::advance(double dt, physics::StepReport& report)
 {
-    const SceneState before = stateOf(scene_);
-    scene_.root->setDt(dt);                                     // some components read it in place of the step's
-    ::sofa::simulation::node::updateContext(scene_.root.get()); // a step of SOFA hands gravity down only at its end
-    for (const auto& body : scene_.rigid) body->beginMove(dt);
-    if (scene_.contact.isOn()) {
-        followBodies(*scene_.root);
-        scene_.contact.prepare(fastest(scene_) + length(before.gravity) * dt, dt);
-    }
+    const SceneMotion before = motionOf(scene_);
     std::erase_if(scene_.ties, [](const auto& each) { return each->isBroken(); });
-    for (const auto& tie : scene_.ties) tie->prepare(dt);
-    const bool failed = !animate(*scene_.root, dt);
+    const bool failed = !attempt("SOFA: a step ended with an exception", [&] { move(dt); });
     readConstraints(failed, dt, report);
-    for (std::size_t b = 0; b < scene_.soft.size(); ++b)
-        if (failed || !scene_.soft[b]->isUsable()) {
-            const std::vector<Vec3>& positions = before.soft[b].positions;
-            scene_.soft[b]->write({positions, std::vector<Vec3>(positions.size())});
-            report.set(physics::StepFlag::Undone);
-        }
-    for (std::size_t b = 0; b < scene_.rigid.size(); ++b)
-        if (failed || !scene_.rigid[b]->isUsable()) {
-            const std::vector<Vec3> rest(before.rigid[b].poses.size());
-            scene_.rigid[b]->write({before.rigid[b].poses, rest, rest});
-            report.set(physics::StepFlag::Undone);
-        }
-    for (const auto& body : scene_.rigid) body->finishMove();
+    report.intersections = intersections_;
+    if (!intersections_.empty()) report.set(physics::StepFlag::Intersecting);
+    if (putBack(failed, before)) report.set(physics::StepFlag::Undone);
+    const std::vector<PointForce> forces = forcesOn(scene_);
+    for (const auto& body : scene_.rigid) {
+        body->finishMove();
+        body->loadJoints(forces);
+    }
     for (const auto& body : scene_.soft) {
         const SolveOutcome solve = body->outcome();
         if (solve.atLimit) report.set(physics::StepFlag::NotConverged);
         report.solves.push_back({body->id(), solve.iterations, solve.residual, body->id()});
     }
+}
+
+void SofaWorld::move(double dt)
+{
+    scene_.root->setDt(dt);                                     // some components read it in place of the step's
+    ::sofa::simulation::node::updateContext(scene_.root.get()); // a step of SOFA hands gravity down only at its end
+    for (const auto& body : scene_.rigid)                       // a carrier comes before the bodies that follow it
+        body->beginMove(dt, findBody(scene_.rigid, body->plan().def.articulation.to));
+    if (scene_.contact.isOn()) {
+        followBodies(*scene_.root);
+        const auto window = [](double time) { return std::floor(time / kLookEvery + 1e-6); };
+        if (std::exchange(looksAgain_, false) || window(time_) != window(time_ + dt))
+            intersections_ = intersectionsOf(scene_);
+        scene_.contact.prepare(fastest(scene_) + length(fromSofa(scene_.root->getGravity())) * dt, dt);
+    }
+    for (const auto& tie : scene_.ties) tie->prepare(dt);
+    ::sofa::simulation::node::animate(scene_.root.get(), dt);
+}
+
+bool SofaWorld::putBack(bool failed, const SceneMotion& before)
+{
+    bool any = false;
+    for (std::size_t b = 0; b < scene_.soft.size(); ++b) {
+        if (!failed && scene_.soft[b]->isUsable()) continue;
+        const std::vector<Vec3>& positions = before.soft[b].positions;
+        scene_.soft[b]->write({positions, std::vector<Vec3>(positions.size())});
+        any = true;
+    }
+    for (std::size_t b = 0; b < scene_.rigid.size(); ++b) {
+        if (!failed && scene_.rigid[b]->isUsable()) continue;
+        const std::vector<Vec3> rest(before.rigid[b].poses.size());
+        scene_.rigid[b]->write({before.rigid[b].poses, rest, rest});
+        any = true;
+    }
+    return any;
 }
 
 void SofaWorld::readConstraints(bool failed, double dt, physics::StepReport& report)
@@ -179,12 +225,16 @@ void SofaWorld::readConstraints(bool failed, double dt, physics::StepReport& rep
     }
     scene_.contact.read(dt, scene_.contacts, report);
     for (const auto& tie : scene_.ties) tie->finish(scene_.contact.impulses(), dt);
-    for (const physics::Grasp& grasp : std::exchange(scene_.grasps, {}))
-        if (!addTie(grasp, scene_)) {
-            report.set(physics::StepFlag::NothingAttached);
-            logWarning("rigid body '", findBody(scene_.rigid, grasp.rigid)->plan().def.name,
-                       "': grasp.target: no contact with body ", grasp.target.value, "; nothing is attached");
-        }
+    for (const physics::Grasp& grasp : std::exchange(scene_.grasps, {})) {
+        const RigidNode* jaw = findBody(scene_.rigid, grasp.rigid);
+        const std::string object = text("rigid body '", jaw ? jaw->plan().def.name : "", "': grasp");
+        bool found = true;
+        const bool made =
+            attempt(object + ": nothing is attached, because SOFA failed", [&] { found = addTie(grasp, scene_); });
+        if (made && found) continue;
+        report.set(physics::StepFlag::NothingAttached);
+        if (made) logWarning(object, ".target: no contact with body ", grasp.target.value, "; nothing is attached");
+    }
 }
 
 void SofaWorld::capture(frame::Frame& out) const
@@ -208,7 +258,8 @@ void SofaWorld::capture(frame::Frame& out) const
         out.rigidBodies[b] = {.id = scene_.rigid[b]->id(),
                               .poses = std::move(state.poses),
                               .velocities = std::move(state.velocities),
-                              .angularVelocities = std::move(state.angularVelocities)};
+                              .angularVelocities = std::move(state.angularVelocities),
+                              .joints = scene_.rigid[b]->joints()};
     }
     writeConstraints(scene_, out.contacts, out.attachments);
     out.channels.clear();
@@ -230,19 +281,10 @@ void SofaWorld::record(physics::StepRecord& out) const
 std::uint64_t SofaWorld::hash() const
 {
     const Lock lock(sofaMutex());
-    const SceneState state = stateOf(scene_);
     Hasher hasher;
     hasher.add(steps_);
     hasher.add(time_);
-    for (const SoftState& body : state.soft) {
-        hasher.addAll(std::span<const Vec3>(body.positions));
-        hasher.addAll(std::span<const Vec3>(body.velocities));
-    }
-    for (const RigidState& body : state.rigid) {
-        hasher.addAll(std::span<const Pose>(body.poses));
-        hasher.addAll(std::span<const Vec3>(body.velocities));
-        hasher.addAll(std::span<const Vec3>(body.angularVelocities));
-    }
+    addTo(hasher, stateOf(scene_));
     return hasher.value();
 }
 
@@ -263,8 +305,12 @@ void SofaWorld::restore(const physics::EngineState& saved)
     const Lock lock(sofaMutex());
     if (state->scene.soft.size() != scene_.soft.size() || state->scene.rigid.size() != scene_.rigid.size())
         fail("restore: the state has other bodies");
-    if (state->scene.ties != stateOf(scene_).ties) fail("restore: the state has other attachments between bodies");
-    setState(state->scene, scene_);
+    try {
+        setState(state->scene, scene_);
+    } catch (...) {
+        fail("restore: SOFA cannot make an attachment of the state: ", problemNow());
+    }
+    looksAgain_ = true;
     time_ = state->time;
     steps_ = state->steps;
 }

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "filasofia/sofa/graph_owner.h"
+#include "filasofia/sofa/scene_state.h"
 #include "filasofia/sofa/sofa_engine.h"
-#include "filasofia/sofa/sofa_scene.h"
 
 namespace filasofia::sofaengine {
 
@@ -29,10 +29,15 @@ public:
 
 private:
     void advance(double dt, physics::StepReport& report);
+    void move(double dt); ///< throws what SOFA throws
+    /// Returns bodies to where they were, at rest: all after a step that failed, else those whose numbers are none.
+    bool putBack(bool failed, const SceneMotion& before);
     void readConstraints(bool failed, double dt, physics::StepReport& report);
 
     SofaScene scene_;
-    double time_ = 0.0; ///< [s]
+    std::vector<physics::Intersection> intersections_; ///< the last answer
+    bool looksAgain_ = true;                           ///< for intersections, in the next step
+    double time_ = 0.0;                                ///< [s]
     std::uint64_t steps_ = 0;
 };
 

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/sofa/collision_node.h"
+#include "filasofia/sofa/compliant_factor.h"
 #include "filasofia/sofa/corotational.h"
 #include "filasofia/sofa/free_correction.h"
 #include "filasofia/sofa/node_removal.h"
@@ -10,7 +11,6 @@
 
 #include <sofa/component/constraint/lagrangian/correction/LinearSolverConstraintCorrection.h>
 #include <sofa/component/constraint/projective/FixedProjectiveConstraint.h>
-#include <sofa/component/linearsolver/direct/SparseLDLSolver.h>
 #include <sofa/component/linearsolver/iterative/CGLinearSolver.h>
 #include <sofa/component/linearsystem/MatrixLinearSystem.h>
 #include <sofa/component/mass/DiagonalMass.h>
@@ -32,12 +32,9 @@ namespace {
 using namespace ::sofa::component;
 using ::sofa::core::objectmodel::New;
 using Fixed = constraint::projective::FixedProjectiveConstraint<Vec3Types>;
-using Blocks = ::sofa::linearalgebra::CompressedRowSparseMatrix<::sofa::type::Mat<3, 3, SReal>>;
-using Assembled = ::sofa::linearalgebra::FullVector<SReal>;
 using Scattered = linearsolver::GraphScatteredMatrix;
 using FreeGradients = linearsolver::iterative::CGLinearSolver<Scattered, linearsolver::GraphScatteredVector>;
 using AssembledGradients = linearsolver::iterative::CGLinearSolver<Blocks, Assembled>;
-using Direct = linearsolver::direct::SparseLDLSolver<Blocks, Assembled>;
 using Springs = solidmechanics::spring::SpringForceField<Vec3Types>;
 using Hyperelastic = solidmechanics::fem::hyperelastic::TetrahedronHyperelasticityFEMForceField<Vec3Types>;
 
@@ -81,7 +78,7 @@ template <class Gradients> typename Gradients::SPtr gradients(const physics::Con
 
 ::sofa::core::objectmodel::BaseObject::SPtr solverOf(const physics::Solver& def)
 {
-    if (std::holds_alternative<physics::Cholesky>(def)) return New<Direct>();
+    if (std::holds_alternative<physics::Cholesky>(def)) return New<CompliantFactor>();
     const auto& iterative = std::get<physics::ConjugateGradient>(def);
     if (iterative.assembled) return gradients<AssembledGradients>(iterative);
     return gradients<FreeGradients>(iterative);
@@ -144,6 +141,12 @@ template <class Gradients> SolveOutcome outcomeOf(const Gradients& solver)
 
 } // namespace
 
+SoftNode::SoftNode(BodyId id, SoftPlan plan)
+    : id_(id), plan_(std::move(plan)), tissue_(std::make_shared<const SoftSettings::Tissue>(SoftSettings::Tissue{
+                                           plan_.def.material, plan_.youngModulus, plan_.poissonRatio}))
+{
+}
+
 // Delegating: if what follows throws, the destructor takes the node out of the graph.
 SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root, const ContactStage& contact)
     : SoftNode(id, std::move(plan))
@@ -171,7 +174,8 @@ SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root, con
     if (!plan_.def.gravity) loads_->weightless = plan_.masses;
     node_->addObject(loads_);
     for (const CollisionPlan& each : plan_.collision)
-        addCollision(each, {.body = id, .soft = true, .friction = plan_.def.friction}, contact, *state_);
+        surfaces_.push_back(
+            addCollision(each, {.body = id, .soft = true, .friction = plan_.def.friction}, contact, *state_));
     ::sofa::simulation::node::init(node_.get());
     if (contact.constrains()) joinConstraints();
     setPins(plan_.pins);
@@ -179,6 +183,7 @@ SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root, con
 
 SoftNode::~SoftNode()
 {
+    surfaces_.clear();
     if (node_) removeNode(node_);
 }
 
@@ -211,7 +216,10 @@ void SoftNode::addLaw()
 
 void SoftNode::joinConstraints()
 {
-    if (correction_) node_->removeObject(correction_);
+    if (correction_) {
+        correction_->cleanup(); // the constraint solver lists it
+        node_->removeObject(correction_);
+    }
     if (coupled_ && solver_) {
         correction_ = New<constraint::lagrangian::correction::LinearSolverConstraintCorrection<Vec3Types>>();
     } else {
@@ -226,9 +234,20 @@ void SoftNode::joinConstraints()
     correction_->init();
 }
 
-void SoftNode::couple()
+void SoftNode::setCoupled(bool coupled)
 {
-    if (std::exchange(coupled_, true)) return;
+    if (std::exchange(coupled_, coupled) == coupled) return;
+    try {
+        remakeSolver();
+    } catch (...) {
+        coupled_ = !coupled;
+        remakeSolver();
+        throw;
+    }
+}
+
+void SoftNode::remakeSolver()
+{
     if (solver_ && !std::holds_alternative<physics::Cholesky>(plan_.def.solver)) {
         // The system that the old solver made would be found by the new one, and the old one by the integrator.
         for (auto* system : node_->getNodeObjects<::sofa::core::behavior::BaseMatrixLinearSystem>())
@@ -240,6 +259,21 @@ void SoftNode::couple()
         euler_->init();
     }
     joinConstraints();
+}
+
+SoftSettings SoftNode::settings() const
+{
+    return {
+        .tissue = tissue_, .pins = pins_, .forces = loads_->forces, .pressure = loads_->pressure, .coupled = coupled_};
+}
+
+void SoftNode::apply(const SoftSettings& settings)
+{
+    if (coupled_ != settings.coupled) setCoupled(settings.coupled);
+    if (tissue_ != settings.tissue) setTissue(settings.tissue);
+    if (pins_ != settings.pins) setPins(settings.pins);
+    loads_->forces = settings.forces;
+    loads_->pressure = settings.pressure;
 }
 
 double SoftNode::speed() const
@@ -308,11 +342,12 @@ void SoftNode::setPins(std::vector<PinGroup> pins)
     fixed->init();
 }
 
-void SoftNode::setMaterial(SoftPlan plan)
+void SoftNode::setTissue(std::shared_ptr<const SoftSettings::Tissue> tissue)
 {
-    plan_.def.material = plan.def.material;
-    plan_.youngModulus = std::move(plan.youngModulus);
-    plan_.poissonRatio = std::move(plan.poissonRatio);
+    tissue_ = std::move(tissue);
+    plan_.def.material = tissue_->material;
+    plan_.youngModulus = tissue_->youngModulus;
+    plan_.poissonRatio = tissue_->poissonRatio;
     // An assembled system keeps what it made for the old law, and with it the law, until it begins anew: a change of
     // this value, even to the same, makes it.
     for (auto* system : node_->getNodeObjects<linearsystem::MatrixLinearSystem<Blocks, Assembled>>())

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/sofa/body_loads.h"
+#include "filasofia/sofa/collision_surface.h"
 #include "filasofia/sofa/contact_stage.h"
 
 #include "filasofia/frame/frame.h"
@@ -8,6 +9,8 @@
 
 #include <sofa/component/statecontainer/MechanicalObject.h>
 #include <sofa/simulation/Node.h>
+
+#include <memory>
 
 namespace filasofia::sofaengine {
 
@@ -24,6 +27,20 @@ struct SoftState {
     std::vector<Vec3> velocities = {}; ///< [m/s]
 };
 
+/// What commands change of a soft body, besides its motion.
+struct SoftSettings {
+    /// Its tissue: the object is another one after each SetMaterial.
+    struct Tissue {
+        physics::SoftMaterial material = {};
+        std::vector<double> youngModulus = {}, poissonRatio = {}; ///< as in its plan
+    };
+    std::shared_ptr<const Tissue> tissue = {};
+    std::vector<PinGroup> pins = {};
+    std::vector<physics::NodalForce> forces = {};
+    double pressure = 0.0; ///< [Pa]
+    bool coupled = false;  ///< constraints act on it
+};
+
 /// A soft body in SOFA: a node with its state, mass, law, loads, pins and solvers.
 class SoftNode {
 public:
@@ -34,7 +51,7 @@ public:
     SoftNode& operator=(const SoftNode&) = delete;
 
     [[nodiscard]] BodyId id() const { return id_; }
-    [[nodiscard]] const SoftPlan& plan() const { return plan_; }
+    [[nodiscard]] const SoftPlan& plan() const { return plan_; } ///< as it was added, but for its material
     [[nodiscard]] ::sofa::simulation::Node& node() const { return *node_; }
     [[nodiscard]] BodyLoads& loads() const { return *loads_; }
     [[nodiscard]] ::sofa::component::statecontainer::MechanicalObject<Vec3Types>& states() const { return *state_; }
@@ -49,28 +66,37 @@ public:
     [[nodiscard]] double speed() const; ///< [m/s] the fastest node's
     /// The scene has constraints from now on: without it they would hold the body where it is.
     void joinConstraints();
-    /// Constraints act on the body from now on: the scene has them. It then has the solver that they need.
-    void couple();
+    [[nodiscard]] bool isCoupled() const { return coupled_; }
+    /// Whether constraints act on the body from now on: the scene has them. It then has the solver that they need. If
+    /// SOFA throws, it is as before.
+    void setCoupled(bool coupled);
 
+    [[nodiscard]] SoftSettings settings() const;
+    void apply(const SoftSettings& settings);
+
+    [[nodiscard]] const std::vector<CollisionSurface>& surfaces() const { return surfaces_; }
     /// Attachments to space.
     [[nodiscard]] const std::vector<PinGroup>& pins() const { return pins_; }
     void setPins(std::vector<PinGroup> pins);
     /// Gives it another material of the same mesh; its state stays.
-    void setMaterial(SoftPlan plan);
+    void setTissue(std::shared_ptr<const SoftSettings::Tissue> tissue);
 
 private:
     using State = ::sofa::component::statecontainer::MechanicalObject<Vec3Types>;
 
-    SoftNode(BodyId id, SoftPlan plan) : id_(id), plan_(std::move(plan)) {}
+    SoftNode(BodyId id, SoftPlan plan);
     void addLaw();
     void addSolver();
+    void remakeSolver();
 
     BodyId id_;
     SoftPlan plan_;
+    std::shared_ptr<const SoftSettings::Tissue> tissue_;
     std::vector<PinGroup> pins_;
     ::sofa::simulation::Node::SPtr node_;
     State::SPtr state_;
     BodyLoads::SPtr loads_;
+    std::vector<CollisionSurface> surfaces_;
     ::sofa::core::objectmodel::BaseObject::SPtr law_, fixed_, euler_, solver_, correction_;
     bool coupled_ = false; ///< constraints act on it
 };

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/validate.h"
 #include "filasofia/geometry/surface.h"
+#include "filasofia/sofa/lacks.h"
 #include "filasofia/sofa/make_tie.h"
 
 #include <algorithm>
@@ -13,8 +14,6 @@ namespace {
 using physics::FemMaterial;
 using physics::SoftBodyDef;
 using physics::TissueRegion;
-
-constexpr const char* kLacks = " is not available with the engine 'sofa'"; // how every refusal ends
 
 /// SOFA's laws of the same energy as ours.
 bool isKnown(const physics::ElasticLaw& law)

@@ -16,6 +16,7 @@ struct PinGroup {
     std::vector<int> nodes = {};
     std::vector<Vec3> places = {};     ///< [m] where they are held, one per node
     double stiffness = physics::kHard; ///< [N/m] a spring per node
+    friend bool operator==(const PinGroup&, const PinGroup&) = default;
 };
 
 /// A soft body as its node in SOFA is made: checked, plain data of ours, made on any thread.

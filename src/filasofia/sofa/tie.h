@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/core/hash.h"
 #include "filasofia/sofa/rigid_node.h"
 #include "filasofia/sofa/soft_node.h"
 #include "filasofia/sofa/tie_rows.h"
@@ -8,51 +9,71 @@
 
 namespace filasofia::sofaengine {
 
+/// A side of a tie: a body, or none for space.
+struct TieEnd {
+    BodyId id = {};
+    int element = 0;               ///< if it is rigid
+    std::vector<Vec3> points = {}; ///< [m] if it is rigid: from the element's centre of mass, in its axes
+};
+/// What an attachment's Def says besides its points.
+struct TieLaw {
+    double stiffness = physics::kHard;        ///< [N/m] a point's; infinite: a weld
+    double breakForce = physics::kNever;      ///< [N]
+    double pointBreakForce = physics::kNever; ///< [N]
+};
+/// A whole tie, as plain data.
+struct TieState {
+    TieEnd body = {}, to = {};
+    TieLaw law = {};
+    std::vector<TieRows::Pair> pairs = {}; ///< those that hold
+    std::vector<TieRows::Pair> whole = {}; ///< those that it was made with
+    frame::Attachment report = {};         ///< with its id
+};
+void addTo(Hasher& hash, const TieState& tie);
+
 /// An attachment that needs constraints: to another body, or one that may break.
 class Tie {
 public:
-    /// One side of it: points of a body, or none for space.
     struct Side {
         SoftNode* soft = nullptr;
-        RigidNode* rigid = nullptr;
-        int element = 0;                   ///< if it is rigid
-        std::vector<TiePoint> points = {}; ///< if it is soft
-        std::vector<Vec3> places = {};     ///< [m] if it is rigid: where the points are now
-        [[nodiscard]] BodyId id() const { return soft ? soft->id() : rigid ? rigid->id() : BodyId{}; }
-    };
-    /// What an attachment's Def says besides its points.
-    struct Law {
-        double stiffness = physics::kHard;        ///< [N/m] a point's; infinite: a weld
-        double breakForce = physics::kNever;      ///< [N]
-        double pointBreakForce = physics::kNever; ///< [N]
+        RigidNode* rigid = nullptr; ///< both are null for space
     };
 
-    /// Ties points of a body to as many of another, or to space. `apart`: per pair, how far the first is from the
-    /// second, or its place in space [m]. Both bodies are coupled. Throws what SOFA throws.
-    Tie(AttachmentId id, const Side& body, const Side& other, const Law& law, std::span<const Vec3> apart,
-        ::sofa::simulation::Node& root);
+    /// Both bodies are coupled. Throws what SOFA throws.
+    Tie(TieState state, const Side& body, const Side& to, ::sofa::simulation::Node& root);
     ~Tie();
     Tie(const Tie&) = delete;
     Tie& operator=(const Tie&) = delete;
 
-    [[nodiscard]] AttachmentId id() const { return report_.id; }
-    [[nodiscard]] bool holds(BodyId id) const { return report_.body == id || report_.to == id; }
-    [[nodiscard]] bool isBroken() const { return report_.broken; }
+    [[nodiscard]] AttachmentId id() const { return state_.report.id; }
+    [[nodiscard]] bool holds(BodyId id) const { return state_.body.id == id || state_.to.id == id; }
+    [[nodiscard]] bool isBroken() const { return state_.report.broken; }
     /// After a step: what frames show of it.
-    [[nodiscard]] const frame::Attachment& report() const { return report_; }
+    [[nodiscard]] const frame::Attachment& report() const { return state_.report; }
+    [[nodiscard]] TieState state() const;
 
     void prepare(double dt) { rows_->draw(dt); }
     /// Reads the forces and lets go what they exceed. `impulses`: those by all constraints [N s].
     void finish(std::span<const double> impulses, double dt);
+    /// Adds the forces on its sides.
+    void addForces(std::vector<PointForce>& out) const;
+    /// Begins anew where its bodies are now: all of its points hold, and welds are drawn together from there.
+    void rewind();
 
 private:
-    TieRows::States* statesOf(const Side& side);
+    Tie(TieState state, const std::array<Side, 2>& sides, ::sofa::simulation::Node& root);
+    TieRows::States* statesOf(std::size_t side);
+    [[nodiscard]] const TieEnd& end(std::size_t side) const { return side == 0 ? state_.body : state_.to; }
+    [[nodiscard]] Vec3 placeOf(std::size_t side, const TiePoint& point) const;
 
-    Law law_;
-    frame::Attachment report_;
+    TieState state_; ///< its pairs are those of the rows
+    std::array<Side, 2> sides_;
     ::sofa::simulation::Node& root_;
     std::vector<::sofa::simulation::Node::SPtr> nodes_; ///< one for each rigid side
     TieRows::SPtr rows_;
 };
+
+/// [m] in the world: points of an element, given from its centre of mass in its axes.
+Vec3 worldPoint(const RigidNode& body, int element, Vec3 point);
 
 } // namespace filasofia::sofaengine

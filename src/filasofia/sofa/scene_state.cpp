@@ -1,0 +1,138 @@
+#include "filasofia/sofa/scene_state.h"
+
+#include "filasofia/sofa/make_tie.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace filasofia::sofaengine {
+namespace {
+
+void addTo(Hasher& hash, const SoftSettings& body)
+{
+    for (const PinGroup& group : body.pins) {
+        hash.add(std::uint64_t{group.id.value});
+        hash.add(group.stiffness);
+        hash.addAll(std::span<const int>(group.nodes));
+        hash.addAll(std::span<const Vec3>(group.places));
+    }
+    for (const physics::NodalForce& each : body.forces) {
+        hash.add(static_cast<std::uint64_t>(each.node));
+        hash.addAll(std::span<const Vec3>(&each.force, 1));
+    }
+    hash.add(body.pressure);
+}
+
+void addTo(Hasher& hash, const MotionState& hand)
+{
+    hash.addAll(std::span<const Pose>(&hand.pose, 1));
+    const Vec3 both[] = {hand.velocity, hand.angularVelocity};
+    hash.addAll(std::span<const Vec3>(both));
+}
+
+void addTo(Hasher& hash, const RigidSettings& body)
+{
+    for (const RigidLoads::Wrench& each : body.wrenches) {
+        const Vec3 both[] = {each.force, each.torque};
+        hash.addAll(std::span<const Vec3>(both));
+    }
+    for (std::size_t i = 0; i < body.hands.size(); ++i) {
+        if (!body.hands[i]) continue;
+        hash.add(std::uint64_t{i});
+        addTo(hash, body.hands[i]->target);
+        const VirtualCoupling& c = body.hands[i]->coupling;
+        for (const double each :
+             {c.linearStiffness, c.linearDamping, c.angularStiffness, c.angularDamping, c.forceLimit, c.torqueLimit})
+            hash.add(each);
+    }
+    for (std::size_t j = 0; j < body.joints.targets.size(); ++j) {
+        hash.add(body.joints.targets[j]);
+        hash.add(body.joints.joints[j].position);
+    }
+    for (const auto& target : body.targets)
+        if (target) hash.addAll(std::span<const Pose>(&*target, 1));
+}
+
+} // namespace
+
+SceneMotion motionOf(const SofaScene& scene)
+{
+    SceneMotion motion;
+    for (const auto& body : scene.soft) body->read(motion.soft.emplace_back());
+    for (const auto& body : scene.rigid) body->read(motion.rigid.emplace_back());
+    return motion;
+}
+
+bool isUsable(const SofaScene& scene)
+{
+    const auto usable = [](const auto& body) { return body->isUsable(); };
+    return std::ranges::all_of(scene.soft, usable) && std::ranges::all_of(scene.rigid, usable);
+}
+
+SceneState stateOf(const SofaScene& scene)
+{
+    SceneState state{.gravity = fromSofa(scene.root->getGravity()),
+                     .motion = motionOf(scene),
+                     .grasps = scene.grasps,
+                     .contacts = scene.contacts};
+    for (const auto& body : scene.soft) state.soft.push_back(body->settings());
+    for (const auto& body : scene.rigid) state.rigid.push_back(body->settings());
+    for (const auto& tie : scene.ties) state.ties.push_back(tie->state());
+    return state;
+}
+
+void setState(const SceneState& state, SofaScene& scene)
+{
+    const auto isCoupled = [](const SoftSettings& each) { return each.coupled; };
+    if (!state.ties.empty() || std::ranges::any_of(state.soft, isCoupled)) startConstraints(scene);
+    std::vector<std::unique_ptr<Tie>> ties; // beside the old ones: this is what may fail
+    for (const TieState& each : state.ties) ties.push_back(makeTie(each, scene));
+    scene.ties = std::move(ties);
+    scene.contact.forget();
+    scene.contact.join({});
+    scene.root->setGravity(toSofa(state.gravity));
+    for (std::size_t b = 0; b < scene.soft.size(); ++b) {
+        scene.soft[b]->apply(state.soft[b]);
+        scene.soft[b]->write(state.motion.soft[b]);
+    }
+    for (std::size_t b = 0; b < scene.rigid.size(); ++b) {
+        scene.rigid[b]->apply(state.rigid[b]);
+        scene.rigid[b]->write(state.motion.rigid[b]);
+    }
+    scene.grasps = state.grasps;
+    scene.contacts = state.contacts;
+}
+
+void addTo(Hasher& hash, const SceneState& state)
+{
+    hash.addAll(std::span<const Vec3>(&state.gravity, 1));
+    for (const SoftState& body : state.motion.soft) {
+        hash.addAll(std::span<const Vec3>(body.positions));
+        hash.addAll(std::span<const Vec3>(body.velocities));
+    }
+    for (const RigidState& body : state.motion.rigid) {
+        hash.addAll(std::span<const Pose>(body.poses));
+        hash.addAll(std::span<const Vec3>(body.velocities));
+        hash.addAll(std::span<const Vec3>(body.angularVelocities));
+    }
+    for (const SoftSettings& each : state.soft) addTo(hash, each);
+    for (const RigidSettings& each : state.rigid) addTo(hash, each);
+    for (const TieState& each : state.ties) addTo(hash, each);
+    for (const physics::Grasp& each : state.grasps)
+        for (const std::uint32_t id : {each.id.value, each.rigid.value, each.target.value}) hash.add(std::uint64_t{id});
+}
+
+void resetScene(SofaScene& scene)
+{
+    scene.contacts.clear();
+    scene.contact.forget();
+    for (const auto& body : scene.soft) {
+        const std::vector<Vec3>& rest = body->plan().mesh.nodes;
+        body->write({rest, std::vector<Vec3>(rest.size())});
+    }
+    for (const auto& body : scene.rigid) body->rewind();
+    std::erase_if(scene.ties, [](const auto& each) { return each->isBroken(); });
+    for (const auto& tie : scene.ties) tie->rewind();
+}
+
+} // namespace filasofia::sofaengine
