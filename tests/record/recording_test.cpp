@@ -170,11 +170,14 @@ TEST_CASE("every other kind of command comes back bit for bit")
     CHECK((blade.id == BodyId{3} && !blade.cutting));
     const auto cavity = roundTrip(SetCavity{BodyId{3}, 1, kThird, {}});
     CHECK((cavity.id == BodyId{3} && cavity.cavity == 1 && !cavity.inflow && sameBits(*cavity.pressure, kThird)));
+    const auto clip = roundTrip(ApplyClip{AttachmentId{4}, BodyId{3}, BodyId{2}, {.length = kThird}});
+    CHECK((clip.id == AttachmentId{4} && clip.rigid == BodyId{3} && clip.target == BodyId{2}));
+    CHECK(sameBits(clip.def.length, kThird));
     roundTrip(Reset{});
     CHECK(roundTrip(Pause{true}).paused);
     CHECK_FALSE(roundTrip(Pause{false}).paused);
     CHECK_FALSE(roundTrip(Tune{[](PhysicsEngine&) {}}).change); // only the fact that there was one can be kept
-    STATIC_REQUIRE(std::variant_size_v<Command> == 23);
+    STATIC_REQUIRE(std::variant_size_v<Command> == 24);
 }
 
 TEST_CASE("every law and all that a material may say come back bit for bit")

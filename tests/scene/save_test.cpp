@@ -94,6 +94,7 @@ private:
         if (step == 48) physics.setWrench(stone, {1e-4, 0.0, 0.0}, {0.0, 1e-7, 0.0});
         if (step == 50) physics.attach(sheet, {.nodes = {0, 1}, .to = tool});
         if (step == 55) sim.reset();
+        if (step == 60) physics.release(physics.attachments(liver).front()); // one that its Def made
     }
 };
 

@@ -185,7 +185,8 @@ private:
     }
     AttachmentId number(AttachmentId recorded)
     {
-        return attachments_[recorded] = AttachmentId{static_cast<std::uint32_t>(attachments_.size()) + 1};
+        const AttachmentId number{static_cast<std::uint32_t>(attachments_.size()) + 1};
+        return attachments_[recorded] = number;
     }
     void makeUnique(std::string& name)
     {

@@ -241,7 +241,7 @@ TEST_CASE("release opens a clip, and so does a reset")
     }
 }
 
-TEST_CASE("two clips close the same tube; clips are part of hash and saved state")
+TEST_CASE("two clips close the same tube, and are part of hash and saved state")
 {
     Stage stage;
     const BodyId soft = stage.add(duct());

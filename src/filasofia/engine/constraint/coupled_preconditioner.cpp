@@ -121,7 +121,6 @@ void CoupledSolve::chooseStiffness()
 void CoupledSolve::makeFilter()
 {
     shares_.assign(sharing_.size(), 0.0);
-    filters_.resize(rows_.size());
     const auto shareOf = [&](std::size_t k) -> double& {
         const int point = constraints_->points[k].point;
         return shares_[static_cast<std::size_t>(sharing_[static_cast<std::size_t>(point)])];

@@ -105,6 +105,7 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
     atPoints_.resize(sharing_.size());
     rows_.assign(constraints_->list.size(), {});
     normals_.assign(rows_.size(), {});
+    filters_.assign(rows_.size(), Mat3{});
     for (std::vector<Vec3>* each : {&velocities_, &alongs_, &steps_, &smoothed_, &impulses_})
         each->assign(rows_.size(), Vec3{});
     for (std::size_t c = 0; c < rows_.size(); ++c) {
