@@ -37,7 +37,7 @@ std::vector<double> resistance(const Resisted& in, std::size_t rows)
         std::size_t motion;
         Vec3 u, impulse;
     };
-    std::vector<std::size_t> end(rows + 1); // of each row's parts, which follow one another
+    std::vector<std::size_t> end(rows + 1); // where each row's parts end; they follow one another
     for (const ConstraintMotion& motion : in.motions)
         for (std::size_t row : motion.rows) ++end[row + 1];
     for (std::size_t row = 0; row < rows; ++row) end[row + 1] += end[row];

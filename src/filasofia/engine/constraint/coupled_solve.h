@@ -105,7 +105,7 @@ private:
 
     /// Most contacts are only near and do not push. What tells that, and nothing else, is read of them in every pass.
     struct Normal {
-        Vec3 axis;              ///< of the frame
+        Vec3 axis;              ///< the normal
         double impulse = 0.0;   ///< [N s] that the solve starts from
         double stiffness = 0.0; ///< [kg]
         double velocity = 0.0;  ///< [m/s] bias + u
@@ -180,9 +180,9 @@ private:
     std::vector<std::size_t> passing_;  ///< rows whose impulse was changed last
     std::size_t others_ = 0;            ///< number of rows that have another state than when the filter was built
     std::vector<Vec3> velocities_;      ///< [m/s] u
-    std::vector<Vec3> alongs_;          ///< [m/s] of the direction
-    std::vector<Vec3> steps_;           ///< [m/s] of z
-    std::vector<Vec3> smoothed_;        ///< [m/s] of D^-1 r, of active rows
+    std::vector<Vec3> alongs_;          ///< [m/s] velocity of the direction
+    std::vector<Vec3> steps_;           ///< [m/s] velocity of z
+    std::vector<Vec3> smoothed_;        ///< [m/s] velocity of D^-1 r, at active rows
     std::vector<Vec3> impulses_;        ///< [N s] scratch
     std::vector<Mat3> filters_;         ///< [kg] M of single constraints; zero if they are not active
     ConstraintFilter filter_;           ///< M of all constraints together
