@@ -90,22 +90,46 @@ std::vector<NodeWeight> middleOfPair(const ClipPair& pair)
     return out;
 }
 
-/// The rigid body hangs on the tissue in the middle of some of its pairs.
-Attachment holdOf(const physics::ApplyClip& command, const Pose& pose, const std::vector<ClipPair>& pairs,
-                  const SoftState& tissue)
+/// [N] With which a clip can be pulled off whose legs press with this force: both rub. One without friction hangs on
+/// nothing that counts, but an attachment must bear something.
+double slipForce(const physics::ClipDef& def, double force) { return std::max(1e-9, 2.0 * def.friction * force); }
+
+/// The points at which the rigid body hangs on the tissue: the middles of those pairs that are nearest to the corners
+/// of its legs; fewer if one is nearest to several.
+AttachedPairs holdPoints(const physics::ClipDef& def, const Pose& pose, const std::vector<ClipPair>& pairs,
+                         const SoftState& tissue)
 {
-    Attachment hold{command.id, command.rigid, command.target, {}, {}};
-    hold.stiffness = kHold;
-    hold.breakForce = 2.0 * command.def.friction * command.def.closingForce;
-    const std::size_t n = pairs.size();
-    std::vector<std::size_t> chosen = {0, n / 3, 2 * n / 3, n - 1};
-    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
-    for (std::size_t i : chosen) {
-        AttachedPoint on{.nodes = middleOfPair(pairs[i]), .element = 0, .place = {}};
-        const Vec3 place = transform(inverse(pose), meanOf(on.nodes, tissue.x));
-        hold.pairs.push_back({AttachedPoint{.nodes = {}, .element = command.def.element, .place = place}, on});
+    std::vector<std::vector<NodeWeight>> middles;
+    std::vector<Vec3> places; // in the clip's coordinates
+    for (const ClipPair& each : pairs) {
+        middles.push_back(middleOfPair(each));
+        places.push_back(transform(inverse(pose), meanOf(middles.back(), tissue.x)));
     }
+    std::vector<std::size_t> chosen;
+    for (const auto& [x, z] : {std::pair{-1, -1}, std::pair{-1, 1}, std::pair{1, -1}, std::pair{1, 1}}) {
+        const auto outwards = [&](Vec3 place) { return x * place.x / def.width + z * place.z / def.length; };
+        const auto corner = static_cast<std::size_t>(std::ranges::max_element(places, {}, outwards) - places.begin());
+        if (std::ranges::find(chosen, corner) == chosen.end()) chosen.push_back(corner);
+    }
+    AttachedPairs points;
+    for (std::size_t i : chosen)
+        points.push_back({AttachedPoint{.nodes = {}, .element = def.element, .place = places[i]},
+                          AttachedPoint{.nodes = std::move(middles[i]), .element = 0, .place = {}}});
+    return points;
+}
+
+Attachment holdOf(const physics::ApplyClip& command, AttachedPairs points)
+{
+    Attachment hold{command.id, command.rigid, command.target, std::move(points), {}};
+    hold.stiffness = kHold;
+    hold.breakForce = slipForce(command.def, command.def.closingForce);
     return hold;
+}
+
+bool hasLost(const std::vector<bool>& gone, const std::vector<NodeWeight>& point)
+{
+    return std::ranges::any_of(point,
+                               [&](const NodeWeight& each) { return gone[static_cast<std::size_t>(each.node)]; });
 }
 
 double distanceAcross(const ClipPair& pair, const SoftState& state)
@@ -142,7 +166,7 @@ void closeLegs(double dt, const SoftState& state, Clip& clip)
     for (const ClipPair& each : clip.pairs) lengths.push_back(distanceAcross(each, state));
     std::ranges::sort(lengths, std::greater{});
     const bool closing = clip.age < clip.def.closingTime;
-    clip.age += dt;
+    clip.age = std::min(clip.age + dt, clip.def.closingTime); // a sum that goes on would never rest
     const double most = clip.def.closingForce, k = stiffnessOf(clip);
     if (closing) {
         const double speed = (clip.def.opening - clip.def.gap) / clip.def.closingTime;
@@ -155,6 +179,21 @@ void closeLegs(double dt, const SoftState& state, Clip& clip)
 bool hasAttachment(const Scene& scene, AttachmentId id)
 {
     return std::ranges::binary_search(scene.attachments, id, {}, &Attachment::id);
+}
+
+/// Lets a clip hang where its nodes still are.
+void forgetHold(const std::vector<bool>& gone, const Clip& clip, const SoftState& tissue, Scene& scene)
+{
+    const auto found = std::ranges::lower_bound(scene.attachments, clip.id, {}, &Attachment::id);
+    const auto at = static_cast<std::size_t>(found - scene.attachments.begin());
+    std::vector<bool> lost;
+    for (const auto& pair : found->pairs) lost.push_back(hasLost(gone, pair[1].nodes));
+    erasePairs(at, lost, scene);
+    if (!found->pairs.empty()) return;
+    const RigidState& rigid = scene.rigid[*findIn(scene.rigid, clip.clip)].state;
+    const Pose& pose = rigid.poses[static_cast<std::size_t>(clip.def.element)];
+    found->pairs = holdPoints(clip.def, pose, clip.pairs, tissue);
+    scene.attachmentForces[at].resize(found->pairs.size());
 }
 
 } // namespace
@@ -176,7 +215,7 @@ void applyClip(const physics::ApplyClip& command, Scene& scene, physics::StepRep
     }
     ++report.clips.applied;
     clip.gap = command.def.opening;
-    addAttachment(holdOf(command, pose, clip.pairs, tissue.state), {}, scene);
+    addAttachment(holdOf(command, holdPoints(command.def, pose, clip.pairs, tissue.state)), {}, scene);
     const auto place = std::ranges::upper_bound(tissue.state.clips, clip.id, {}, &Clip::id);
     tissue.state.clips.insert(place, std::move(clip));
 }
@@ -191,7 +230,7 @@ void closeClips(double dt, Scene& scene)
     }
 }
 
-void addClipForces(double dt, const SoftState& state, std::vector<Vec3>& forces, std::vector<CavityStiffness>& out)
+void addClipForces(double dt, const SoftState& state, std::vector<Vec3>& forces, std::vector<RankOneStiffness>& out)
 {
     for (const Clip& clip : state.clips)
         for (const ClipPair& pair : clip.pairs) {
@@ -199,7 +238,7 @@ void addClipForces(double dt, const SoftState& state, std::vector<Vec3>& forces,
             const double d = length(across), k = stiffnessOf(clip);
             if (!(d > clip.gap) || d < kNoLength) continue;
             const Vec3 direction = 1.0 / d * across;
-            CavityStiffness& row = out.emplace_back();
+            RankOneStiffness& row = out.emplace_back();
             double growth = 0.0; // [m/s]
             for (const std::size_t side : {0, 1})
                 for (const NodeWeight& each : pair[side]) {
@@ -212,6 +251,24 @@ void addClipForces(double dt, const SoftState& state, std::vector<Vec3>& forces,
             for (std::size_t i = 0; i < row.nodes.size(); ++i)
                 forces[static_cast<std::size_t>(row.nodes[i])] -= pull * row.gradient[i];
         }
+}
+
+void forgetClipNodes(const std::vector<bool>& gone, SoftBody& body, Scene& scene, physics::StepReport& report)
+{
+    std::vector<Clip>& clips = body.state.clips;
+    for (Clip& each : clips) {
+        std::erase_if(each.pairs, [&](const ClipPair& p) { return hasLost(gone, p[0]) || hasLost(gone, p[1]); });
+        if (!hasAttachment(scene, each.id)) continue; // it was released
+        if (!each.pairs.empty()) {
+            forgetHold(gone, each, body.state, scene);
+            continue;
+        }
+        ++report.clips.slipped;
+        logWarning(describe(body.model), ": the tissue in clip ", each.id.value, " was removed; the clip is gone");
+        release(each.id, scene);
+        std::erase_if(scene.clipReports, [&](const frame::Clip& clip) { return clip.id == each.id; });
+    }
+    std::erase_if(clips, [](const Clip& each) { return each.pairs.empty(); });
 }
 
 void keepClips(Scene& scene, physics::StepReport& report)
@@ -235,7 +292,7 @@ void keepClips(Scene& scene, physics::StepReport& report)
                                          .closed = closed});
             if (!closed) continue; // as hard as it presses, it holds
             const auto hold = std::ranges::lower_bound(scene.attachments, each.id, {}, &Attachment::id);
-            hold->breakForce = std::max(1e-9, 2.0 * each.def.friction * each.force);
+            hold->breakForce = slipForce(each.def, each.force);
         }
     }
     std::ranges::sort(scene.clipReports, {}, &frame::Clip::id);
