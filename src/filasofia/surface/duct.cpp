@@ -208,7 +208,7 @@ void Duct::step(const DuctBody& body, double dt)
     const int before = cuts_.empty() ? last : cuts_.front(), after = cuts_.empty() ? 0 : cuts_.back() + 1;
     // [Pa s/m^3] from one station to another; infinite if one of them is shut. Those beside a cut are not
     // asked: their rings are torn.
-    const double whole = 8.0 * def_.viscosity * spacing_ / (kPi * std::pow(def_.radius, 4)); // of one open spacing
+    const double whole = 8.0 * def_.viscosity * spacing_ / (kPi * std::pow(def_.radius, 4)); // one open spacing
     const auto resistance = [&](int from, int to) {
         double sum = 0.0;
         for (int s = from; s < to; ++s) {

@@ -12,8 +12,8 @@ namespace filasofia::engine {
 /// is the gradient of the quantity. It is the volume of a cavity, or the distance between two points that a clip draws
 /// together.
 struct RankOneStiffness {
-    std::vector<int> nodes;     ///< those that change it; of a cavity ascending
-    std::vector<Vec3> gradient; ///< [m^2] of a volume, [-] of a distance, per node
+    std::vector<int> nodes;     ///< those that change it; ascending for a cavity
+    std::vector<Vec3> gradient; ///< per node: [m^2] if it is a volume, [-] if a distance
     double weight = 0.0;        ///< [kg/m^4] or [kg], h^2 times the growth of what resists
 };
 

@@ -3,6 +3,7 @@
 #include "filasofia/core/assert.h"
 #include "filasofia/core/log.h"
 #include "filasofia/engine/contact/attachments.h"
+#include "filasofia/engine/contact/clip_holds.h"
 #include "filasofia/engine/scene/find_body.h"
 
 #include <algorithm>
@@ -75,48 +76,9 @@ std::vector<ClipPair> pairsBetween(const physics::ClipDef& def, const Pose& pose
     return pairs;
 }
 
-/// The mean of two points.
-std::vector<NodeWeight> middleOfPair(const ClipPair& pair)
-{
-    std::vector<NodeWeight> out;
-    for (const auto& side : pair)
-        for (const NodeWeight& each : side) {
-            const auto known = std::ranges::find(out, each.node, &NodeWeight::node);
-            if (known == out.end())
-                out.push_back({each.node, 0.5 * each.weight});
-            else
-                known->weight += 0.5 * each.weight;
-        }
-    return out;
-}
-
 /// [N] With which a clip can be pulled off whose legs press with this force: both rub. One without friction hangs on
 /// nothing that counts, but an attachment must bear something.
 double slipForce(const physics::ClipDef& def, double force) { return std::max(1e-9, 2.0 * def.friction * force); }
-
-/// The points at which the rigid body hangs on the tissue: the middles of those pairs that are nearest to the corners
-/// of its legs; fewer if one is nearest to several.
-AttachedPairs holdPoints(const physics::ClipDef& def, const Pose& pose, const std::vector<ClipPair>& pairs,
-                         const SoftState& tissue)
-{
-    std::vector<std::vector<NodeWeight>> middles;
-    std::vector<Vec3> places; // in the clip's coordinates
-    for (const ClipPair& each : pairs) {
-        middles.push_back(middleOfPair(each));
-        places.push_back(transform(inverse(pose), meanOf(middles.back(), tissue.x)));
-    }
-    std::vector<std::size_t> chosen;
-    for (const auto& [x, z] : {std::pair{-1, -1}, std::pair{-1, 1}, std::pair{1, -1}, std::pair{1, 1}}) {
-        const auto outwards = [&](Vec3 place) { return x * place.x / def.width + z * place.z / def.length; };
-        const auto corner = static_cast<std::size_t>(std::ranges::max_element(places, {}, outwards) - places.begin());
-        if (std::ranges::find(chosen, corner) == chosen.end()) chosen.push_back(corner);
-    }
-    AttachedPairs points;
-    for (std::size_t i : chosen)
-        points.push_back({AttachedPoint{.nodes = {}, .element = def.element, .place = places[i]},
-                          AttachedPoint{.nodes = std::move(middles[i]), .element = 0, .place = {}}});
-    return points;
-}
 
 Attachment holdOf(const physics::ApplyClip& command, AttachedPairs points)
 {
@@ -124,12 +86,6 @@ Attachment holdOf(const physics::ApplyClip& command, AttachedPairs points)
     hold.stiffness = kHold;
     hold.breakForce = slipForce(command.def, command.def.closingForce);
     return hold;
-}
-
-bool hasLost(const std::vector<bool>& gone, const std::vector<NodeWeight>& point)
-{
-    return std::ranges::any_of(point,
-                               [&](const NodeWeight& each) { return gone[static_cast<std::size_t>(each.node)]; });
 }
 
 double distanceAcross(const ClipPair& pair, const SoftState& state)
@@ -179,21 +135,6 @@ void closeLegs(double dt, const SoftState& state, Clip& clip)
 bool hasAttachment(const Scene& scene, AttachmentId id)
 {
     return std::ranges::binary_search(scene.attachments, id, {}, &Attachment::id);
-}
-
-/// Lets a clip hang where its nodes still are.
-void forgetHold(const std::vector<bool>& gone, const Clip& clip, const SoftState& tissue, Scene& scene)
-{
-    const auto found = std::ranges::lower_bound(scene.attachments, clip.id, {}, &Attachment::id);
-    const auto at = static_cast<std::size_t>(found - scene.attachments.begin());
-    std::vector<bool> lost;
-    for (const auto& pair : found->pairs) lost.push_back(hasLost(gone, pair[1].nodes));
-    erasePairs(at, lost, scene);
-    if (!found->pairs.empty()) return;
-    const RigidState& rigid = scene.rigid[*findIn(scene.rigid, clip.clip)].state;
-    const Pose& pose = rigid.poses[static_cast<std::size_t>(clip.def.element)];
-    found->pairs = holdPoints(clip.def, pose, clip.pairs, tissue);
-    scene.attachmentForces[at].resize(found->pairs.size());
 }
 
 } // namespace
@@ -251,24 +192,6 @@ void addClipForces(double dt, const SoftState& state, std::vector<Vec3>& forces,
             for (std::size_t i = 0; i < row.nodes.size(); ++i)
                 forces[static_cast<std::size_t>(row.nodes[i])] -= pull * row.gradient[i];
         }
-}
-
-void forgetClipNodes(const std::vector<bool>& gone, SoftBody& body, Scene& scene, physics::StepReport& report)
-{
-    std::vector<Clip>& clips = body.state.clips;
-    for (Clip& each : clips) {
-        std::erase_if(each.pairs, [&](const ClipPair& p) { return hasLost(gone, p[0]) || hasLost(gone, p[1]); });
-        if (!hasAttachment(scene, each.id)) continue; // it was released
-        if (!each.pairs.empty()) {
-            forgetHold(gone, each, body.state, scene);
-            continue;
-        }
-        ++report.clips.slipped;
-        logWarning(describe(body.model), ": the tissue in clip ", each.id.value, " was removed; the clip is gone");
-        release(each.id, scene);
-        std::erase_if(scene.clipReports, [&](const frame::Clip& clip) { return clip.id == each.id; });
-    }
-    std::erase_if(clips, [](const Clip& each) { return each.pairs.empty(); });
 }
 
 void keepClips(Scene& scene, physics::StepReport& report)

@@ -17,10 +17,6 @@ void closeClips(double dt, Scene& scene);
 /// points with the distance d, its gradient g and the stiffness k adds -k (d - gap) g - h k g (g . v) and h^2 k g g^T.
 void addClipForces(double dt, const SoftState& state, std::vector<Vec3>& forces, std::vector<RankOneStiffness>& out);
 
-/// Lets go of nodes that are gone for good: the pairs that had one, and the points at which a clip hung on one. A clip
-/// that has no pair left is gone: it is counted as slipped, with a warning in the log.
-void forgetClipNodes(const std::vector<bool>& gone, SoftBody& body, Scene& scene, physics::StepReport& report);
-
 /// After the attachments: clips that were pulled off are gone, and all others reported.
 void keepClips(Scene& scene, physics::StepReport& report);
 

@@ -1,8 +1,8 @@
 #include "filasofia/engine/topology/remove_piece.h"
 
 #include "filasofia/engine/contact/attachments.h"
+#include "filasofia/engine/contact/clip_holds.h"
 #include "filasofia/engine/rupture/tet_shape.h"
-#include "filasofia/engine/step/close_clips.h"
 #include "filasofia/engine/topology/cut_rods.h"
 #include "filasofia/engine/topology/follow_surface.h"
 
