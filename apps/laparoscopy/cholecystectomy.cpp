@@ -1,6 +1,9 @@
 #include "apps/laparoscopy/gallbladder.h"
 
+#include <filasofia/core/disjoint_sets.h>
+
 #include <cstdio>
+#include <map>
 #include <utility>
 
 using namespace filasofia;
@@ -10,7 +13,16 @@ namespace {
 
 constexpr double kLimits[] = {600, 420, 240}; ///< [s], by difficulty
 constexpr double kOut = 42_mm;                ///< [m] towards the surgeon
+constexpr double kDrop = 0.05e-6;             ///< [m^3] what a tube may lose while it is cut between clips
 constexpr double kFree = 0.1;                 ///< [-], share of the lower bed that may still hold in a critical view
+
+/// The part of a surface that most of these nodes are on.
+int partOf(const std::vector<int>& nodes, DisjointSets& parts)
+{
+    std::map<int, int> votes;
+    for (const int node : nodes) ++votes[parts.find(node)];
+    return std::ranges::max_element(votes, {}, [](const auto& each) { return each.second; })->first;
+}
 
 /// Watches the patient before every step, by the rules of the operation.
 class Surgery {
@@ -19,9 +31,11 @@ public:
     {
         const auto ids = sim.physics().attachments(patient.gallbladder);
         bed_ = {ids[0], ids[1]};
+        const auto holds = sim.physics().attachments(patient.layer);
+        holds_ = {holds[0], holds[1]};
+        const auto layer = sim.physics().def(patient.layer);
+        for (std::size_t i : {0, 1}) rows_[i] = std::get<SoftBodyDef>(*layer).attachments[i].nodes;
         sim.everyStep([this](double) { watch(); });
-        sim.on<TearEvent>([this](const TearEvent& e) { parted(e.rupture); });
-        sim.on<CutEvent>([this](const CutEvent& e) { parted(e.rupture); });
     }
     std::function<void(const std::string&)> mistake;
 
@@ -40,7 +54,7 @@ public:
     [[nodiscard]] bool viewed() const { return viewed_; }
     [[nodiscard]] bool layerOpen() const { return layerOpen_; }
     [[nodiscard]] bool lowerFree() const { return lowerBed() <= kFree; }
-    [[nodiscard]] bool detached() const { return points_[0] + points_[1] == 0; }
+    [[nodiscard]] bool detached() const { return seen() && points_[0] + points_[1] == 0; }
     [[nodiscard]] DuctBalance of(const PatientTube& tube) const { return sim_.duct(tube.body); }
     [[nodiscard]] bool isWhole(const PatientTube& tube) const
     {
@@ -63,9 +77,13 @@ public:
         return sim_.heat(patient_.liver).burnt + sim_.heat(patient_.duct.body).burnt +
                sim_.heat(patient_.artery.body).burnt;
     }
-    [[nodiscard]] double lowerBed() const { return static_cast<double>(points_[0]) / std::max(1, all_[0].load()); }
+    [[nodiscard]] double lowerBed() const
+    {
+        return seen() ? static_cast<double>(points_[0]) / std::max(1, all_[0].load()) : 1.0;
+    }
 
 private:
+    [[nodiscard]] bool seen() const { return all_[0] + all_[1] > 0; } ///< before the first frame nothing is known
     void watch()
     {
         const FrameRef now = sim_.physics().latest();
@@ -77,20 +95,37 @@ private:
             points_[i] = points;
             all_[i] = std::max(all_[i].load(), points);
         }
+        if (!layerOpen_) layerOpen_ = isLayerOpen(*now);
         const auto leaks = [&](const PatientTube& tube, bool& was, const char* what) {
-            if (of(tube).leak > 0.0 && !std::exchange(was, true)) mistake(what);
+            if (of(tube).lost > kDrop && !std::exchange(was, true)) mistake(what);
         };
         leaks(patient_.duct, bileTold_, "bile leaks");
         leaks(patient_.artery, bloodTold_, "artery bleeds");
     }
-    void parted(const Rupture& rupture)
+    /// The layer has come apart between its tubes, and each has a part of it: not a sliver that came off somewhere.
+    [[nodiscard]] bool isLayerOpen(const frame::Frame& now)
     {
-        if (rupture.body == patient_.layer && !rupture.detached.empty()) layerOpen_ = true;
+        const frame::SoftBodyFrame* layer = now.softBody(patient_.layer);
+        if (layer == nullptr || !layer->boundary) return false;
+        if (std::exchange(layerRevision_, layer->boundary->revision) == layer->boundary->revision) return false;
+        for (const AttachmentId id : holds_) {
+            const auto found = std::ranges::find(now.attachments, id, &frame::Attachment::id);
+            if (found == now.attachments.end() || found->points == 0) return false;
+        }
+        DisjointSets parts(layer->positions.size());
+        for (const auto& [a, b, c] : layer->boundary->triangles) {
+            parts.join(a, b);
+            parts.join(b, c);
+        }
+        return partOf(rows_[0], parts) != partOf(rows_[1], parts);
     }
 
     Simulation& sim_;
     const GallbladderPatient& patient_;
-    std::array<AttachmentId, 2> bed_ = {};
+    std::array<AttachmentId, 2> bed_ = {},
+                                holds_ = {};    ///< what the gall bladder has on the liver, and the layer on the tubes
+    std::array<std::vector<int>, 2> rows_ = {}; ///< nodes of the layer at the artery, and at the duct
+    std::uint64_t layerRevision_ = 0;
     std::array<std::atomic<int>, 2> points_ = {}, all_ = {};
     std::atomic<bool> layerOpen_ = false, viewed_ = false;
     bool begun_ = false, told_ = false, bileTold_ = false, bloodTold_ = false;

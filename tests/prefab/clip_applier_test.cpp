@@ -115,6 +115,55 @@ TEST_CASE("clips that are reloaded after a reset close again, in the same way")
     CHECK(frame->clips[0].gap == Approx(gap).epsilon(0.05));
 }
 
+TEST_CASE("a reset alone reloads an applier, and a clip holds again")
+{
+    Theatre it;
+    it.run(20);
+    it.shut(0.0);
+    CHECK(it.clips.left() == 2);
+    it.sim.reset();
+    it.run(5);
+    CHECK(it.clips.left() == 3);
+    CHECK(it.clips.applied() == 0);
+    const auto frame = it.run(50);
+    CHECK(frame->rigidBody(it.clips.bodies()[0])->poses[0].position.x > 1.0);
+    it.shut(0.0);
+    CHECK(it.clips.applied() == 1);
+    CHECK(it.sim.physics().latest()->clips.size() == 1);
+}
+
+TEST_CASE("an applier counts what holds: nodes between the legs whose tissue reaches beyond are no hold")
+{
+    Theatre it;
+    it.run(20);
+    it.shut(4.5_mm); // the tube's upper wall is between the legs, the rest of it is not
+    CHECK(it.sim.physics().latest()->clips.empty());
+    CHECK(it.clips.missed() == 1);
+    CHECK(it.clips.applied() == 0);
+    CHECK(it.told == std::vector<BodyId>{BodyId{}});
+}
+
+TEST_CASE("an applier goes on without clips and targets that were removed")
+{
+    Theatre it;
+    it.run(20);
+    it.sim.physics().remove(it.clips.bodies()[0]);
+    it.sim.physics().remove(it.artery);
+    const auto report = [&] { return it.sim.run({.headless = true, .backend = visual::Backend::Null, .steps = 1}); };
+    it.shut(0.0);
+    CHECK(report().callbackProblems.empty());
+    CHECK(it.clips.applied() == 1);
+    CHECK(it.clips.left() == 1);
+    REQUIRE(it.sim.physics().latest()->clips.size() == 1);
+    CHECK(it.sim.physics().latest()->clips[0].clip == it.clips.bodies()[1]);
+    it.sim.physics().remove(it.duct);
+    it.shut(0.0);
+    CHECK(report().callbackProblems.empty());
+    CHECK(it.clips.missed() == 1);
+    it.clips.reload();
+    CHECK(report().callbackProblems.empty());
+}
+
 TEST_CASE("an applier without targets, or with wrong ones, is refused in one line")
 {
     Theatre it;
@@ -132,6 +181,12 @@ TEST_CASE("an applier without targets, or with wrong ones, is refused in one lin
     CHECK(problem({.clips = 0, .targets = {it.duct}}).starts_with("clip applier 'applier': clips must be in [1, 100]"));
     CHECK(problem({.clip = {.opening = 0.2_mm}, .targets = {it.duct}})
               .starts_with("clip applier 'applier': clip.opening must be > gap"));
+    physics::SoftBodyDef exact = std::get<physics::SoftBodyDef>(*it.sim.physics().def(it.duct));
+    exact.name = "exact";
+    exact.solver = physics::Cholesky{};
+    CHECK(problem({.targets = {it.duct, it.sim.add(exact)}}) ==
+          "clip applier 'applier': targets: soft body 'exact': clips need integrator ImplicitEuler and the default "
+          "solver");
     CHECK(problem({.clip = {.element = 1}, .targets = {it.duct}}) ==
           "clip applier 'applier': clip.element must be 0, got 1");
 }

@@ -25,12 +25,17 @@ def test_a_clip_stops_what_flows_in_a_duct():
     assert sim.duct(duct).flow == pytest.approx(1e3 / whole, rel=0.05)
     assert sim.duct(duct).state == "open"
     sim.clip(clip, duct)
-    sim.step(600)
+    begun = sim.step().clips
+    assert (begun.applied, begun.missed, begun.slipped) == (1, 0, 0)
+    sim.step(599)
     row = sim.frame.clips[0]
     assert row["tissue"] == duct and row["clip"] == clip and row["closed"]
     assert 0 < row["force"] < 5
     now = sim.duct(duct)
     assert now.state == "clipped" and now.flow == 0 and now.clips_before == 1
+    report = sim.report()
+    assert (report.clips.applied, report.clips.missed, report.clips.slipped) == (1, 0, 0)
+    assert [(each.body, each.duct, each.balance.state) for each in report.ducts] == [("duct", "bile", "clipped")]
 
 
 def test_a_clip_is_released_and_misuse_is_one_line():

@@ -130,9 +130,18 @@ TEST_CASE("a saved state has ducts and clips, and a reset makes both whole")
     run.restore(*saved);
     CHECK(finish() == first);
     it.away = true;
-    run.step();
-    it.sim.reset();
-    run.step();
+    it.sim.reset(); // the duct is whole from here on, and what is told begins with that
+    {
+        const std::lock_guard lock(it.mutex);
+        it.told.clear();
+    }
+    CHECK(it.sim.duct(it.artery).state == DuctState::Open);
+    for (int i = 0; i < 3; ++i) run.step();
+    {
+        const std::lock_guard lock(it.mutex);
+        REQUIRE(!it.told.empty());
+        for (const DuctBalance& each : it.told) CHECK(each.state == DuctState::Open);
+    }
     CHECK(it.sim.duct(it.artery).state == DuctState::Open);
     CHECK(it.sim.duct(it.artery).lost == 0.0);
     CHECK(it.sim.duct(it.artery).clipsBefore == 0);

@@ -97,6 +97,20 @@ TEST_CASE("scenes: the cholecystectomy of the examples begins: all keys, clips a
     }
 }
 
+TEST_CASE("scenes: after a reset an instrument has its clips again")
+{
+    const SceneFolder folder;
+    const SceneDef scene = folder.load(theatre(kDuct, R"(, "instruments": [{"name": "applier", "kind": "clipApplier",
+"pose": "0 0 9 mm", "opening": 1, "groups": [], "clips": {"targets": ["vessel"], "clips": 1},
+"grip": [{"time": "0.1 s"}, {"time": "0.6 s", "opening": 1}, {"time": "0.9 s"}]}], "commands": [{"time": "0.5 s", "type": "Reset"}])"));
+    Simulation sim(simulationDef(scene));
+    static_cast<void>(addScene(sim, scene));
+    const RunReport report = sim.run({.headless = true, .steps = 700});
+    CHECK(report.callbackProblems.empty());
+    CHECK(report.clips.applied == 2);
+    CHECK(report.ducts[0].balance.clipsBefore == 1);
+}
+
 TEST_CASE("scenes: wrong clips and ducts are one line with their place")
 {
     const SceneFolder folder;

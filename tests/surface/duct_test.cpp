@@ -101,11 +101,90 @@ TEST_CASE("resistances before and behind it, and a narrow part of it, add up")
     Duct duct = tube.duct({.inletPressure = 1e3, .inletResistance = 2.0 * whole, .outletResistance = whole});
     duct.step({.positions = tube.mesh->nodes}, 1e-3);
     CHECK(duct.balance().flow == Approx(1e3 / (4.0 * whole)).epsilon(0.01));
-    // A quarter of its length has half the diameter: 16 times the resistance there.
+    // Eleven of its stations, of 1 mm each, have half the diameter: 16 times the resistance there.
     Duct narrow = tube.duct({.inletPressure = 1e3});
     narrow.step({.positions = squeezed(*tube.mesh, 0.0149, 0.0251, 0.5, 0.5)}, 1e-3);
-    CHECK(narrow.balance().flow == Approx(1e3 / (whole * (0.75 + 0.25 * 16.0))).epsilon(0.05));
+    CHECK(narrow.balance().flow == Approx(1e3 / (whole * (29.0 + 11.0 * 16.0) / 40.0)).epsilon(0.01));
     CHECK(narrow.balance().narrowest == Approx(1.0 / 16.0).epsilon(0.01));
+}
+
+TEST_CASE("one narrow station resists as its place in a row of forty does")
+{
+    const Tube tube;
+    const double whole = 8.0 * 1e-3 * 0.04 / (kPi * 1e-12);
+    for (const double part : {0.5, 0.4}) {
+        Duct duct = tube.duct({.inletPressure = 1e3});
+        duct.step({.positions = squeezed(*tube.mesh, 0.0199, 0.0201, part, part)}, 1e-3);
+        CHECK(duct.balance().flow == Approx(1e3 / (whole * (39.0 + std::pow(part, -4)) / 40.0)).epsilon(0.01));
+    }
+}
+
+TEST_CASE("a path with a bend is open at rest")
+{
+    const Tube tube;
+    for (const Vec3 end : {Vec3{0.02, 4e-3, 0}, Vec3{0.017, 3e-3, 0}}) {
+        Duct duct = tube.duct({.path = {{0.005, 0, 0}, {0.02, 0, 0}, end}, .inletPressure = 1e3});
+        duct.step({.positions = tube.mesh->nodes}, 1e-3);
+        CHECK(duct.balance().narrowest == Approx(1.0).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("a tube that is cut at its very end leaks no more than a short open one")
+{
+    const Tube tube;
+    const double spacing = 8.0 * 1e-3 * 1e-3 / (kPi * 1e-12); // [Pa s/m^3]
+    for (const double x : {0.0005, 0.0395}) {
+        const frame::Boundary cut = tube.cutAt(x);
+        Duct duct = tube.duct({.inletPressure = 3e3, .outletPressure = 3e3});
+        duct.step({.positions = tube.mesh->nodes, .boundary = &cut}, 1e-3);
+        CHECK(duct.balance().state == DuctState::Leaking);
+        CHECK(duct.balance().leak > 3e3 / spacing);
+        CHECK(duct.balance().leak < 1.1 * 3e3 / spacing);
+    }
+}
+
+TEST_CASE("a clip on a piece between two cuts keeps nothing back, and is counted nowhere")
+{
+    const Tube tube;
+    frame::Boundary cut = tube.cutAt(0.0105);
+    std::erase_if(cut.triangles, [&](const geometry::Triangle& t) {
+        int before = 0;
+        for (int node : t) before += tube.mesh->nodes[static_cast<std::size_t>(node)].x < 0.0305;
+        return before != 0 && before != 3;
+    });
+    const std::array clips = {frame::Clip{.place = {0.005, 0, 0}}, frame::Clip{.place = {0.02, 0, 0}},
+                              frame::Clip{.place = {0.035, 0, 0}}, frame::Clip{.place = {0.037, 0, 0}}};
+    Duct duct = tube.duct({.inletPressure = 3e3});
+    duct.step({.positions = tube.mesh->nodes, .boundary = &cut, .clips = clips}, 1e-3);
+    CHECK(duct.balance().clipsBefore == 1);
+    CHECK(duct.balance().clipsAfter == 2);
+}
+
+TEST_CASE("walls that were never one are no cut; a restart forgets a cut")
+{
+    const Tube tube;
+    frame::Boundary walls = tube.cutAt(-1.0); // nothing is cut, but the rims between its two walls are gone
+    std::erase_if(walls.triangles, [&](const geometry::Triangle& t) {
+        const auto at = [&](double x) {
+            return std::ranges::all_of(
+                t, [&](int node) { return std::abs(tube.mesh->nodes[static_cast<std::size_t>(node)].x - x) < 1e-6; });
+        };
+        return at(0.0) || at(0.04);
+    });
+    const DuctDef def{.path = {{0, 0, 0}, {0.04, 1.2e-3, 0}}, .radius = 1.2e-3, .inletPressure = 1e3};
+    Duct duct(def, *tube.mesh, walls.triangles, "duct"); // it begins at the inner wall, and ends at the outer one
+    duct.step({.positions = tube.mesh->nodes, .boundary = &walls}, 1e-3);
+    CHECK(duct.balance().state == DuctState::Open);
+    const frame::Boundary cut = tube.cutAt(0.0205);
+    duct = tube.duct({.inletPressure = 1e3});
+    duct.step({.positions = tube.mesh->nodes, .boundary = &cut}, 1e-3);
+    CHECK(duct.balance().state == DuctState::Leaking);
+    duct.restart();
+    CHECK(duct.revision() == 0);
+    CHECK(duct.ends().empty());
+    frame::Boundary again{.revision = cut.revision, .triangles = tube.skin}; // as many edits, but others
+    duct.step({.positions = tube.mesh->nodes, .boundary = &again}, 1e-3);
+    CHECK(duct.balance().state == DuctState::Open);
 }
 
 TEST_CASE("a tube that is squeezed shut, or inside out, has no flow")
@@ -170,6 +249,9 @@ TEST_CASE("a path that is no path is an Error")
     CHECK(problem({{0, 0, 0}}) == "duct 'd': path must have at least two points, got 1");
     CHECK(problem({{0, 0, 0}, {0, 0, 0}}) == "duct 'd': path[0] and path[1] must be two places, got one");
     CHECK(problem({{0, 0, 0}, {0.1, 0, 0}}).starts_with("duct 'd': path must run through the body, but is "));
+    CHECK(problem({{0, 0, 0}, {1e300, 0, 0}}).starts_with("duct 'd': path must be at most 100 m long, got "));
+    CHECK(problem({{0, 0, 0}, {0.02, 0, 0}, {0, 0, 0}}) ==
+          "duct 'd': path must not turn back, but does 0.02 m behind its start");
     CHECK(problem({{0, 0, 0}, {0.04, 0, 0}}) == "none");
 }
 

@@ -128,6 +128,10 @@ void bindRuptures(nb::module_& module)
 
 void bindStep(nb::module_& module)
 {
+    nb::class_<ClipReport>(module, "ClipReport", "What became of clips.")
+        .def_ro("applied", &ClipReport::applied, "[-], began to close on tissue")
+        .def_ro("missed", &ClipReport::missed, "[-], had nothing between their legs")
+        .def_ro("slipped", &ClipReport::slipped, "[-], were pulled off, or lost their tissue");
     nb::class_<StepReport>(module, "StepReport", "How a step went.")
         .def_ro("step", &StepReport::step, "number of steps completed")
         .def_ro("time", &StepReport::time, "[s], simulated")
@@ -141,6 +145,7 @@ void bindStep(nb::module_& module)
         .def_ro("beyond_strain", &StepReport::beyondStrain)
         .def_ro("unrest", &StepReport::unrest)
         .def_ro("topology", &StepReport::topology)
+        .def_ro("clips", &StepReport::clips)
         .def("__repr__", [](nb::handle self) {
             const auto& report = nb::cast<const StepReport&>(self);
             return text("StepReport(step=", report.step, ", time=", report.time,
@@ -201,6 +206,11 @@ void bindRun(nb::module_& module)
         .def_ro("narrowest", &DuctBalance::narrowest, "[-], where it is narrowest: flow per pressure over that before")
         .def_ro("clips_before", &DuctBalance::clipsBefore, "[-], between the inlet and the cut, or on all of it")
         .def_ro("clips_after", &DuctBalance::clipsAfter, "[-], between the cut and the outlet");
+    using runtime::DuctReport;
+    nb::class_<DuctReport>(module, "DuctReport", "What has become of a duct in a run.")
+        .def_ro("body", &DuctReport::body, "its name")
+        .def_ro("duct", &DuctReport::duct, "the duct's name")
+        .def_ro("balance", &DuctReport::balance);
     nb::class_<RunReport>(module, "RunReport",
                           "How a run went. str() of it is the summary that the command line prints.")
         .def_ro("steps", &RunReport::steps)
@@ -215,6 +225,8 @@ void bindRun(nb::module_& module)
         .def_ro("restless", &RunReport::restless)
         .def_ro("energy_gained", &RunReport::energyGained)
         .def_ro("contacts", &RunReport::contacts)
+        .def_ro("ducts", &RunReport::ducts)
+        .def_ro("clips", &RunReport::clips, "in all steps")
         .def_prop_ro(
             "cut_area", [](const RunReport& self) { return self.opened.cut; }, "[m^2], one side, at rest")
         .def_prop_ro(

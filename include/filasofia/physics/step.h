@@ -152,7 +152,7 @@ struct TopologyReport {
 struct ClipReport {
     int applied = 0; ///< [-] clips that began to close on tissue
     int missed = 0;  ///< [-] clips that had nothing between their legs
-    int slipped = 0; ///< [-] clips that were pulled off
+    int slipped = 0; ///< [-] clips that were pulled off, or whose tissue was removed
 };
 
 /// The time budget of a step. It affects only where the solvers stop.

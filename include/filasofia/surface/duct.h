@@ -25,7 +25,7 @@ struct DuctBody {
 class Duct {
 public:
     /// `mesh`: the body's at the start, in the world; `skin`: its boundary then. Throws an Error that begins with
-    /// `object` if the path has no length, or leads away from the body.
+    /// `object` if the path has no length, is longer than 100 m, turns back, or leads away from the body.
     Duct(const DuctDef& def, const geometry::TetMesh& mesh, std::span<const geometry::Triangle> skin,
          const std::string& object);
 
@@ -41,16 +41,18 @@ public:
     };
     [[nodiscard]] const std::vector<End>& ends() const { return ends_; } ///< the inlet's part, then the outlet's
     [[nodiscard]] std::uint64_t revision() const { return revision_; }   ///< the last that it saw
-    void restart();
+    void restart();                                                      ///< it is whole, and has seen nothing
 
 private:
     [[nodiscard]] std::vector<double> conductances(std::span<const Vec3> positions);
     void findCut(const DuctBody& body);
+    void findNear(const geometry::TetMesh& mesh, std::span<const geometry::Triangle> skin, std::span<const Vec3> points,
+                  const std::string& object);
 
     DuctDef def_;
     double spacing_ = 0.0;                     ///< [m] between two stations
     geometry::Embedding points_;               ///< the points of all rings, station by station
-    std::vector<int> near_;                    ///< per point, the node of the skin that is nearest to it
+    std::vector<int> near_;                    ///< per point, the nearest node of the skin, all on one of its walls
     std::vector<Vec3> middles_;                ///< [m] where the stations are now
     std::vector<Vec3> ring_;                   ///< [m] scratch
     std::uint64_t revision_ = 0;               ///< the boundary that cuts_ was found in

@@ -4,6 +4,7 @@
 #include "filasofia/core/validate.h"
 #include "filasofia/physics/articulation.h"
 #include "filasofia/physics/check_attachment.h"
+#include "filasofia/physics/check_clip.h"
 #include "filasofia/physics/check_field.h"
 
 #include <algorithm>
@@ -265,17 +266,12 @@ struct Registry::Check {
     {
         const Body& body = find<RigidBodyDef>(clip.rigid, "must be a rigid body to be a clip");
         const std::string object = describeBody(*body.def) + ": clip";
-        validate(clip.def, object);
+        physics::check(clip.def, object);
         if (!std::get<RigidBodyDef>(*body.def).dynamic) fail(object, " must be a dynamic body; it is kinematic");
         if (clip.def.element >= body.nodeCount)
             fail(object, ".element must be in [0, ", body.nodeCount, "), got ", clip.def.element);
-        if (!(clip.def.opening > clip.def.gap))
-            fail(object, ".opening must be > gap, ", clip.def.gap, " m, got ", clip.def.opening);
         const Body& tissue = find<SoftBodyDef>(clip.target, "must be a soft body to be clipped");
-        const auto& soft = std::get<SoftBodyDef>(*tissue.def);
-        const auto* cg = std::get_if<ConjugateGradient>(&soft.solver);
-        if (!std::holds_alternative<ImplicitEuler>(soft.integrator) || !cg || cg->assembled)
-            fail(describeBody(*tissue.def), ": clips need integrator ImplicitEuler and the default solver");
+        checkClipped(std::get<SoftBodyDef>(*tissue.def), describeBody(*tissue.def));
         checkFresh(clip.id);
     }
     void operator()(const Reset&) const {}

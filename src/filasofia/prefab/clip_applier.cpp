@@ -4,11 +4,14 @@
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/physics/check_clip.h"
 #include "filasofia/prefab/remember.h"
 #include "filasofia/prefab/turns.h"
 
 #include <algorithm>
+#include <limits>
 #include <tuple>
+#include <utility>
 
 namespace filasofia::prefab {
 namespace {
@@ -52,27 +55,29 @@ physics::RigidBodyDef bodyOf(const ClipApplierDef& def, const std::string& tool,
 } // namespace
 
 struct ClipApplier::Impl {
-    Impl(runtime::Simulation& sim, const ArticulatedInstrument& instrument, const ClipApplierDef& asked)
-        : simulation(sim), tool(instrument), def(asked)
+    Impl(runtime::Simulation& sim, const ArticulatedInstrument& instrument, const ClipApplierDef& given)
+        : simulation(sim), tool(instrument), def(given)
     {
         const std::string name =
             std::visit([](const auto& each) { return each.name; }, *sim.physics().def(tool.body()));
         const std::string object = text("clip applier '", name, "'");
         validate(def, object);
-        validate(def.clip, object + ": clip");
-        if (!(def.clip.opening > def.clip.gap))
-            fail(object, ": clip.opening must be > gap, ", def.clip.gap, " m, got ", def.clip.opening);
+        physics::check(def.clip, object + ": clip");
         if (def.clip.element != 0) fail(object, ": clip.element must be 0, got ", def.clip.element);
         if (def.targets.empty()) fail(object, ": targets must name at least one soft body, got none");
-        for (const BodyId each : def.targets)
-            if (const auto body = sim.physics().def(each); !std::holds_alternative<physics::SoftBodyDef>(*body))
-                fail(object, ": targets must be soft bodies, got ", physics::describeBody(*body));
+        for (const BodyId each : def.targets) {
+            const auto body = sim.physics().def(each);
+            const auto* soft = std::get_if<physics::SoftBodyDef>(body.get());
+            if (!soft) fail(object, ": targets must be soft bodies, got ", physics::describeBody(*body));
+            physics::checkClipped(*soft, text(object, ": targets: ", physics::describeBody(*body)));
+        }
         for (int i = 0; i < def.clips; ++i) {
             clips.push_back(sim.add(bodyOf(def, name, i)));
             closed.push_back(sim.show(clips.back(), {.material = def.material, .visible = false}));
             waits.push_back(sim.physics().attachments(clips.back()).front());
         }
         holds.resize(clips.size());
+        usedAt.resize(clips.size());
         tell();
         const auto open = wire(def.clip, 0.8 * def.clip.opening);
         loaded =
@@ -87,9 +92,11 @@ struct ClipApplier::Impl {
         const frame::RigidBodyFrame* now = frame->rigidBody(tool.body());
         if (now == nullptr) return;
         turns.now([&] {
+            if (wasReset(*frame)) reload();
+            findOut(*frame);
             const double opening = tool.opening();
             if (!ready && opening > std::min(0.95, def.closesAt + 0.2)) {
-                ready = used < std::ssize(clips);
+                ready = next() < std::ssize(clips);
             } else if (ready && opening < def.closesAt) {
                 ready = false;
                 shut(*frame, now->poses.front());
@@ -99,59 +106,105 @@ struct ClipApplier::Impl {
         });
     }
 
-    /// The target with most nodes in the box between the legs; none if all are elsewhere.
+    /// The next clip in the magazine; a body that was removed is none.
+    [[nodiscard]] int next() const
+    {
+        int clip = used;
+        while (clip < std::ssize(clips) && !simulation.physics().has(clips[static_cast<std::size_t>(clip)])) ++clip;
+        return clip;
+    }
+
+    /// A reset takes used clips to where they were at first; nothing else brings them there.
+    [[nodiscard]] bool wasReset(const frame::Frame& frame) const
+    {
+        for (int i = 0; i < used; ++i) {
+            const frame::RigidBodyFrame* body = frame.rigidBody(clips[static_cast<std::size_t>(i)]);
+            if (body == nullptr || frame.step <= usedAt[static_cast<std::size_t>(i)]) continue;
+            if (distance(body->poses.front().position, waitingPlace(i)) < 1e-3) return true;
+        }
+        return false;
+    }
+
+    /// Whether the clip that was closed last holds: the step after it tells.
+    void findOut(const frame::Frame& frame)
+    {
+        if (asked < 0 || frame.step <= usedAt[static_cast<std::size_t>(asked)]) return;
+        const AttachmentId id = holds[static_cast<std::size_t>(std::exchange(asked, -1))];
+        const auto found = std::ranges::find(frame.clips, id, &frame::Clip::id);
+        tellClip(found == frame.clips.end() ? BodyId{} : found->tissue);
+    }
+    void tellClip(BodyId tissue)
+    {
+        ++(tissue ? applied : missed);
+        if (def.onClip) def.onClip(tissue);
+    }
+
+    /// The target with most nodes in the box between the legs; if none has one there, that with the nearest node: the
+    /// engine knows whether the legs meet its surface. None if all are removed.
     [[nodiscard]] BodyId between(const frame::Frame& frame, const Pose& clip) const
     {
         const Pose back = inverse(clip);
         BodyId best = {};
         int most = 0;
+        double nearest = std::numeric_limits<double>::infinity(); // [m^2]
         for (const BodyId each : def.targets) {
             const frame::SoftBodyFrame* body = frame.softBody(each);
             if (body == nullptr) continue;
             int inside = 0;
+            double near = nearest;
             for (Vec3 node : body->positions) {
                 const Vec3 p = transform(back, node);
+                near = std::min(near, lengthSquared(p));
                 inside += std::abs(p.x) < 2.0 * def.clip.width && std::abs(2.0 * p.y) < def.clip.opening &&
                           std::abs(2.0 * p.z) < def.clip.length;
             }
-            if (inside > most) most = inside, best = each;
+            if (inside > most || (most == 0 && near < nearest)) best = each;
+            most = std::max(most, inside), nearest = near;
         }
         return best;
     }
 
     void shut(const frame::Frame& frame, const Pose& pivot)
     {
-        const auto index = static_cast<std::size_t>(used++);
+        findOut(frame);
+        const int clip = next();
+        if (clip == std::ssize(clips)) return; // it was removed from the jaws
+        const auto index = static_cast<std::size_t>(clip);
+        used = clip + 1;
+        usedAt[index] = frame.step;
         const Pose place{transform(pivot, def.place), pivot.orientation};
         physics::PhysicsServer& physics = simulation.physics();
         physics.release(waits[index]);
         physics.setPose(clips[index], place);
         simulation.setVisible(closed[index], true);
         const BodyId target = between(frame, place);
-        if (target) holds[index] = physics.clip(clips[index], target, def.clip);
-        ++(target ? applied : missed);
-        if (def.onClip) def.onClip(target);
+        if (!target || !physics.has(target)) return tellClip({});
+        holds[index] = physics.clip(clips[index], target, def.clip);
+        asked = clip;
     }
 
     void reload()
     {
         physics::PhysicsServer& physics = simulation.physics();
         for (std::size_t i = 0; i < static_cast<std::size_t>(used); ++i) {
+            simulation.setVisible(closed[i], false);
+            if (!physics.has(clips[i])) continue;
             if (holds[i]) physics.release(holds[i]);
             holds[i] = {};
             physics.setPose(clips[i], {waitingPlace(static_cast<int>(i)), {}});
             waits[i] = physics.attach(clips[i], physics::RigidAttachmentDef{.points = {Vec3{}}});
-            simulation.setVisible(closed[i], false);
         }
         used = 0;
+        asked = -1;
         applied = missed = 0;
         ready = false;
         tell();
     }
     void tell() { newest.write({static_cast<int>(clips.size()) - used, applied, missed}); }
 
-    using Kept = std::tuple<int, int, int, bool, std::vector<AttachmentId>, std::vector<AttachmentId>>;
-    auto kept() { return std::tie(used, applied, missed, ready, waits, holds); }
+    using Ids = std::vector<AttachmentId>;
+    using Kept = std::tuple<int, int, int, int, bool, Ids, Ids, std::vector<std::uint64_t>>;
+    auto kept() { return std::tie(used, asked, applied, missed, ready, waits, holds, usedAt); }
     void publish()
     {
         simulation.setVisible(loaded, shownLoaded = ready);
@@ -167,9 +220,11 @@ struct ClipApplier::Impl {
     std::vector<runtime::ShownId> closed; ///< each clip as it is drawn once it is used
     runtime::ShownId loaded = {};         ///< the open clip in the jaws
     bool shownLoaded = false;
-    std::vector<AttachmentId> waits; ///< by which those in the magazine hang in space
-    std::vector<AttachmentId> holds; ///< by which used ones hang on tissue
+    std::vector<AttachmentId> waits;   ///< by which those in the magazine hang in space
+    std::vector<AttachmentId> holds;   ///< by which used ones hang on tissue
+    std::vector<std::uint64_t> usedAt; ///< the step after which each was used
     int used = 0, applied = 0, missed = 0;
+    int asked = -1;     ///< the clip of which the next step tells whether it holds
     bool ready = false; ///< a clip is in the jaws
     struct Counts {
         int left = 0, applied = 0, missed = 0;

@@ -48,8 +48,12 @@ void Ducts::restart()
 {
     const std::lock_guard lock(mutex_);
     for (Known& each : state_.all) {
+        if (const std::uint64_t last = each.duct.revision(); last > 0) each.old = last;
         each.duct.restart();
         each.leaks.clear();
+        each.revision = 0;
+        each.told.reset();
+        each.tellFrom = 0.0;
     }
 }
 
@@ -65,6 +69,9 @@ bool Ducts::afterStep(std::uint64_t step, double time, physics::PhysicsServer& p
     for (Known& each : state_.all) {
         const frame::SoftBodyFrame* body = frame->softBody(each.body);
         if (body == nullptr) continue; // it was removed
+        const std::uint64_t revision = body->boundary ? body->boundary->revision : 0;
+        if (each.old > 0 && revision >= each.old) continue; // the reset has not come yet
+        each.old = 0;
         clips.clear();
         for (const frame::Clip& clip : frame->clips)
             if (clip.tissue == each.body) clips.push_back(clip);

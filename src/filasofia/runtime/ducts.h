@@ -45,6 +45,8 @@ private:
         std::uint64_t revision = 0;                    ///< that the body's boundary had then
         std::optional<surface::DuctBalance> told = {}; ///< what the last event said
         double tellFrom = 0.0;                         ///< [s], no event before, unless its state changes
+        /// After a restart: frames whose boundary has at least this revision are from before it. 0: none is.
+        std::uint64_t old = 0;
     };
     struct State {
         std::vector<Known> all = {};

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 
 namespace filasofia::surface {
@@ -13,6 +14,7 @@ namespace {
 
 constexpr std::size_t kAround = 16;    // points of a ring
 constexpr std::size_t kStations = 400; // at most
+constexpr double kLongest = 100.0;     // [m]
 constexpr double kFarFromBody = 3.0;   // [-] times its radius: a ring farther away is in no tissue
 constexpr double kPi = std::numbers::pi;
 
@@ -28,11 +30,25 @@ struct Line {
     double spacing = 0.0; ///< [m]
 };
 
-Line stationsOf(const std::vector<Vec3>& path, double radius)
+/// Stations face along the line from the one before to the one behind, as they do in every step.
+void face(Line& line, const std::string& object)
+{
+    const std::size_t n = line.places.size();
+    for (std::size_t s = 0; s < n; ++s) {
+        const Vec3 along = line.places[std::min(s + 1, n - 1)] - line.places[s > 0 ? s - 1 : 0];
+        if (!(length(along) > 1e-3 * line.spacing))
+            fail(object, ": path must not turn back, but does ", line.spacing * static_cast<double>(s),
+                 " m behind its start");
+        line.directions.push_back(normalized(along));
+    }
+}
+
+Line stationsOf(const std::vector<Vec3>& path, double radius, const std::string& object)
 {
     double whole = 0.0;
     for (std::size_t i = 0; i + 1 < path.size(); ++i) whole += distance(path[i], path[i + 1]);
-    const auto parts = std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(whole / radius)), 2, kStations - 1);
+    if (!(whole <= kLongest)) fail(object, ": path must be at most ", kLongest, " m long, got ", whole);
+    const auto parts = static_cast<std::size_t>(std::clamp(std::ceil(whole / radius), 2.0, kStations - 1.0));
     Line line{.spacing = whole / static_cast<double>(parts)};
     std::size_t edge = 0;
     double before = 0.0;
@@ -40,10 +56,9 @@ Line stationsOf(const std::vector<Vec3>& path, double radius)
         const double along = line.spacing * static_cast<double>(s);
         while (edge + 2 < path.size() && before + distance(path[edge], path[edge + 1]) < along)
             before += distance(path[edge], path[edge + 1]), ++edge;
-        const Vec3 direction = normalized(path[edge + 1] - path[edge]);
-        line.places.push_back(path[edge] + (along - before) * direction);
-        line.directions.push_back(direction);
+        line.places.push_back(path[edge] + (along - before) * normalized(path[edge + 1] - path[edge]));
     }
+    face(line, object);
     return line;
 }
 
@@ -78,7 +93,7 @@ Duct::Duct(const DuctDef& def, const geometry::TetMesh& mesh, std::span<const ge
     for (std::size_t i = 0; i + 1 < def.path.size(); ++i)
         if (distance(def.path[i], def.path[i + 1]) == 0.0)
             fail(object, ": path[", i, "] and path[", i + 1, "] must be two places, got one");
-    const Line line = stationsOf(def.path, def.radius);
+    const Line line = stationsOf(def.path, def.radius, object);
     spacing_ = line.spacing;
     std::vector<Vec3> points;
     for (std::size_t s = 0; s < line.places.size(); ++s) {
@@ -89,18 +104,39 @@ Duct::Duct(const DuctDef& def, const geometry::TetMesh& mesh, std::span<const ge
         }
     }
     points_ = geometry::embed(mesh, points);
+    findNear(mesh, skin, points, object);
+    middles_ = line.places;
+}
+
+void Duct::findNear(const geometry::TetMesh& mesh, std::span<const geometry::Triangle> skin,
+                    std::span<const Vec3> points, const std::string& object)
+{
     std::vector<int> nodes;
-    for (const geometry::Triangle& t : skin) nodes.insert(nodes.end(), t.begin(), t.end());
+    DisjointSets walls(mesh.nodes.size()); // a hollow body has a wall of its own inside
+    for (const geometry::Triangle& t : skin) {
+        nodes.insert(nodes.end(), t.begin(), t.end());
+        walls.join(t[0], t[1]);
+        walls.join(t[1], t[2]);
+    }
     std::ranges::sort(nodes);
     nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    const auto nearestTo = [&](Vec3 point) {
+        const auto far = [&](int node) { return lengthSquared(mesh.nodes[static_cast<std::size_t>(node)] - point); };
+        return *std::ranges::min_element(nodes, {}, far);
+    };
+    std::map<int, int> votes;
     for (Vec3 point : points) {
-        const auto far = [&](int node) { return distance(mesh.nodes[static_cast<std::size_t>(node)], point); };
-        const int nearest = *std::ranges::min_element(nodes, {}, far);
-        if (!(far(nearest) < kFarFromBody * def.radius + 2.0 * spacing_))
-            fail(object, ": path must run through the body, but is ", far(nearest), " m away from it");
-        near_.push_back(nearest);
+        near_.push_back(nearestTo(point));
+        const double far = distance(mesh.nodes[static_cast<std::size_t>(near_.back())], point);
+        if (!(far < kFarFromBody * def_.radius + 2.0 * spacing_))
+            fail(object, ": path must run through the body, but is ", far, " m away from it");
+        ++votes[walls.find(near_.back())];
     }
-    middles_ = line.places;
+    // All follow one wall: two walls that were never one would look like a cut.
+    const int wall = std::ranges::max_element(votes, {}, [](const auto& each) { return each.second; })->first;
+    std::erase_if(nodes, [&](int node) { return walls.find(node) != wall; });
+    for (std::size_t i = 0; i < near_.size(); ++i)
+        if (walls.find(near_[i]) != wall) near_[i] = nearestTo(points[i]);
 }
 
 std::vector<double> Duct::conductances(std::span<const Vec3> positions)
@@ -172,14 +208,13 @@ void Duct::step(const DuctBody& body, double dt)
     const int before = cuts_.empty() ? last : cuts_.front(), after = cuts_.empty() ? 0 : cuts_.back() + 1;
     // [Pa s/m^3] from one station to another; infinite if one of them is shut. Those beside a cut are not
     // asked: their rings are torn.
+    const double whole = 8.0 * def_.viscosity * spacing_ / (kPi * std::pow(def_.radius, 4)); // one open spacing
     const auto resistance = [&](int from, int to) {
-        const double whole = 8.0 * def_.viscosity * spacing_ / (kPi * std::pow(def_.radius, 4));
         double sum = 0.0;
         for (int s = from; s < to; ++s) {
-            const double here = std::min(open[static_cast<std::size_t>(s)], open[static_cast<std::size_t>(s) + 1]);
-            const double mean = 0.5 * (open[static_cast<std::size_t>(s)] + open[static_cast<std::size_t>(s) + 1]);
-            if (here < def_.shutBelow) return std::numeric_limits<double>::infinity();
-            sum += whole / mean;
+            const double here = open[static_cast<std::size_t>(s)], next = open[static_cast<std::size_t>(s) + 1];
+            if (std::min(here, next) < def_.shutBelow) return std::numeric_limits<double>::infinity();
+            sum += 0.5 * whole * (1.0 / here + 1.0 / next); // one behind the other
         }
         return sum;
     };
@@ -187,7 +222,10 @@ void Duct::step(const DuctBody& body, double dt)
         const auto far = [&](Vec3 middle) { return distance(middle, clip.place); };
         const auto nearest = static_cast<int>(std::ranges::min_element(middles_, {}, far) - middles_.begin());
         if (far(middles_[static_cast<std::size_t>(nearest)]) > kFarFromBody * def_.radius + spacing_) continue;
-        ++(nearest <= before ? now.clipsBefore : now.clipsAfter);
+        if (nearest <= before)
+            ++now.clipsBefore;
+        else if (nearest >= after)
+            ++now.clipsAfter; // those between two cuts keep nothing back
     }
     ends_.clear();
     if (cuts_.empty()) {
@@ -197,7 +235,7 @@ void Duct::step(const DuctBody& body, double dt)
         now.state = shut ? DuctState::Clipped : DuctState::Open;
     } else {
         const auto leak = [&](double pressure, double supply, int from, int to) {
-            return std::max(0.0, pressure / std::max(1e-3, supply + resistance(from, to)));
+            return std::max(0.0, pressure / (supply + std::max(whole, resistance(from, to)))); // even at its very end
         };
         const double in = leak(def_.inletPressure, def_.inletResistance, 0, std::max(0, before - 1));
         const double out = leak(def_.outletPressure, def_.outletResistance, std::min(last, after + 1), last);
@@ -219,6 +257,9 @@ void Duct::restart()
 {
     balance_ = {};
     ends_.clear();
+    revision_ = 0;
+    cuts_.clear();
+    endNodes_ = {};
 }
 
 } // namespace filasofia::surface

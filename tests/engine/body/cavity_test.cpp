@@ -47,7 +47,7 @@ std::vector<Vec3> forcesAt(Stage& stage, const std::vector<Vec3>& x, Vec3 gravit
     SoftState state = stage.soft();
     state.x = x;
     std::vector<Vec3> forces(x.size());
-    std::vector<CavityStiffness> stiffness;
+    std::vector<RankOneStiffness> stiffness;
     addCavityForces({gravity, 1e-3}, stage.model(), state, forces, stiffness);
     return forces;
 }
@@ -158,7 +158,7 @@ TEST_CASE("a soft bladder full of gas breathes at the frequency of its wall's ma
     const Cavity& cavity = model.cavities.at(0);
     // The mode of M x'' = -k g (g . x) is x = M^-1 g, and its frequency is the root of k g . M^-1 g.
     std::vector<Vec3> forces(model.rest.size());
-    std::vector<CavityStiffness> stiffness;
+    std::vector<RankOneStiffness> stiffness;
     addCavityForces({{}, 1.0}, model, stage.soft(), forces, stiffness); // h = 1 s: the weight is k
     double perMass = 0.0;
     for (std::size_t i = 0; i < stiffness[0].nodes.size(); ++i) {
@@ -355,7 +355,7 @@ TEST_CASE("a cut through the wall opens a cavity: what flows out obeys Torricell
     SoftState moving = stage.soft();
     std::ranges::fill(moving.v, Vec3{3.0, -2.0, 1.0});
     std::vector<Vec3> still(moving.x.size()), carried(moving.x.size()), heavy(moving.x.size());
-    std::vector<CavityStiffness> stiffness;
+    std::vector<RankOneStiffness> stiffness;
     addCavityForces({{}, 1e-3}, stage.model(), moving, carried, stiffness);
     std::ranges::fill(moving.v, Vec3{});
     addCavityForces({{}, 1e-3}, stage.model(), moving, still, stiffness);

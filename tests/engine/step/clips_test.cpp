@@ -1,5 +1,6 @@
 #include "filasofia/engine/step/close_clips.h"
 
+#include "filasofia/engine/scene/check_scene.h"
 #include "filasofia/engine/scene/state_hash.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/physics/physics_server.h"
@@ -63,6 +64,24 @@ AttachmentId apply(Stage& stage, BodyId rigid, BodyId soft, const ClipDef& def)
     return id;
 }
 
+/// Two blocks in one body, 4 mm from middle to middle along x, that may fall apart: piece 0 is the left one.
+SoftBodyDef twoBlocks()
+{
+    SoftBodyDef def = block();
+    const auto one = std::get<std::shared_ptr<const geometry::TetMesh>>(def.mesh);
+    geometry::TetMesh both = *one;
+    const auto n = static_cast<int>(both.nodes.size());
+    for (Vec3 each : one->nodes) both.nodes.push_back(each + Vec3{4e-3, 0, 0});
+    for (auto each : one->tetrahedra) {
+        for (int& node : each) node += n;
+        both.tetrahedra.push_back(each);
+    }
+    for (Vec3& each : both.nodes) each.x -= 2e-3;
+    def.mesh = std::make_shared<const geometry::TetMesh>(std::move(both));
+    def.dynamicTopology = true;
+    return def;
+}
+
 const frame::Clip& report(Stage& stage, std::size_t at = 0) { return stage.world.scene().clipReports.at(at); }
 
 Vec3 momentum(Stage& stage)
@@ -118,7 +137,7 @@ TEST_CASE("the forces of a clip are the derivative of its energy, and sum up to 
         SoftState there = state;
         there.x = x;
         std::vector<Vec3> forces(x.size());
-        std::vector<CavityStiffness> rows;
+        std::vector<RankOneStiffness> rows;
         addClipForces(kStep, there, forces, rows);
         return forces;
     };
@@ -241,6 +260,85 @@ TEST_CASE("release opens a clip, and so does a reset")
     }
 }
 
+TEST_CASE("a clip hangs at the corners of its legs, and on what there is")
+{
+    for (const double x : {0.0, 10.3e-3}) { // in the middle, and with one of its three lines on the tube's end
+        Stage stage;
+        const BodyId soft = stage.add(duct()), rigid = stage.add(clipBody({x, 0, 0}));
+        apply(stage, rigid, soft, {});
+        stage.step(kStep);
+        REQUIRE(stage.world.scene().attachments.size() == 1);
+        const AttachedPairs& hold = stage.world.scene().attachments.front().pairs;
+        Vec3 sum, most;
+        for (const auto& [on, at] : hold) {
+            sum += on.place;
+            most = {std::max(most.x, on.place.x), 0, std::max(most.z, on.place.z)};
+        }
+        CHECK(std::abs(sum.z) < 1e-6);
+        CHECK(most.z > 1.2e-3);
+        CHECK(hold.size() == (x == 0.0 ? 4 : 2));
+        if (x == 0.0) CHECK(std::abs(sum.x) < 1e-6);
+        if (x == 0.0) CHECK(most.x == Approx(0.4e-3));
+    }
+}
+
+TEST_CASE("a clip without friction closes, and slips off at the least pull")
+{
+    Stage stage;
+    const BodyId soft = stage.add(duct()), rigid = stage.add(clipBody());
+    apply(stage, rigid, soft, {.friction = 0.0});
+    int slipped = 0;
+    for (int i = 0; i < 20; ++i) {
+        const StepReport step = stage.step(kStep);
+        checkAttachments(stage.world.scene()); // its attachment bears something as long as it is there
+        slipped += step.clips.slipped;
+        CHECK(step.clips.applied == (i == 0 ? 1 : 0));
+    }
+    CHECK(slipped == 1);
+    CHECK(stage.soft().clips.empty());
+}
+
+TEST_CASE("if a piece of the tissue in a clip is removed, it holds the rest, and is lost with the last of it")
+{
+    for (const bool rest : {true, false}) {
+        Stage stage;
+        const BodyId soft = stage.add(twoBlocks()), rigid = stage.add(clipBody({rest ? 0.0 : 2e-3, 0, 0}));
+        const double width = rest ? 6e-3 : 1e-3;
+        apply(stage, rigid, soft, {.length = 5e-3, .width = width, .closingForce = 0.02, .stiffness = 500.0});
+        stage.run(20, kStep);
+        REQUIRE(stage.soft().clips.size() == 1);
+        const std::size_t pairs = stage.soft().clips.front().pairs.size();
+        stage.post(RemovePiece{soft, 1});
+        const StepReport step = stage.step(kStep);
+        CHECK(step.topology.noPiece == 0);
+        CHECK(step.clips.slipped == (rest ? 0 : 1));
+        CHECK(stage.world.scene().attachments.size() == (rest ? 1 : 0));
+        CHECK(stage.world.scene().clipReports.size() == (rest ? 1 : 0));
+        REQUIRE(stage.soft().clips.size() == (rest ? 1 : 0));
+        if (!rest) continue;
+        CHECK(2 * stage.soft().clips.front().pairs.size() == pairs);
+        CHECK(stage.run(200, kStep).flags == 0);
+        CHECK(report(stage).place.x < -1e-3);
+        CHECK(stage.world.scene().attachments.size() == 1);
+    }
+}
+
+TEST_CASE("a clip that is closed drives nothing: what moves on beside it is restless")
+{
+    Stage stage;
+    const BodyId soft = stage.add(block()), rigid = stage.add(clipBody());
+    RigidBodyDef top{.name = "top", .elements = {Pose{{1, 0, 0}, {}}}, .mesh = shapes::box({0.1, 0.1, 0.1})};
+    top.dynamic = true;
+    top.gravity = false;
+    top.angularVelocity = {0, 0, 1.0};
+    stage.add(top);
+    apply(stage, rigid, soft, {.length = 6e-3, .width = 3e-3, .closingForce = 0.02, .stiffness = 500.0});
+    stage.run(1000, 5e-3);
+    CHECK(report(stage).closed);
+    CHECK(stage.soft().clips.front().age == 0.3);
+    CHECK(stage.run(600, 5e-3).has(StepFlag::Restless));
+}
+
 TEST_CASE("two clips close the same tube, and are part of hash and saved state")
 {
     Stage stage;
@@ -260,6 +358,21 @@ TEST_CASE("two clips close the same tube, and are part of hash and saved state")
     const std::uint64_t end = finish();
     stage.world.restore(*saved);
     CHECK(stage.world.hash() == hash);
+    Scene other = stage.world.scene();
+    const auto changes = [&](auto& value, auto by) {
+        value += by;
+        const bool does = hashOf(other) != hash;
+        value -= by;
+        return does;
+    };
+    Clip& clip = other.soft.front().state.clips.front();
+    clip.gap *= 2.0;
+    CHECK(hashOf(other) != hash);
+    clip.gap *= 0.5;
+    CHECK(hashOf(other) == hash);
+    CHECK(changes(clip.pairs.front()[0].front().node, 1));
+    CHECK(changes(clip.pairs.front()[1].front().weight, 0.25));
+    CHECK(changes(clip.def.closingForce, 1.0));
     CHECK(finish() == end);
     CHECK(report(stage, 0).gap < 0.45e-3);
     CHECK(report(stage, 1).gap < 0.45e-3);

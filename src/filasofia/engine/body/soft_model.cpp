@@ -8,6 +8,7 @@
 #include "filasofia/engine/body/nodal_volume.h"
 #include "filasofia/engine/body/usable.h"
 #include "filasofia/engine/elastic/element_blocks.h"
+#include "filasofia/physics/check_clip.h"
 
 #include <algorithm>
 #include <cmath>
@@ -161,7 +162,7 @@ void checkClips(const SoftModel& model, const SoftState& state, const std::strin
 {
     for (const Clip& clip : state.clips) {
         const std::string name = text(object, ": clip ", clip.id.value);
-        validate(clip.def, name);
+        physics::check(clip.def, name);
         if (clip.pairs.empty()) fail(name, ": must have a pair of points");
         for (double each : {clip.gap, clip.age, clip.force})
             if (!std::isfinite(each)) fail(name, ": its state must be finite");

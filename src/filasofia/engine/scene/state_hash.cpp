@@ -57,16 +57,6 @@ void addCavities(Hasher& hash, const SoftState& body)
         for (double each : {cavity.content, cavity.pressure, cavity.inflow, cavity.last, cavity.lost}) hash.add(each);
 }
 
-// A body without clips does not change the hash.
-void addClips(Hasher& hash, const SoftState& body)
-{
-    for (const Clip& clip : body.clips) {
-        for (std::uint32_t id : {clip.id.value, clip.clip.value}) hash.add(std::uint64_t{id});
-        for (double each : {clip.gap, clip.age, clip.force}) hash.add(each);
-        addCount(hash, clip.pairs.size());
-    }
-}
-
 void addContacts(Hasher& hash, const Scene& scene)
 {
     addCount(hash, scene.contacts.size());
@@ -90,6 +80,32 @@ void add(Hasher& hash, const std::vector<NodeWeight>& point)
     for (const NodeWeight& each : point) {
         hash.add(static_cast<std::uint64_t>(each.node));
         hash.add(each.weight);
+    }
+}
+
+// A body without clips does not change the hash.
+void addClips(Hasher& hash, const SoftState& body)
+{
+    for (const Clip& clip : body.clips) {
+        for (std::uint32_t id : {clip.id.value, clip.clip.value}) hash.add(std::uint64_t{id});
+        for (double each : {clip.gap, clip.age, clip.force}) hash.add(each);
+        const physics::ClipDef& def = clip.def;
+        hash.add(static_cast<std::uint64_t>(def.element));
+        for (double each : {def.length, def.width, def.opening, def.gap, def.closingTime, def.closingForce,
+                            def.stiffness, def.friction})
+            hash.add(each);
+        addCount(hash, clip.pairs.size());
+        for (const ClipPair& pair : clip.pairs)
+            for (const auto& side : pair) add(hash, side);
+    }
+}
+
+// How far clips are closed: what they press follows from it, and from where the tissue is.
+void addGaps(Hasher& hash, const SoftState& body)
+{
+    for (const Clip& clip : body.clips) {
+        hash.add(std::uint64_t{clip.id.value});
+        hash.add(clip.gap);
     }
 }
 
@@ -249,7 +265,7 @@ std::uint64_t hashOfDrive(const Scene& scene)
             hash.addAll(std::span<const Vec3>(body.state.forces));
         hash.add(body.state.pressure);
         addCavities(hash, body.state); // what leaks moves the wall
-        addClips(hash, body.state);    // as do clips that close
+        addGaps(hash, body.state);     // as do clips that close
         for (const RodSteering& each : body.state.rod.steering)
             for (double axis : {each.now[0], each.now[1], each.target[0], each.target[1]}) hash.add(axis);
     }

@@ -3,7 +3,7 @@
 namespace filasofia::engine {
 namespace {
 
-template <class Entries> double changeOfVolume(const Entries& entries, const linalg::NodeArray& p)
+template <class Entries> double changeOf(const Entries& entries, const linalg::NodeArray& p)
 {
     double sum = 0.0;
     for (const auto& each : entries) {
@@ -15,12 +15,12 @@ template <class Entries> double changeOfVolume(const Entries& entries, const lin
 
 } // namespace
 
-void CavitySystem::set(std::span<const CavityStiffness> cavities, std::span<const int> slotOf, int freeNodes,
+void CavitySystem::set(std::span<const RankOneStiffness> cavities, std::span<const int> slotOf, int freeNodes,
                        double scale)
 {
     rows_.resize(cavities.size());
     for (std::size_t c = 0; c < cavities.size(); ++c) {
-        const CavityStiffness& from = cavities[c];
+        const RankOneStiffness& from = cavities[c];
         Row& row = rows_[c];
         row.weight = scale * from.weight;
         row.entries.clear();
@@ -35,7 +35,7 @@ double CavitySystem::multiply(const linalg::NodeArray& p, linalg::NodeArray& q) 
     double sum = 0.0;
     for (const Row& row : rows_) {
         if (row.weight == 0.0) continue;
-        const double change = changeOfVolume(row.entries, p);
+        const double change = changeOf(row.entries, p);
         for (const Entry& each : row.entries) {
             const Vec3 add = row.weight * change * each.gradient;
             float* at = q[each.slot];
@@ -52,7 +52,7 @@ double CavitySystem::curvature(const linalg::NodeArray& p) const
 {
     double sum = 0.0;
     for (const Row& row : rows_) {
-        const double change = changeOfVolume(row.entries, p);
+        const double change = changeOf(row.entries, p);
         sum += row.weight * change * change;
     }
     return sum;

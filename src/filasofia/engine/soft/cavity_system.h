@@ -8,19 +8,20 @@
 
 namespace filasofia::engine {
 
-/// What a cavity adds to the matrix of a step: weight times g g^T, where g is the gradient of its volume. Its fill
-/// resists every change of the volume, and nothing else.
-struct CavityStiffness {
-    std::vector<int> nodes;     ///< those around it, ascending
-    std::vector<Vec3> gradient; ///< [m^2] per node
-    double weight = 0.0;        ///< [kg/m^4], h^2 times the fall of pressure per volume
+/// What resists the change of one quantity, and nothing else, adds to the matrix of a step: weight times g g^T, where g
+/// is the gradient of the quantity. It is the volume of a cavity, or the distance between two points that a clip draws
+/// together.
+struct RankOneStiffness {
+    std::vector<int> nodes;     ///< those that change it; ascending for a cavity
+    std::vector<Vec3> gradient; ///< per node: [m^2] if it is a volume, [-] if a distance
+    double weight = 0.0;        ///< [kg/m^4] or [kg], h^2 times the growth of what resists
 };
 
-/// The same for the default solver, in its scaling and on its slots.
+/// All of a body for the default solver, in its scaling and on its slots.
 class CavitySystem {
 public:
     /// `slotOf`: per node; slots from `freeNodes` on are pinned. `scale` [1/kg].
-    void set(std::span<const CavityStiffness> cavities, std::span<const int> slotOf, int freeNodes, double scale);
+    void set(std::span<const RankOneStiffness> cavities, std::span<const int> slotOf, int freeNodes, double scale);
     /// q += W p; returns p . W p.
     double multiply(const linalg::NodeArray& p, linalg::NodeArray& q) const;
     [[nodiscard]] double curvature(const linalg::NodeArray& p) const; ///< p . W p

@@ -147,7 +147,7 @@ double MatrixFreeSystem::multiply(const NodeArray& p, NodeArray& q, WorkerPool& 
     return curvature + cavities_.multiply(p, q);
 }
 
-void MatrixFreeSystem::setCavities(std::span<const CavityStiffness> cavities)
+void MatrixFreeSystem::setCavities(std::span<const RankOneStiffness> cavities)
 {
     cavities_.set(cavities, slotOf_, freeNodes_, scale_);
 }

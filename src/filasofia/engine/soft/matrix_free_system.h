@@ -89,7 +89,7 @@ public:
     void followParting(const SoftModel& model, BackgroundThread& meanwhile);
 
     /// What the cavities add to the matrix, from the next assemble() on.
-    void setCavities(std::span<const CavityStiffness> cavities);
+    void setCavities(std::span<const RankOneStiffness> cavities);
 
     double multiply(const linalg::NodeArray& p, linalg::NodeArray& q, WorkerPool& pool) override;
 

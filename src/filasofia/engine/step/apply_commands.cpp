@@ -142,7 +142,7 @@ struct ApplyCommand {
     void operator()(const physics::RemovePiece& remove) const
     {
         SoftBody& body = soft(remove.id);
-        if (removePiece(remove.piece, body, scene))
+        if (removePiece(remove.piece, body, scene, report))
             outdate(true, body.system);
         else
             ++report.topology.noPiece;

@@ -3,6 +3,7 @@
 #include "filasofia/core/assert.h"
 #include "filasofia/core/log.h"
 #include "filasofia/engine/contact/attachments.h"
+#include "filasofia/engine/contact/clip_holds.h"
 #include "filasofia/engine/scene/find_body.h"
 
 #include <algorithm>
@@ -75,36 +76,15 @@ std::vector<ClipPair> pairsBetween(const physics::ClipDef& def, const Pose& pose
     return pairs;
 }
 
-/// The mean of two points.
-std::vector<NodeWeight> middleOfPair(const ClipPair& pair)
-{
-    std::vector<NodeWeight> out;
-    for (const auto& side : pair)
-        for (const NodeWeight& each : side) {
-            const auto known = std::ranges::find(out, each.node, &NodeWeight::node);
-            if (known == out.end())
-                out.push_back({each.node, 0.5 * each.weight});
-            else
-                known->weight += 0.5 * each.weight;
-        }
-    return out;
-}
+/// [N] With which a clip can be pulled off whose legs press with this force: both rub. One without friction hangs on
+/// nothing that counts, but an attachment must bear something.
+double slipForce(const physics::ClipDef& def, double force) { return std::max(1e-9, 2.0 * def.friction * force); }
 
-/// The rigid body hangs on the tissue in the middle of some of its pairs.
-Attachment holdOf(const physics::ApplyClip& command, const Pose& pose, const std::vector<ClipPair>& pairs,
-                  const SoftState& tissue)
+Attachment holdOf(const physics::ApplyClip& command, AttachedPairs points)
 {
-    Attachment hold{command.id, command.rigid, command.target, {}, {}};
+    Attachment hold{command.id, command.rigid, command.target, std::move(points), {}};
     hold.stiffness = kHold;
-    hold.breakForce = 2.0 * command.def.friction * command.def.closingForce;
-    const std::size_t n = pairs.size();
-    std::vector<std::size_t> chosen = {0, n / 3, 2 * n / 3, n - 1};
-    chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
-    for (std::size_t i : chosen) {
-        AttachedPoint on{.nodes = middleOfPair(pairs[i]), .element = 0, .place = {}};
-        const Vec3 place = transform(inverse(pose), meanOf(on.nodes, tissue.x));
-        hold.pairs.push_back({AttachedPoint{.nodes = {}, .element = command.def.element, .place = place}, on});
-    }
+    hold.breakForce = slipForce(command.def, command.def.closingForce);
     return hold;
 }
 
@@ -142,7 +122,7 @@ void closeLegs(double dt, const SoftState& state, Clip& clip)
     for (const ClipPair& each : clip.pairs) lengths.push_back(distanceAcross(each, state));
     std::ranges::sort(lengths, std::greater{});
     const bool closing = clip.age < clip.def.closingTime;
-    clip.age += dt;
+    clip.age = std::min(clip.age + dt, clip.def.closingTime); // a sum that goes on would never rest
     const double most = clip.def.closingForce, k = stiffnessOf(clip);
     if (closing) {
         const double speed = (clip.def.opening - clip.def.gap) / clip.def.closingTime;
@@ -176,7 +156,7 @@ void applyClip(const physics::ApplyClip& command, Scene& scene, physics::StepRep
     }
     ++report.clips.applied;
     clip.gap = command.def.opening;
-    addAttachment(holdOf(command, pose, clip.pairs, tissue.state), {}, scene);
+    addAttachment(holdOf(command, holdPoints(command.def, pose, clip.pairs, tissue.state)), {}, scene);
     const auto place = std::ranges::upper_bound(tissue.state.clips, clip.id, {}, &Clip::id);
     tissue.state.clips.insert(place, std::move(clip));
 }
@@ -191,7 +171,7 @@ void closeClips(double dt, Scene& scene)
     }
 }
 
-void addClipForces(double dt, const SoftState& state, std::vector<Vec3>& forces, std::vector<CavityStiffness>& out)
+void addClipForces(double dt, const SoftState& state, std::vector<Vec3>& forces, std::vector<RankOneStiffness>& out)
 {
     for (const Clip& clip : state.clips)
         for (const ClipPair& pair : clip.pairs) {
@@ -199,7 +179,7 @@ void addClipForces(double dt, const SoftState& state, std::vector<Vec3>& forces,
             const double d = length(across), k = stiffnessOf(clip);
             if (!(d > clip.gap) || d < kNoLength) continue;
             const Vec3 direction = 1.0 / d * across;
-            CavityStiffness& row = out.emplace_back();
+            RankOneStiffness& row = out.emplace_back();
             double growth = 0.0; // [m/s]
             for (const std::size_t side : {0, 1})
                 for (const NodeWeight& each : pair[side]) {
@@ -235,7 +215,7 @@ void keepClips(Scene& scene, physics::StepReport& report)
                                          .closed = closed});
             if (!closed) continue; // as hard as it presses, it holds
             const auto hold = std::ranges::lower_bound(scene.attachments, each.id, {}, &Attachment::id);
-            hold->breakForce = std::max(1e-9, 2.0 * each.def.friction * each.force);
+            hold->breakForce = slipForce(each.def, each.force);
         }
     }
     std::ranges::sort(scene.clipReports, {}, &frame::Clip::id);

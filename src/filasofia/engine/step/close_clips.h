@@ -15,7 +15,7 @@ void closeClips(double dt, Scene& scene);
 
 /// Adds the forces [N] of clips on tissue in a step of backward Euler, and their stiffness to the matrix: a pair of
 /// points with the distance d, its gradient g and the stiffness k adds -k (d - gap) g - h k g (g . v) and h^2 k g g^T.
-void addClipForces(double dt, const SoftState& state, std::vector<Vec3>& forces, std::vector<CavityStiffness>& out);
+void addClipForces(double dt, const SoftState& state, std::vector<Vec3>& forces, std::vector<RankOneStiffness>& out);
 
 /// After the attachments: clips that were pulled off are gone, and all others reported.
 void keepClips(Scene& scene, physics::StepReport& report);

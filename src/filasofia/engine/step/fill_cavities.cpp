@@ -38,7 +38,7 @@ void addLid(const CavityRim& rim, std::span<const Vec3> x, std::vector<NodePart>
 
 /// The gradient of volumeOf(), lids included. It sums up to zero over each part that is closed with its lids, so no
 /// motion of a part as a whole changes the volume.
-void gradientOf(const Cavity& cavity, std::span<const Vec3> x, CavityStiffness& out)
+void gradientOf(const Cavity& cavity, std::span<const Vec3> x, RankOneStiffness& out)
 {
     std::vector<NodePart> parts;
     parts.reserve(3 * cavity.wall.size());
@@ -151,12 +151,12 @@ void fillCavities(double dt, Scene& scene)
 }
 
 void addCavityForces(const CavityStep& step, const SoftModel& model, const SoftState& state, std::vector<Vec3>& forces,
-                     std::vector<CavityStiffness>& out)
+                     std::vector<RankOneStiffness>& out)
 {
     out.resize(model.cavities.size());
     for (std::size_t c = 0; c < out.size(); ++c) {
         const Cavity& cavity = model.cavities[c];
-        CavityStiffness& add = out[c];
+        RankOneStiffness& add = out[c];
         gradientOf(cavity, state.x, add);
         add.weight = 0.0;
         if (cavity.wall.empty()) continue;

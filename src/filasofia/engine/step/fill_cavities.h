@@ -14,7 +14,7 @@ struct CavityStep {
 /// h^2 k g g^T to the matrix (`out`). The pressure of a liquid grows downwards, from the middle of its wall or, if it
 /// is open, from its openings. On a closed wall the pressure's force is p g; nothing pushes on the lids of an open one.
 void addCavityForces(const CavityStep& step, const SoftModel& model, const SoftState& state, std::vector<Vec3>& forces,
-                     std::vector<CavityStiffness>& out);
+                     std::vector<RankOneStiffness>& out);
 
 /// What flows in by command in a step, and how easily the openings let flow out: 0.61 A sqrt(2 p / rho) through an area
 /// A (Torricelli, with the contraction of a jet from a sharp edge), as a conductance at the last step's pressure p. So

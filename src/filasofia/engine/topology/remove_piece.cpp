@@ -1,6 +1,7 @@
 #include "filasofia/engine/topology/remove_piece.h"
 
 #include "filasofia/engine/contact/attachments.h"
+#include "filasofia/engine/contact/clip_holds.h"
 #include "filasofia/engine/rupture/tet_shape.h"
 #include "filasofia/engine/topology/cut_rods.h"
 #include "filasofia/engine/topology/follow_surface.h"
@@ -11,7 +12,7 @@ namespace filasofia::engine {
 namespace {
 
 /// Lets go of nodes that are gone for good: they are pinned where they are, and nothing holds them.
-void forget(const std::vector<bool>& gone, SoftBody& body, Scene& scene)
+void forget(const std::vector<bool>& gone, SoftBody& body, Scene& scene, physics::StepReport& report)
 {
     SoftModel& model = body.model;
     SoftState& state = body.state;
@@ -23,6 +24,7 @@ void forget(const std::vector<bool>& gone, SoftBody& body, Scene& scene)
     const auto isGone = [&](int node) { return static_cast<bool>(gone[static_cast<std::size_t>(node)]); };
     for (PinGroup& group : model.pins.groups) std::erase_if(group.nodes, isGone);
     std::erase_if(model.pins.springs, [&](const PinSpring& pin) { return isGone(pin.node); });
+    forgetClipNodes(gone, body, scene, report);
     const auto lost = [&](const NodeWeight& each) { return gone[static_cast<std::size_t>(each.node)]; };
     for (std::size_t a = scene.attachments.size(); a-- > 0;) {
         const Attachment& each = scene.attachments[a];
@@ -35,7 +37,7 @@ void forget(const std::vector<bool>& gone, SoftBody& body, Scene& scene)
 }
 
 /// Takes a piece off a rod: all edges of its nodes are cut, and no line of a channel runs through it.
-bool removeRodPiece(int piece, SoftBody& body, Scene& scene)
+bool removeRodPiece(int piece, SoftBody& body, Scene& scene, physics::StepReport& report)
 {
     SoftModel& model = body.model;
     Rod& rod = model.rod;
@@ -50,7 +52,7 @@ bool removeRodPiece(int piece, SoftBody& body, Scene& scene)
         rod.cut[e] = true;
         body.state.rod.tensions[e] = body.state.rod.spins[e] = 0.0;
     }
-    forget(gone, body, scene);
+    forget(gone, body, scene, report);
     for (Channel& each : scene.channels) {
         const std::size_t lines = each.lines.size();
         const bool cuts = each.lines.front().body == model.id;
@@ -66,9 +68,9 @@ bool removeRodPiece(int piece, SoftBody& body, Scene& scene)
 
 } // namespace
 
-bool removePiece(int piece, SoftBody& body, Scene& scene)
+bool removePiece(int piece, SoftBody& body, Scene& scene, physics::StepReport& report)
 {
-    if (isRod(body.model)) return removeRodPiece(piece, body, scene);
+    if (isRod(body.model)) return removeRodPiece(piece, body, scene, report);
     SoftModel& model = body.model;
     BodyTopology& topology = body.topology;
     if (!topology.mesh) return false;
@@ -91,7 +93,7 @@ bool removePiece(int piece, SoftBody& body, Scene& scene)
     model.removed.insert(piece);
     std::erase_if(model.pieces, [&](const BodyPiece& each) { return each.number == piece; });
     topology.mesh->remove(elements);
-    forget(gone, body, scene);
+    forget(gone, body, scene, report);
     editOwnCollision(takeOffSurface(goes, topology, model), model, scene);
     followCavities(topology, model);
     const auto lost = [&](const NodeWeight& each) { return gone[static_cast<std::size_t>(each.node)]; };

@@ -212,7 +212,7 @@ void removeLostPieces(Scene& scene, physics::StepReport& report)
     for (SoftBody& body : scene.soft) {
         int lost = 0;
         for (int piece : piecesBeyond(kLostDistance, body.model, body.state))
-            lost += removePiece(piece, body, scene) ? 1 : 0;
+            lost += removePiece(piece, body, scene, report) ? 1 : 0;
         if (lost == 0) continue;
         report.topology.lost += lost;
         body.system.outdated = true; // rebuilt in the next step, with what its commands change

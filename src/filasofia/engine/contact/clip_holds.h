@@ -1,0 +1,21 @@
+#pragma once
+
+#include "filasofia/engine/scene/scene.h"
+#include "filasofia/physics/step.h"
+
+/// How a clip, a rigid body, hangs on the tissue that is between its legs.
+namespace filasofia::engine {
+
+/// The mean of two points.
+std::vector<NodeWeight> middleOfPair(const ClipPair& pair);
+
+/// The points at which the rigid body hangs on the tissue: the middles of those pairs that are nearest to the corners
+/// of its legs; fewer if one is nearest to several.
+AttachedPairs holdPoints(const physics::ClipDef& def, const Pose& pose, const std::vector<ClipPair>& pairs,
+                         const SoftState& tissue);
+
+/// Lets go of nodes that are gone for good: the pairs that had one, and the points at which a clip hung on one. A clip
+/// that has no pair left is gone: it is counted as slipped, with a warning in the log.
+void forgetClipNodes(const std::vector<bool>& gone, SoftBody& body, Scene& scene, physics::StepReport& report);
+
+} // namespace filasofia::engine
