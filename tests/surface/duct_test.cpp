@@ -160,7 +160,7 @@ TEST_CASE("a clip on a piece between two cuts keeps nothing back, and is counted
     CHECK(duct.balance().clipsAfter == 2);
 }
 
-TEST_CASE("walls that were never one are no cut; a restart forgets a cut")
+TEST_CASE("walls that were never one are no cut, and a restart forgets a cut")
 {
     const Tube tube;
     frame::Boundary walls = tube.cutAt(-1.0); // nothing is cut, but the rims between its two walls are gone
