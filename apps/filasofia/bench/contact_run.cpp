@@ -330,7 +330,7 @@ ContactScene boxesAtRest()
     ContactScene scene{.name = "four layers", .body = "64 boxes", .bodies = {contactFloor()}, .settle = 2.0};
     for (int k = 0; k < 64; ++k) {
         const int layer = k / 16;
-        const double shift = layer % 2 == 0 ? 0.0 : 0.5 * kEdge, pitch = kEdge + kGap;
+        const double shift = layer % 2 == 0 ? 0.0 : 0.25 * kEdge, pitch = kEdge + kGap;
         physics::RigidBodyDef box =
             contactTool(text("box ", k), shapes::box({kEdge, kEdge, kEdge}),
                         {{pitch * (k % 4) + shift, (0.5 + layer) * (kEdge + 1e-5), pitch * (k / 4 % 4) + shift}, {}});
