@@ -1,3 +1,4 @@
+#include "adding_fails.h"
 #include "filasofia/filasofia.h"
 #include "filasofia/scene/scene_file.h"
 #include "scene_folder.h"
@@ -30,20 +31,6 @@ std::string theatre(const std::string& duct, const std::string& rest)
 
 const std::string kDuct =
     R"({"name": "bile", "path": ["-10 0 0 mm", "10 0 0 mm"], "radius": "1 mm", "inletPressure": "1 kPa"})";
-
-std::string addingFails(const SceneFolder& folder, const std::string& content)
-{
-    try {
-        const SceneDef scene = folder.load(content);
-        Simulation sim(simulationDef(scene));
-        static_cast<void>(addScene(sim, scene));
-    } catch (const Error& error) {
-        const std::string line = error.what();
-        const auto at = line.find("scene.json:");
-        return at == std::string::npos ? line : line.substr(at);
-    }
-    return "no error";
-}
 
 } // namespace
 

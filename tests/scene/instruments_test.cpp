@@ -1,3 +1,4 @@
+#include "adding_fails.h"
 #include "filasofia/filasofia.h"
 #include "filasofia/runtime/stepped_run.h"
 #include "filasofia/scene/scene_file.h"
@@ -16,21 +17,6 @@ using Catch::Matchers::Contains;
 namespace {
 
 const std::string kBiopsy = text(FILASOFIA_SOURCE_DIR, "/examples/scenes/biopsy.json");
-
-/// What adding a scene says is wrong, from the file's name on.
-std::string addingFails(const SceneFolder& folder, const std::string& content, bool keep = false)
-{
-    try {
-        const SceneDef scene = folder.load(content);
-        Simulation sim(simulationDef(scene));
-        static_cast<void>(addScene(sim, scene, {.keep = keep}));
-    } catch (const Error& error) {
-        const std::string line = error.what();
-        const auto at = line.find("scene.json:");
-        return at == std::string::npos ? line : line.substr(at);
-    }
-    return "no error";
-}
 
 } // namespace
 

@@ -1,3 +1,4 @@
+#include "adding_fails.h"
 #include "filasofia/filasofia.h"
 #include "filasofia/scene/scene_file.h"
 #include "scene_folder.h"
@@ -26,20 +27,6 @@ std::string theatre(const std::string& electrodes, const std::string& rest)
 }
 
 const std::string kWeak = R"({"mode": "coagulate", "power": "2 W", "radius": "3 mm"})";
-
-std::string addingFails(const SceneFolder& folder, const std::string& content)
-{
-    try {
-        const SceneDef scene = folder.load(content);
-        Simulation sim(simulationDef(scene));
-        static_cast<void>(addScene(sim, scene));
-    } catch (const Error& error) {
-        const std::string line = error.what();
-        const auto at = line.find("scene.json:");
-        return at == std::string::npos ? line : line.substr(at);
-    }
-    return "no error";
-}
 
 void post(Simulation& sim, event::KeyCode key, bool pressed)
 {

@@ -2,18 +2,12 @@
 
 #include "filasofia/core/validate.h"
 #include "filasofia/runtime/surfaces.h"
+#include "filasofia/runtime/told_and_kept.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace filasofia::runtime {
-namespace {
-
-constexpr double kTellLeak = 1.0; ///< [s] between two events of a duct that leaks
-
-} // namespace
-
 int Ducts::add(BodyId id, const surface::DuctDef& def, const physics::PhysicsServer& physics)
 {
     const auto body = physics.def(id);
@@ -104,7 +98,7 @@ bool Ducts::tell(double time, Known& known, const Told& told)
         !last || last->state != now.state || last->clipsBefore != now.clipsBefore || last->clipsAfter != now.clipsAfter;
     if (!changed && (now.leak == 0.0 || time < known.tellFrom)) return true;
     known.told = now;
-    known.tellFrom = std::floor(time / kTellLeak + 1e-6) * kTellLeak + kTellLeak;
+    known.tellFrom = nextTelling(time);
     return told.post(known.body, known.index, now);
 }
 
@@ -115,19 +109,6 @@ void Ducts::fill(RunReport& report) const
     for (const Known& each : state_.all) report.ducts.push_back({each.name, each.duct.def().name, each.duct.balance()});
 }
 
-Memory Ducts::memory()
-{
-    return {.of = "the ducts",
-            .save =
-                [this] {
-                    const std::lock_guard lock(mutex_);
-                    return state_.all.empty() ? std::any() : std::any(state_);
-                },
-            .restore =
-                [this](const std::any& saved) {
-                    const std::lock_guard lock(mutex_);
-                    state_ = std::any_cast<const State&>(saved);
-                }};
-}
+Memory Ducts::memory() { return memoryOf("the ducts", mutex_, state_); }
 
 } // namespace filasofia::runtime

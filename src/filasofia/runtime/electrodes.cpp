@@ -1,9 +1,9 @@
 #include "filasofia/runtime/electrodes.h"
 
 #include "filasofia/core/validate.h"
+#include "filasofia/runtime/told_and_kept.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace filasofia::runtime {
 namespace {
@@ -11,8 +11,6 @@ namespace {
 using surface::ElectrodeDef;
 using surface::ElectrodeTip;
 using surface::EnergyMode;
-
-constexpr double kTelling = 1.0; ///< [s] between two events of an electrode whose pedal does not move
 
 const physics::RigidBodyDef& rigidBody(const physics::BodyDef& body, const std::string& object)
 {
@@ -233,7 +231,7 @@ bool Electrodes::tell(double time, Electrode& electrode, const Post& post)
     if (!moved && (electrode.toldOf == electrode.balance || time < electrode.tellFrom)) return true;
     electrode.told = electrode.active;
     electrode.toldOf = electrode.balance;
-    electrode.tellFrom = std::floor(time / kTelling + 1e-6) * kTelling + kTelling;
+    electrode.tellFrom = nextTelling(time);
     return post(electrode.body, electrode.index, electrode.active, electrode.balance);
 }
 
@@ -248,19 +246,6 @@ void Electrodes::fill(RunReport& report, const Burnings& burnings) const
     }
 }
 
-Memory Electrodes::memory()
-{
-    return {.of = "the electrodes",
-            .save =
-                [this] {
-                    const std::lock_guard lock(mutex_);
-                    return state_.all.empty() ? std::any() : std::any(state_);
-                },
-            .restore =
-                [this](const std::any& saved) {
-                    const std::lock_guard lock(mutex_);
-                    state_ = std::any_cast<const State&>(saved);
-                }};
-}
+Memory Electrodes::memory() { return memoryOf("the electrodes", mutex_, state_); }
 
 } // namespace filasofia::runtime

@@ -2,13 +2,12 @@
 
 #include "filasofia/core/validate.h"
 #include "filasofia/runtime/surfaces.h"
+#include "filasofia/runtime/told_and_kept.h"
 
 #include <cmath>
 
 namespace filasofia::runtime {
 namespace {
-
-constexpr double kTelling = 1.0; ///< [s] between two events of a body
 
 /// What differs between the layers.
 template <class Layer> struct Kind;
@@ -140,7 +139,7 @@ template <class Layer> bool SurfaceLayers<Layer>::tell(BodyId id, double time, P
     const double now = Kind<Layer>::told(patient.balance);
     if (patient.told == now || time < patient.tellFrom) return true;
     patient.told = now;
-    patient.tellFrom = std::floor(time / kTelling + 1e-6) * kTelling + kTelling;
+    patient.tellFrom = nextTelling(time);
     return post(id, patient.start->def(), patient.balance);
 }
 

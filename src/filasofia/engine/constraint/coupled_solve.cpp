@@ -143,10 +143,7 @@ Vec3 CoupledSolve::lawAlong(std::size_t c, Vec3 u) const
 
 void CoupledSolve::read(SolveVector from)
 {
-    for (std::size_t b = 0; b < bodies_->size(); ++b)
-        (*bodies_)[b].matrix->read(from,
-                                   std::span(atPoints_).subspan(static_cast<std::size_t>(first_[b]),
-                                                                static_cast<std::size_t>(first_[b + 1] - first_[b])));
+    for (std::size_t b = 0; b < bodies_->size(); ++b) (*bodies_)[b].matrix->read(from, ofBody(b));
 }
 
 Vec3 CoupledSolve::velocityOf(std::size_t c) const

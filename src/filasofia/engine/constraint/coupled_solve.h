@@ -156,7 +156,7 @@ private:
     [[nodiscard]] double mismatch() const;
 
     [[nodiscard]] const Constraint& constraint(std::size_t c) const { return *constraints_->list[c].constraint; }
-    [[nodiscard]] std::span<const Vec3> ofBody(std::size_t b) const ///< the part of atPoints_
+    [[nodiscard]] std::span<Vec3> ofBody(std::size_t b) ///< the part of atPoints_
     {
         return std::span(atPoints_).subspan(static_cast<std::size_t>(first_[b]),
                                             static_cast<std::size_t>(first_[b + 1] - first_[b]));

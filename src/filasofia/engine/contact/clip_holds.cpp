@@ -15,6 +15,21 @@ bool hasLost(const std::vector<bool>& gone, const std::vector<NodeWeight>& point
                                [&](const NodeWeight& each) { return gone[static_cast<std::size_t>(each.node)]; });
 }
 
+/// The mean of two points.
+std::vector<NodeWeight> middleOfPair(const ClipPair& pair)
+{
+    std::vector<NodeWeight> out;
+    for (const auto& side : pair)
+        for (const NodeWeight& each : side) {
+            const auto known = std::ranges::find(out, each.node, &NodeWeight::node);
+            if (known == out.end())
+                out.push_back({each.node, 0.5 * each.weight});
+            else
+                known->weight += 0.5 * each.weight;
+        }
+    return out;
+}
+
 /// Lets a clip hang where its nodes still are.
 void forgetHold(const std::vector<bool>& gone, const Clip& clip, const SoftState& tissue, Scene& scene)
 {
@@ -31,20 +46,6 @@ void forgetHold(const std::vector<bool>& gone, const Clip& clip, const SoftState
 }
 
 } // namespace
-
-std::vector<NodeWeight> middleOfPair(const ClipPair& pair)
-{
-    std::vector<NodeWeight> out;
-    for (const auto& side : pair)
-        for (const NodeWeight& each : side) {
-            const auto known = std::ranges::find(out, each.node, &NodeWeight::node);
-            if (known == out.end())
-                out.push_back({each.node, 0.5 * each.weight});
-            else
-                known->weight += 0.5 * each.weight;
-        }
-    return out;
-}
 
 AttachedPairs holdPoints(const physics::ClipDef& def, const Pose& pose, const std::vector<ClipPair>& pairs,
                          const SoftState& tissue)

@@ -6,9 +6,6 @@
 /// How a clip, a rigid body, hangs on the tissue that is between its legs.
 namespace filasofia::engine {
 
-/// The mean of two points.
-std::vector<NodeWeight> middleOfPair(const ClipPair& pair);
-
 /// The points at which the rigid body hangs on the tissue: the middles of those pairs that are nearest to the corners
 /// of its legs; fewer if one is nearest to several.
 AttachedPairs holdPoints(const physics::ClipDef& def, const Pose& pose, const std::vector<ClipPair>& pairs,

@@ -44,20 +44,17 @@ void MatrixFreeSystem::addHeldForces(double dt, const SoftModel& model, const Pi
 
 void MatrixFreeSystem::multiplyHeld(const PinnedParts& held, const linalg::NodeArray& p, WorkerPool& pool)
 {
-    const std::span<float> corners{corners_.empty() ? nullptr : corners_.data()->values[0],
-                                   4 * kBlock * corners_.size()};
-    const std::span<float> ofElements = corners.first(kElementCorners * elements_.size());
+    const std::span<float> all = floats(corners_), ofElements = all.first(kElementCorners * elements_.size());
     if (volumes_.empty()) {
-        for (linalg::Blocks blocks : blocksOf(held.elements))
-            multiplyElements(tangents_, fibreTangents_, p, ofElements, blocks);
+        for (linalg::Blocks blocks : heldBlocks_) multiplyElements(tangents_, fibreTangents_, p, ofElements, blocks);
     } else { // elements that share nodes share their volumes, too
         multiplyElements(tangents_, fibreTangents_, p, ofElements, {0, static_cast<int>(elements_.size())});
         volumes_.multiply(p, pool, ofElements);
     }
     if (!held.springs.empty())
-        multiplySprings(springMatrices_, p, corners.subspan(ofElements.size()),
+        multiplySprings(springMatrices_, p, all.subspan(ofElements.size()),
                         {0, static_cast<int>(springMatrices_.size())});
-    if (!held.membranes.empty()) shell_.multiply(p, corners.last(64 * shell_.groups()), pool);
+    if (!held.membranes.empty()) shell_.multiply(p, all.last(64 * shell_.groups()), pool);
 }
 
 void MatrixFreeSystem::listHeldCorners(const SoftModel& model, const PinnedParts& held)
@@ -80,15 +77,15 @@ void MatrixFreeSystem::listHeldCorners(const SoftModel& model, const PinnedParts
         add(model.shell.membranes[static_cast<std::size_t>(m)].nodes, membranes + 3 * block(m), m);
     const std::size_t bends = membranes + shell_.membraneGroups();
     for (int b : held.bends) add(model.shell.bends[static_cast<std::size_t>(b)].nodes, bends + 6 * block(b), b);
+    heldBlocks_ = blocksOf(held.elements);
     heldListed_ = true;
 }
 
 void MatrixFreeSystem::addHeldCorners(double factor)
 {
-    if (corners_.empty()) return;
-    const float* corners = corners_.data()->values[0];
+    const float* all = floats(corners_).data();
     for (const HeldCorner& each : heldCorners_) {
-        const float* at = corners + each.corner;
+        const float* at = all + each.corner;
         heldImpulses_[static_cast<std::size_t>(each.pin)] += factor * Vec3{at[0], at[1], at[2]};
     }
 }

@@ -47,12 +47,6 @@ Vec3 vectorAt(const linalg::NodeArray& array, int node)
     return {at[0], at[1], at[2]};
 }
 
-std::span<float> floats(std::vector<linalg::NodeBlock>& blocks)
-{
-    if (blocks.empty()) return {};
-    return {blocks.data()->values[0], 4 * kBlock * blocks.size()};
-}
-
 } // namespace
 
 void MatrixFreeSystem::load(std::span<const Vec3> from, Vec3 origin, NodeArray& to, WorkerPool& pool) const

@@ -25,6 +25,12 @@ namespace filasofia::engine {
 class CoarseRebuild;
 struct PreconditionerPlan;
 
+inline std::span<float> floats(std::vector<linalg::NodeBlock>& blocks)
+{
+    if (blocks.empty()) return {};
+    return {blocks.data()->values[0], 4 * kBlock * blocks.size()};
+}
+
 /// The equations of one step in the form that the default solver uses: in float, element by element, without a matrix.
 ///
 /// Everything is divided by the mean nodal mass, so that the numbers are of the order of velocities whatever the body
@@ -208,9 +214,10 @@ private:
         int pin = 0;    ///< number of the node among the pinned ones, in the order of slots
     };
     std::vector<HeldCorner> heldCorners_;
-    bool heldListed_ = false;        ///< heldCorners_ are those of the present mesh
-    std::vector<Vec3> heldImpulses_; ///< [N s] on each pinned node, in the order of slots: see keepHeld()
-    double size_ = 0.0;              ///< squared norm of the right-hand side
+    std::vector<linalg::Blocks> heldBlocks_; ///< those of elements that have such a corner, as ranges
+    bool heldListed_ = false;                ///< both are those of the present mesh
+    std::vector<Vec3> heldImpulses_;         ///< [N s] on each pinned node, in the order of slots: see keepHeld()
+    double size_ = 0.0;                      ///< squared norm of the right-hand side
     std::vector<double> sums_;
     linalg::TwoLevelPreconditioner preconditioner_;
     bool tied_ = false;                ///< see isTied()

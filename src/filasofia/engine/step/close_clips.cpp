@@ -204,7 +204,8 @@ void keepClips(Scene& scene, physics::StepReport& report)
         report.clips.slipped += static_cast<int>(before - clips.size());
         for (const Clip& each : clips) {
             Vec3 middle;
-            for (const ClipPair& pair : each.pairs) middle += meanOf(middleOfPair(pair), body.state.x);
+            for (const ClipPair& pair : each.pairs)
+                middle += 0.5 * (meanOf(pair[0], body.state.x) + meanOf(pair[1], body.state.x));
             const bool closed = each.age >= each.def.closingTime;
             scene.clipReports.push_back({.id = each.id,
                                          .clip = each.clip,
