@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/engine/build/build_body.h"
 #include "filasofia/engine/contact/attachments.h"
+#include "filasofia/engine/contact/clip_legs.h"
 #include "filasofia/engine/contact/find_contacts.h"
 #include "filasofia/engine/contact/joint_constraints.h"
 #include "filasofia/engine/contact/sheathed_blades.h"
@@ -83,11 +84,12 @@ physics::StepReport World::step(const physics::StepInput& in)
     leaveToChannels(scene_, coupling_);            //   contacts, but not of needles with the tissue that they are in
     addWelds(context, scene_, coupling_);          //   attachments
     addChannels(context, scene_, coupling_);       //   needles and threads in tissue
+    closeClips(in.dt, scene_);                     //   how far clips are closed
+    addClipLegs(in.dt, scene_, coupling_);         //   and how they draw tissue together
     addJointConstraints(in.dt, scene_, coupling_); //   limits and dry friction of joints
     report.times.contacts = watch.lap();
 
     fillCavities(in.dt, scene_);         //   what flows into cavities
-    closeClips(in.dt, scene_);           //   how far clips are closed
     assemble(context, scene_);           // 3 forces and stiffness
     tieBodies(in.dt, scene_, coupling_); //   what solvers know of attachments
     report.times.assemble = watch.lap();

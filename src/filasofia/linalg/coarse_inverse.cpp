@@ -106,6 +106,11 @@ Eigen::MatrixXd pieceInverseOf(Eigen::MatrixXd piece)
     return inverse;
 }
 
+Eigen::MatrixXd matrixOf(const double* rows, Eigen::Index unknowns)
+{
+    return Eigen::Map<const Eigen::MatrixXd>(rows, unknowns, unknowns).transpose();
+}
+
 std::optional<CoarseInverse> panelsOf(const Eigen::MatrixXd& lattice, int coarseNodes,
                                       const std::vector<Eigen::MatrixXd>& pieces)
 {
@@ -134,9 +139,6 @@ std::optional<CoarseInverse> coarseInverse(const PreconditionerInput& in)
 
 std::optional<CoarseInverse> coarseInverse(const CoarseInput& in)
 {
-    const auto matrixOf = [](const double* rows, Eigen::Index unknowns) -> Eigen::MatrixXd {
-        return Eigen::Map<const Eigen::MatrixXd>(rows, unknowns, unknowns).transpose();
-    };
     Eigen::MatrixXd lattice;
     std::vector<Eigen::MatrixXd> pieces;
     if (in.coarseNodes > 0) lattice = quickInverseOf(matrixOf(in.matrix.data(), 3 * in.coarseNodes));
@@ -144,6 +146,14 @@ std::optional<CoarseInverse> coarseInverse(const CoarseInput& in)
     for (std::size_t at = 0; at < in.pieces.size(); at += kNumbers)
         pieces.push_back(pieceInverseOf(matrixOf(in.pieces.data() + at, kPieceUnknowns)));
     return panelsOf(lattice, in.coarseNodes, pieces);
+}
+
+bool writePieceInverse(std::span<const double> matrix, std::span<PanelRow> out)
+{
+    const Eigen::MatrixXd inverse = pieceInverseOf(matrixOf(matrix.data(), kPieceUnknowns));
+    if (inverse.size() == 0) return false;
+    writePanels(inverse, kPieceUnknowns, out.data());
+    return true;
 }
 
 } // namespace filasofia::linalg

@@ -25,4 +25,9 @@ std::optional<CoarseInverse> coarseInverse(const PreconditionerInput& in);
 /// the motion of every body that was never cut depends on those.
 std::optional<CoarseInverse> coarseInverse(const CoarseInput& in);
 
+/// Writes the inverse of a matrix of kPieceUnknowns rows, whose lower half is read, as kPieceRows rows; zeros for the
+/// unknowns that it lacks, whose diagonal is 0. Returns false, and writes nothing, if it is not positive definite to
+/// rounding.
+bool writePieceInverse(std::span<const double> matrix, std::span<PanelRow> out);
+
 } // namespace filasofia::linalg

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/linalg/block_jacobi.h"
+#include "filasofia/linalg/cluster_smoother.h"
 #include "filasofia/linalg/coarse_deflation.h"
 
 namespace filasofia::linalg {
@@ -20,7 +21,8 @@ struct ColumnEntry {
 ///     z  preconditioned residual    P    interpolation from coarse nodes (CoarseInterpolation)
 ///     R  rotation of each node      A_c  Galerkin matrix of the coarse nodes (CoarseLevel)
 ///
-/// M^-1 is symmetric and positive definite whatever P is.
+/// M^-1 is symmetric and positive definite whatever P is. If there are clusters (ClusterSmoother), D consists of their
+/// blocks, and of single nodes elsewhere. In two halves, D is that of single nodes, and the clusters belong to B.
 class TwoLevelPreconditioner {
 public:
     TwoLevelPreconditioner() = default;
@@ -67,6 +69,8 @@ public:
     /// Takes over another coarse level, of as many blocks of nodes or fewer; nodes that it does not have follow no
     /// coarse node from then on. Returns false, and changes nothing, if it has no coarse nodes.
     bool takeCoarseLevel(CoarseLevel&& from);
+    [[nodiscard]] bool hasClusters() const { return !clusters_.empty(); }
+    void setClusters(ClusterSmoother clusters) { clusters_ = std::move(clusters); }
 
     // Deflation columns F, by which the coarse level B can be corrected (CoarseDeflation).
     void clearColumns() { deflation_.clear(); }
@@ -80,9 +84,11 @@ public:
 
 private:
     void restrictOnce(WorkerPool& pool);
+    double addCoarse(const NodeArray& r, NodeArray& z, WorkerPool& pool, std::span<const double> coefficients);
 
     std::vector<RotationBlock> rotations_;
     BlockJacobi smoother_;
+    ClusterSmoother clusters_;
     CoarseLevel coarse_;
     CoarseDeflation deflation_;
     NodeArray rest_, smoothed_;       ///< R^T r, and D^-1 of it

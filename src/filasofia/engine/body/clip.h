@@ -22,6 +22,8 @@ struct Clip {
     double gap = 0.0;   ///< [m]
     double age = 0.0;   ///< [s] since it began to close
     double force = 0.0; ///< [N] that all pairs pull with
+
+    [[nodiscard]] double pairStiffness() const { return def.stiffness / static_cast<double>(pairs.size()); } ///< [N/m]
 };
 
 } // namespace filasofia::engine

@@ -15,8 +15,9 @@ namespace filasofia::engine {
 
 /// Contacts and joint limits are unilateral: they only push. Welds (attachments, grasps) and the dry friction of joints
 /// are bilateral.
-/// A shaft in a channel is bilateral, with friction along its first axis; a tip only pushes.
-enum class ConstraintKind { Contact, Weld, JointLimit, JointFriction, Shaft, Tip };
+/// A shaft in a channel is bilateral, with friction along its first axis; a tip only pushes. The legs of a clip are
+/// springs along their normal, and nothing across it.
+enum class ConstraintKind { Contact, Weld, JointLimit, JointFriction, Shaft, Tip, ClipLeg };
 
 /// Identifies a contact from step to step, and holds the force that its next solve starts from.
 struct CachedContact {
@@ -76,7 +77,8 @@ struct ConstraintLaw {
 
     [[nodiscard]] bool bilateral() const
     {
-        return kind == ConstraintKind::Weld || kind == ConstraintKind::JointFriction || kind == ConstraintKind::Shaft;
+        return kind == ConstraintKind::Weld || kind == ConstraintKind::JointFriction || kind == ConstraintKind::Shaft ||
+               kind == ConstraintKind::ClipLeg;
     }
 };
 

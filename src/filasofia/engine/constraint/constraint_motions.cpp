@@ -33,6 +33,7 @@ std::vector<Patch> findPatches(const ConstraintNetwork& network)
     for (std::size_t c = 0; c < filters.size(); ++c) {
         const ConstraintRow& row = rows.list[c];
         if (!isActive(filters[c]) || row.constraint->tied) continue;
+        if (row.constraint->kind == ConstraintKind::ClipLeg) continue; // they cost more than they save
         const std::span<const WeightedPoint> points = rows.pointsOf(row);
         if (points.empty()) continue; // between points that cannot move
         const std::size_t from = bodyOf(first, points.front().point), to = bodyOf(first, points.back().point);

@@ -32,10 +32,11 @@ struct Coupling {
     ArticulationPlans articulations;
     ContactDetection detection;
 
-    std::vector<Constraint> constraints; ///< contacts, welds, channels, then joint limits and joint friction
+    std::vector<Constraint> constraints; ///< contacts, welds, channels, clips, then joint limits and joint friction
     std::size_t contactCount = 0;
     std::size_t weldCount = 0;
     std::size_t channelCount = 0;
+    std::size_t clipLegCount = 0;
 
     [[nodiscard]] std::span<Constraint> contacts() { return std::span(constraints).first(contactCount); }
     [[nodiscard]] std::span<const Constraint> contacts() const { return std::span(constraints).first(contactCount); }
@@ -49,7 +50,7 @@ struct Coupling {
     }
     [[nodiscard]] std::span<const Constraint> joints() const
     {
-        return std::span(constraints).subspan(contactCount + weldCount + channelCount);
+        return std::span(constraints).subspan(contactCount + weldCount + channelCount + clipLegCount);
     }
 
     IslandScratch scratch;

@@ -13,6 +13,7 @@ struct PreconditionerPlan {
     double scale = 1.0;         ///< [1/kg] factor on the matrix
     double period = 0.0;        ///< [s] the step
     int blocks = 0;             ///< blocks of sixteen slots in vectors of unknowns
+    bool clustered = false;     ///< for a rebuild: the body has clusters of nodes (ClusterSmoother)
 };
 
 /// How many coarse nodes a body gets.
@@ -54,6 +55,7 @@ public:
     /// Called once per step: true in the step in which the result is taken over.
     bool isDue() { return --stepsLeft_ <= 0; }
     linalg::CoarseLevel&& take();
+    linalg::ClusterSmoother&& takeClusters(); ///< after take()
 
     /// Records nodes that edits have added since the rebuild started.
     void add(std::span<const MeshEdit::Node> nodes) { since_.insert(since_.end(), nodes.begin(), nodes.end()); }

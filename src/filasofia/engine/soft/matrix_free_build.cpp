@@ -53,7 +53,8 @@ MatrixFreeSystem::~MatrixFreeSystem() = default;
 
 PreconditionerPlan MatrixFreeSystem::plan() const
 {
-    return {std::span(nodeOf_).first(static_cast<std::size_t>(freeNodes_)), scale_, period_, freeBlocks_};
+    return {std::span(nodeOf_).first(static_cast<std::size_t>(freeNodes_)), scale_, period_, freeBlocks_,
+            preconditioner_.hasClusters()};
 }
 
 bool MatrixFreeSystem::fits(const SoftModel& model, double period)

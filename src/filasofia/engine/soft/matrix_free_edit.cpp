@@ -180,6 +180,7 @@ void MatrixFreeSystem::followParting(const SoftModel& model, BackgroundThread& m
     if (!preconditioned_) return;
     if (rebuild_ && rebuild_->isDue()) {
         const bool taken = preconditioner_.takeCoarseLevel(rebuild_->take());
+        preconditioner_.setClusters(rebuild_->takeClusters());
         if (taken) tied_ = false;
         // Nodes added meanwhile interpolate from their parents; if the old coarse level stays, they do so already.
         const std::vector<MeshEdit::Node>& since = rebuild_->since();

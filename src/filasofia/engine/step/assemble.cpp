@@ -2,7 +2,6 @@
 
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/scene/each_body.h"
-#include "filasofia/engine/step/close_clips.h"
 #include "filasofia/engine/step/fill_cavities.h"
 #include "filasofia/math/svd.h"
 
@@ -132,7 +131,6 @@ void assembleBody(const Assembly& how, SoftBody& body, WorkerPool& pool)
     SoftSystem& system = body.system;
     addExternalForces(body.model, how.gravity, body.state, system.forces);
     addCavityForces({how.gravity, how.dt}, body.model, body.state, system.forces, system.cavities);
-    addClipForces(how.dt, body.state, system.forces, system.cavities);
     if (system.rod)
         system.rod->assemble(body.model, system.forces, how.dt, how.inertia, body.state);
     else if (system.matrixFree) {

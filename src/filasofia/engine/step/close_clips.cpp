@@ -17,8 +17,6 @@ namespace {
 constexpr int kAlong = 12, kAcross = 3;
 // [N/m] for each point by which a clip hangs on the tissue; it weighs little.
 constexpr double kHold = 500.0;
-// [m] Points nearer to each other have no direction.
-constexpr double kNoLength = 1e-9;
 
 /// Where a line parallel to y leaves the tissue, or enters it.
 struct Crossing {
@@ -93,8 +91,6 @@ double distanceAcross(const ClipPair& pair, const SoftState& state)
     return distance(meanOf(pair[0], state.x), meanOf(pair[1], state.x));
 }
 
-double stiffnessOf(const Clip& clip) { return clip.def.stiffness / static_cast<double>(clip.pairs.size()); }
-
 /// [N] with which springs of these lengths press at a gap.
 double pressAt(double gap, double stiffness, const std::vector<double>& lengths)
 {
@@ -123,7 +119,7 @@ void closeLegs(double dt, const SoftState& state, Clip& clip)
     std::ranges::sort(lengths, std::greater{});
     const bool closing = clip.age < clip.def.closingTime;
     clip.age = std::min(clip.age + dt, clip.def.closingTime); // a sum that goes on would never rest
-    const double most = clip.def.closingForce, k = stiffnessOf(clip);
+    const double most = clip.def.closingForce, k = clip.pairStiffness();
     if (closing) {
         const double speed = (clip.def.opening - clip.def.gap) / clip.def.closingTime;
         clip.gap = std::max(clip.def.gap, clip.gap - dt * speed);
@@ -169,29 +165,6 @@ void closeClips(double dt, Scene& scene)
         if (dt > 0.0)
             for (Clip& each : body.state.clips) closeLegs(dt, body.state, each);
     }
-}
-
-void addClipForces(double dt, const SoftState& state, std::vector<Vec3>& forces, std::vector<RankOneStiffness>& out)
-{
-    for (const Clip& clip : state.clips)
-        for (const ClipPair& pair : clip.pairs) {
-            const Vec3 across = meanOf(pair[0], state.x) - meanOf(pair[1], state.x);
-            const double d = length(across), k = stiffnessOf(clip);
-            if (!(d > clip.gap) || d < kNoLength) continue;
-            const Vec3 direction = 1.0 / d * across;
-            RankOneStiffness& row = out.emplace_back();
-            double growth = 0.0; // [m/s]
-            for (const std::size_t side : {0, 1})
-                for (const NodeWeight& each : pair[side]) {
-                    row.nodes.push_back(each.node);
-                    row.gradient.push_back((side == 0 ? each.weight : -each.weight) * direction);
-                    growth += dot(row.gradient.back(), state.v[static_cast<std::size_t>(each.node)]);
-                }
-            row.weight = dt * dt * k;
-            const double pull = k * (d - clip.gap) + dt * k * growth;
-            for (std::size_t i = 0; i < row.nodes.size(); ++i)
-                forces[static_cast<std::size_t>(row.nodes[i])] -= pull * row.gradient[i];
-        }
 }
 
 void keepClips(Scene& scene, physics::StepReport& report)

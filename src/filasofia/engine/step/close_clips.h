@@ -9,13 +9,9 @@ namespace filasofia::engine {
 /// Puts a clip onto the tissue that is between its legs now. Nothing there: a flag, and a warning in the log.
 void applyClip(const physics::ApplyClip& command, Scene& scene, physics::StepReport& report);
 
-/// Before the bodies are assembled: how far clips are closed in this step, and with what force at its start. Clips
+/// Before the constraints are collected: how far clips are closed in this step, and with what force at its start. Clips
 /// whose attachment was released are gone.
 void closeClips(double dt, Scene& scene);
-
-/// Adds the forces [N] of clips on tissue in a step of backward Euler, and their stiffness to the matrix: a pair of
-/// points with the distance d, its gradient g and the stiffness k adds -k (d - gap) g - h k g (g . v) and h^2 k g g^T.
-void addClipForces(double dt, const SoftState& state, std::vector<Vec3>& forces, std::vector<RankOneStiffness>& out);
 
 /// After the attachments: clips that were pulled off are gone, and all others reported.
 void keepClips(Scene& scene, physics::StepReport& report);
