@@ -36,7 +36,7 @@ struct LawFuzzReport {
     long scenes = 0, steps = 0;
     std::vector<LawFuzzKind> kinds = {};
     long fibres = 0, relaxing = 0, flowing = 0, regions = 0, nearlyIncompressible = 0; ///< [-] scenes with such tissue
-    long grasps = 0, pulls = 0, presses = 0, changes = 0; ///< [-] changes: of tissue, fibre stress or material
+    long grasps = 0, pulls = 0, presses = 0, changes = 0; ///< [-] a change is one of tissue, fibre stress or material
     long silentInverted = 0;   ///< [-] steps with elements inside out at their start, without StepFlag::Inverted
     long silentStrain = 0;     ///< [-] the same of elements strained beyond validStrain, and StepFlag::BeyondStrain
     long silentGain = 0;       ///< [-] scenes that gained energy while nothing drove them, without a flag before
@@ -44,7 +44,7 @@ struct LawFuzzReport {
     long massChanged = 0;      ///< [-] scenes in which a body's mass changed
     long notFinite = 0;        ///< [-] steps after which a place or a velocity was not finite
     long replays = 0;          ///< [-] recordings replayed with 2 or 8 threads
-    long hashesThatDiffer = 0; ///< [-] of these: with another hash in some step, or refused
+    long hashesThatDiffer = 0; ///< [-] those with another hash in some step, or refused
     int median = 0, percentile99 = 0, most = 0; ///< [-] iterations of a step, of the solve with the most
     std::vector<std::string> examples = {};     ///< scene, time and what happened; at most 40
     std::uint64_t hash = 0;

@@ -16,7 +16,7 @@ using Bodies = std::vector<BodyId>;
 constexpr double kGap = 1e-3;                         ///< [m] between bodies at the start
 constexpr double kStride = 0.05, kBladeStride = 0.15; ///< [-] the longest way of a tool in a step, over the body's size
 constexpr std::size_t kTissue = 1;                    ///< index of the body that tools act on
-constexpr double kLargeChance = 0.01;                 ///< of a body that several threads share
+constexpr double kLargeChance = 0.01;                 ///< [-] for a body that several threads share
 
 /// A blade: a rectangle whose leading edge is the x axis and which trails along -y.
 std::shared_ptr<const geometry::TriangleMesh> bladeOf(double size)
@@ -283,7 +283,7 @@ private:
     LawFuzzReport& report_;
     LawScene scene_;
     double size_ = 0.0, friction_ = 0.0, top_ = 0.0;
-    Vec3 middle_, extent_; ///< [m] of the first body
+    Vec3 middle_, extent_; ///< [m] the first body's
     int steps_ = 0;        ///< [-] before what is added next
 };
 

@@ -29,7 +29,7 @@ struct LawScene {
     int calm = 0;                ///< [-] steps that follow
     bool energyIsKnown = true;   ///< false: nothing bounds the energy of the calm steps
     bool relaxes = false;        ///< tissue holds energy that storedEnergy() does not know
-    double validStrain = kNever; ///< [-] of all bodies
+    double validStrain = kNever; ///< [-] the same in all bodies
 
 private:
     static constexpr double kNever = std::numeric_limits<double>::infinity();

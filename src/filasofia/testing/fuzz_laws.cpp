@@ -28,7 +28,7 @@ constexpr double kMassChange = 1e-3; ///< [-] crossings that are moved to nodes 
 constexpr double kSurelyBeyond = 1.001; ///< [-] strain over the valid one that single precision cannot miss
 constexpr int kLookEvery = 8;           ///< steps between two looks at the energy, which cost as much as a step
 constexpr int kMostCapped = 25;         ///< [-] steps at the iteration limit after which a scene ends: they take long
-constexpr int kThreads[] = {2, 8};      ///< of replays, in turns
+constexpr int kThreads[] = {2, 8};      ///< replays have these in turns
 
 /// A file that is removed in the end.
 struct ScratchRecording {
