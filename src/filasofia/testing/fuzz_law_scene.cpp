@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace filasofia::testing {
 using namespace physics;
@@ -111,8 +112,11 @@ private:
         if (auto* fem = std::get_if<FemMaterial>(&def.material); fem && large) // twenty times the steps' cost beyond it
             fem->poissonRatio = std::min(fem->poissonRatio, 0.45);
         setStrain(def);
-        if (const auto* fem = std::get_if<FemMaterial>(&def.material))
+        if (const auto* fem = std::get_if<FemMaterial>(&def.material)) {
             scene_.relaxes = scene_.relaxes || !fem->relaxation.empty();
+            const bool flows = std::isfinite(fem->yieldStress) || !fem->regions.empty(); // regions may
+            scene_.contracts = scene_.contracts || (flows && !fem->fibres.empty());      // a command may contract them
+        }
         def.rayleigh = {.mass = random_.uniform(0.0, 5.0), .stiffness = random_.chance(0.5) ? 0.0 : 1e-3};
         def.collision = {{.self = random_.chance(0.1)}};
         def.friction = friction_;

@@ -5,6 +5,7 @@
 #include "filasofia/testing/fuzz_laws.h"
 
 #include <functional>
+#include <limits>
 #include <vector>
 
 namespace filasofia::testing {
@@ -24,15 +25,12 @@ struct LawScene {
     std::vector<physics::BodyDef> bodies = {}; ///< the first is the floor, whose top is at y = 0
     std::vector<ToldBody> told = {};           ///< the tools
     std::vector<LawEvent> events = {};
-    double period = 1e-3;        ///< [s] duration of a step
-    int acting = 0;              ///< [-] steps after which all tools are removed
-    int calm = 0;                ///< [-] steps that follow
-    bool energyIsKnown = true;   ///< false: nothing bounds the energy of the calm steps
-    bool relaxes = false;        ///< tissue holds energy that storedEnergy() does not know
-    double validStrain = kNever; ///< [-] the same in all bodies
-
-private:
-    static constexpr double kNever = std::numeric_limits<double>::infinity();
+    double period = 1e-3;   ///< [s] duration of a step
+    int acting = 0;         ///< [-] steps after which all tools are removed
+    int calm = 0;           ///< [-] steps that follow
+    bool contracts = false; ///< muscle in tissue that flows: it shortens on and on, which is work
+    bool relaxes = false;   ///< tissue holds energy that storedEnergy() does not know
+    double validStrain = std::numeric_limits<double>::infinity(); ///< [-] the same in all bodies
 };
 
 /// A random scene; counts in the report what it contains.

@@ -132,7 +132,7 @@ private:
 
     void lookAtEnergy()
     {
-        if (step_ % kLookEvery != 0 && step_ != scene_.acting) return;
+        if (scene_.contracts || (step_ % kLookEvery != 0 && step_ != scene_.acting)) return;
         double stored = 0.0, motion = 0.0;
         for (const engine::SoftBody& each : soft()) {
             stored += storedEnergy(each);
