@@ -1,5 +1,6 @@
 #include "apps/filasofia/command_line.h"
 #include "apps/filasofia/commands.h"
+#include "apps/filasofia/fuzz_laws_output.h"
 #include "apps/filasofia/json_file.h"
 #include "filasofia/core/error.h"
 #include "filasofia/core/hash.h"
@@ -35,7 +36,7 @@ struct FuzzCommandOptions {
 };
 
 constexpr double kKnotSeconds = 60.0; ///< [s]
-constexpr int kCuts = 2000, kPerBody = 4, kContactScenes = 200;
+constexpr int kCuts = 2000, kPerBody = 4, kFuzzScenes = 200;
 
 int given(int value, int standard) { return value == kNotGiven ? standard : value; }
 
@@ -210,11 +211,24 @@ int fuzzContacts(const FuzzCommandOptions& options)
 {
     JsonFile file(options.file);
     const testing::ContactFuzzReport report = testing::fuzzContacts({.seed = static_cast<std::uint64_t>(options.seed),
-                                                                     .scenes = given(options.scenes, kContactScenes),
+                                                                     .scenes = given(options.scenes, kFuzzScenes),
                                                                      .first = given(options.first, 0),
                                                                      .twice = options.twice});
     print(report, options.twice);
     file.write(toJson(options, report));
+    return report.sound() ? 0 : kFailed;
+}
+
+int fuzzLaws(const FuzzCommandOptions& options)
+{
+    JsonFile file(options.file);
+    const testing::LawFuzzReport report = testing::fuzzLaws({.seed = static_cast<std::uint64_t>(options.seed),
+                                                             .scenes = given(options.scenes, kFuzzScenes),
+                                                             .first = given(options.first, 0)});
+    printLaws(report);
+    json all = lawsToJson(report);
+    all.update({{"fuzz", options.what}, {"seed", options.seed}, {"first", given(options.first, 0)}});
+    file.write(all);
     return report.sound() ? 0 : kFailed;
 }
 
@@ -251,21 +265,22 @@ int fuzzCuts(const FuzzCommandOptions& options)
 
 int fuzz(const FuzzCommandOptions& options)
 {
-    const bool contact = options.what == "contact", knots = options.what == "knots";
+    const bool contact = options.what == "contact", knots = options.what == "knots", laws = options.what == "laws";
     const bool cuts = options.what == "cut" || options.what == "shells";
-    if (!contact && !knots && !cuts)
-        fail("fuzz: unknown subject '", shortened(options.what), "'; known are contact, cut, shells and knots");
+    if (!contact && !knots && !laws && !cuts)
+        fail("fuzz: unknown subject '", shortened(options.what), "'; known are contact, cut, knots, laws and shells");
     const auto only = [](bool applies, bool isGiven, const char* option, const char* to) {
         if (isGiven && !applies) fail("fuzz: ", option, " applies to ", to, " only");
     };
     only(cuts, options.cuts != kNotGiven, "--cuts", "cut and shells");
     only(cuts, options.perBody != kNotGiven, "--per-body", "cut and shells");
-    only(contact, options.scenes != kNotGiven, "--scenes", "contact");
+    only(contact || laws, options.scenes != kNotGiven, "--scenes", "contact and laws");
     only(knots, !std::isnan(options.seconds), "--seconds", "knots");
-    only(!cuts, options.first != kNotGiven, "--first", "contact and knots");
+    only(!cuts, options.first != kNotGiven, "--first", "contact, knots and laws");
     if (options.twice && cuts)
         fail("fuzz: --twice applies to contact and knots only; cut and shells cut each body twice");
-    return knots ? fuzzKnots(options) : contact ? fuzzContacts(options) : fuzzCuts(options);
+    only(!laws, options.twice, "--twice", "contact and knots"); // laws replays each scene
+    return knots ? fuzzKnots(options) : contact ? fuzzContacts(options) : laws ? fuzzLaws(options) : fuzzCuts(options);
 }
 
 } // namespace
@@ -281,7 +296,9 @@ Command fuzzCommand()
             {{"WHAT",
               &options.what,
               "contact: bodies that fall, are pressed and squeezed; cut: cuts and tears of small bodies; shells: of "
-              "shells; knots: threads that are tied and pulled",
+              "shells; knots: threads that are tied and pulled; laws: small bodies of every law that are cut, torn, "
+              "pulled "
+              "and pressed",
               "",
               {},
               true},
@@ -304,10 +321,10 @@ Command fuzzCommand()
               .standard = text(kPerBody)},
              {.name = "--scenes",
               .target = &options.scenes,
-              .meaning = "contact only: number of scenes",
+              .meaning = "contact and laws only: number of scenes",
               .type = "N",
               .bound = {closed(1, 100000000), "-"},
-              .standard = text(kContactScenes)},
+              .standard = text(kFuzzScenes)},
              {.name = "--seconds",
               .target = &options.seconds,
               .meaning = "knots only: simulated time",
@@ -316,7 +333,7 @@ Command fuzzCommand()
               .standard = text(kKnotSeconds)},
              {.name = "--first",
               .target = &options.first,
-              .meaning = "contact and knots only: number of the first scene, to see one again",
+              .meaning = "contact, knots and laws only: number of the first scene, to see one again",
               .type = "N",
               .bound = {closed(0, 100000000), "-"},
               .standard = "0"},

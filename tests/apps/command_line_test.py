@@ -967,11 +967,21 @@ class Fuzz(Program):
         self.assertEqual((report["hashes_that_differ"], report["silent_overlaps"], report["not_finite"]), (0, 0, 0))
         self.assertIn(report["hash"], said)
 
+    def test_every_law_is_cut_torn_and_replayed_the_same_for_the_same_seed(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "laws.json")
+            said = self.output("fuzz", "laws", "--seed", "3", "--scenes", "8", "--json", str(path))
+            report = json.loads(path.read_text())
+        self.assertEqual([kind["scenes"] for kind in report["kinds"]], [1] * 8)
+        self.assertEqual((report["seed"], report["replays"], report["hashes_that_differ"]), (3, 8, 0))
+        self.assertIn(report["hash"], said)
+
     def test_unknown_subjects_and_illegal_values_are_refused(self):
-        self.refused("fuzz", "cat", says=["'cat'", "known are contact, cut, shells and knots"])
+        self.refused("fuzz", "laws", "--twice", says=["--twice applies to contact and knots only"])
+        self.refused("fuzz", "cat", says=["'cat'", "known are contact, cut, knots, laws and shells"])
         self.refused("fuzz", "cut", "--seconds", "1", says=["--seconds applies to knots only"])
         self.refused("fuzz", "contact", "--cuts", "5", says=["--cuts applies to cut and shells only"])
-        self.refused("fuzz", "knots", "--scenes", "5", says=["--scenes applies to contact only"])
+        self.refused("fuzz", "knots", "--scenes", "5", says=["--scenes applies to contact and laws only"])
         self.refused("fuzz", "cut", "--twice", says=["--twice applies to contact and knots only"])
         self.refused("fuzz", "knots", "--seconds", "0", says=["--seconds must be in (0, 1000000] s"])
         self.refused("fuzz", "cut", "--cuts", "0", says=["--cuts must be a whole number in [1, 100000000]", "got 0"])

@@ -4,8 +4,8 @@
 #include "filasofia/physics/elastic_law.h"
 
 /// Isotropic laws by their energy as a function of the principal stretches (elastic/laws), in double. They share one
-/// tangent: the exact one in the axes of the stretches, without its negative eigenvalues. The corotational and the
-/// neo-Hookean law have such a response too, but the step uses their own faster forms.
+/// tangent: the exact one in the axes of the stretches, with the magnitudes of its eigenvalues. The corotational and
+/// the neo-Hookean law have such a response too, but the step uses their own faster forms.
 namespace filasofia::engine {
 
 /// [J/m^3]

@@ -91,14 +91,15 @@ template <class S> struct StretchModes {
     S ahead[3], across[3];
 };
 
-/// A symmetric matrix without its negative eigenvalues.
+/// A symmetric matrix with the magnitudes of its eigenvalues. Without its negative ones, only the mass of a node would
+/// resist where the law softens, and a step would go far beyond what it is good for.
 template <class S> HWY_INLINE void project(S (&a)[3][3])
 {
     S d[3][3], v[3][3];
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) d[i][j] = a[i][j];
     diagonalise(d, v);
-    const S e[3] = {larger(d[0][0], S(0.0)), larger(d[1][1], S(0.0)), larger(d[2][2], S(0.0))};
+    const S e[3] = {magnitude(d[0][0]), magnitude(d[1][1]), magnitude(d[2][2])};
     for (int i = 0; i < 3; ++i)
         for (int j = i; j < 3; ++j)
             a[i][j] = a[j][i] = v[i][0] * e[0] * v[j][0] + v[i][1] * e[1] * v[j][1] + v[i][2] * e[2] * v[j][2];

@@ -170,12 +170,54 @@ void findHeld(const Pins& pins, std::vector<BodyPiece>& pieces)
     for (BodyPiece& piece : pieces) piece.held = std::ranges::any_of(piece.nodes, isHeld);
 }
 
+namespace {
+
+/// [-] A fragment changes its shape by no more than this share of its size at rest in a step. Tears leave elements that
+/// are stretched far or inside out, for which the tangent of a step is not good for more: some were thrown off at
+/// thousands of metres per second.
+constexpr double kMostChange = 0.5;
+
+/// Whether nodes of a fragment bear volumes (body/nodal_volume.h).
+bool sharesVolumes(const SoftModel& model, const BodyPiece& piece)
+{
+    return model.nodalVolumes && std::ranges::any_of(piece.elements, [&](int e) {
+               return nodalBulk(model.elements[static_cast<std::size_t>(e)]) > 0.0;
+           });
+}
+
+/// Takes from the solved velocities what changes the shape of a fragment too fast. Its linear and angular momentum
+/// stay.
+void limitShape(const SoftModel& model, const SoftState& state, const BodyPiece& piece, double dt,
+                std::vector<Vec3>& dv)
+{
+    const auto at = [&](int i) { return static_cast<std::size_t>(piece.nodes[static_cast<std::size_t>(i)]); };
+    const int count = static_cast<int>(piece.nodes.size());
+    const auto velocity = [&](int i) { return state.v[at(i)] + dv[at(i)]; };
+    const RigidMotion motion = rigidMotionOf(
+        count, [&](int i) { return model.masses[at(i)]; }, [&](int i) { return state.x[at(i)]; },
+        [&](int i) { return model.masses[at(i)] * velocity(i); });
+    const auto change = [&](int i) {
+        return velocity(i) - motion.linear - cross(motion.angular, state.x[at(i)] - motion.centre);
+    };
+    double fastest = 0.0, size = 0.0;
+    for (int i = 0; i < count; ++i) {
+        fastest = std::max(fastest, length(change(i)));
+        size = std::max(size, distance(model.rest[at(i)], model.rest[at(0)]));
+    }
+    const double share = kMostChange * size / (dt * fastest);
+    if (!(share < 1.0) || !isFinite(motion.angular)) return;
+    for (int i = 0; i < count; ++i) dv[at(i)] -= (1.0 - share) * change(i);
+}
+
+} // namespace
+
 void finishFragments(SoftBody& body, ImplicitWeights weights, const std::vector<char>& constrained,
                      const std::function<NodeSolve(int node)>& solved)
 {
     for (const BodyPiece& piece : body.model.pieces) {
         const auto isConstrained = [&](int node) { return constrained[static_cast<std::size_t>(node)] != 0; };
         if (piece.elements.empty() || piece.held || std::ranges::any_of(piece.nodes, isConstrained)) continue;
+        if (sharesVolumes(body.model, piece)) continue; // its matrix would lack them
         std::vector<Vec3> impulses;
         for (int node : piece.nodes) impulses.push_back(solved(node).residual);
         const std::vector<Vec3> correction =
@@ -185,6 +227,7 @@ void finishFragments(SoftBody& body, ImplicitWeights weights, const std::vector<
             body.system.dv[i] = solved(piece.nodes[k]).dv + correction[k];
             body.system.residual[i] = {};
         }
+        limitShape(body.model, body.state, piece, weights.damping, body.system.dv); // damping: weighed by dt
     }
 }
 

@@ -27,7 +27,9 @@ struct NodeSolve {
 
 /// Continues the solve of an implicit step for small fragments: pieces of few elements that are not pinned and have no
 /// constrained node. Each is solved separately until its residual has fallen to a millionth. The results replace `dv`
-/// of these nodes in the system, whatever the solve of the whole body found, and their residuals are not carried on.
+/// of these nodes in the system, whatever the solve of the whole body found, and their residuals are not carried on. A
+/// fragment changes its shape by at most half of its size in a step. Those that are nearly incompressible are left to
+/// the solve of the body.
 void finishFragments(SoftBody& body, ImplicitWeights weights, const std::vector<char>& constrained,
                      const std::function<NodeSolve(int node)>& solved);
 
