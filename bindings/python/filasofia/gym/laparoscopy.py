@@ -347,7 +347,7 @@ class ClipAndCut(SurgicalEnv):
     lens = fs.CameraDef(vertical_field_of_view=0.6, near=0.001, exposure=9.6)
     inner, wall, length = 0.001, 0.0008, 0.044  # [m]
     wanted = ((-0.009, -0.005), (0.008,))  #: [m] x of the clips before and behind the cut
-    cut_at = 0.0015  #: [m]
+    cut_at = 0.002  #: [m]
 
     def build(self) -> list[Tool]:
         self.sim.set_gravity((0, 0, 0))  # what would bear the vessel is not there
