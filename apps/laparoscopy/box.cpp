@@ -159,6 +159,14 @@ LaparoscopeDef scopeOf()
     return def;
 }
 
+std::vector<TrackedBody> observedIn(const LaparoscopicInstrument& first, const LaparoscopicInstrument& second,
+                                    const Laparoscope& scope)
+{
+    return {{.body = first.body(), .tip = {0, 0, -18_mm}},
+            {.body = second.body(), .tip = {0, 0, -18_mm}},
+            {.body = scope.body(), .role = Role::Scope, .element = Endoscope::kCamera}};
+}
+
 std::optional<int> pegOf(const Pose& ring, Side side)
 {
     for (int peg = 0; peg < kPegs; ++peg) {

@@ -30,6 +30,11 @@ PegBox addBox(filasofia::Simulation& sim, int rings, std::uint64_t seed);
 filasofia::LaparoscopicInstrumentDef instrumentOf(Side side, bool haptic);
 filasofia::LaparoscopeDef scopeOf();
 
+/// What is recorded of two instruments and a laparoscope; the first one is measured.
+std::vector<filasofia::TrackedBody> observedIn(const filasofia::LaparoscopicInstrument& first,
+                                               const filasofia::LaparoscopicInstrument& second,
+                                               const filasofia::Laparoscope& scope);
+
 /// The peg of a side that a ring lies around; none if it does not.
 std::optional<int> pegOf(const filasofia::Pose& ring, Side side);
 

@@ -14,6 +14,7 @@ namespace {
 constexpr double kLimits[] = {600, 420, 240}; ///< [s], by difficulty
 constexpr double kOut = 42_mm;                ///< [m] towards the surgeon
 constexpr double kDrop = 0.05e-6;             ///< [m^3] what a tube may lose while it is cut between clips
+constexpr double kStrand = 3.0;               ///< [-], length over that at rest
 constexpr double kFree = 0.1;                 ///< [-], share of the lower bed that may still hold in a critical view
 
 /// The part of a surface that most of these nodes are on.
@@ -37,7 +38,7 @@ public:
         for (std::size_t i : {0, 1}) rows_[i] = std::get<SoftBodyDef>(*layer).attachments[i].nodes;
         sim.everyStep([this](double) { watch(); });
     }
-    std::function<void(const std::string&)> mistake;
+    std::function<void(EventKind, const std::string&)> mark; ///< called for what is recorded
 
     /// What a surgeon shows before anything is clipped (Strasberg 1995, 2010): the triangle is cleared, the lower third
     /// of the gall bladder is off the liver, and two structures, whole, enter it.
@@ -48,28 +49,24 @@ public:
     void clipped(BodyId tissue)
     {
         if (!tissue) return mistake("clip lost");
-        if (!std::exchange(begun_, true)) viewed_ = criticalView();
-        if (!viewed_ && !std::exchange(told_, true)) mistake("clipped without a critical view");
+        if (std::exchange(begun_, true)) return;
+        viewed_ = criticalView();
+        mark(EventKind::Note, viewed_ ? "critical view of safety shown" : "no critical view of safety");
+        if (!viewed_) mistake("clipped without a critical view");
     }
     [[nodiscard]] bool viewed() const { return viewed_; }
     [[nodiscard]] bool layerOpen() const { return layerOpen_; }
     [[nodiscard]] bool lowerFree() const { return lowerBed() <= kFree; }
     [[nodiscard]] bool detached() const { return seen() && points_[0] + points_[1] == 0; }
     [[nodiscard]] DuctBalance of(const PatientTube& tube) const { return sim_.duct(tube.body); }
-    [[nodiscard]] bool isWhole(const PatientTube& tube) const
-    {
-        const DuctState state = of(tube).state;
-        return state == DuctState::Open || state == DuctState::Clipped;
-    }
+    [[nodiscard]] bool isWhole(const PatientTube& tube) const { return surface::isWhole(of(tube).state); }
     [[nodiscard]] bool isCut(const PatientTube& tube) const { return !isWhole(tube); }
     [[nodiscard]] int clipsOn(const PatientTube& tube) const { return of(tube).clipsBefore + of(tube).clipsAfter; }
-    /// [m^3], bile and blood that ran out of cut ends, and blood from elsewhere. That on an artery's surface is the
-    /// same.
+    /// [m^3], what ran out of the duct's cut ends, and all blood: what runs out of the artery's is among it.
     [[nodiscard]] double bile() const { return of(patient_.duct).lost; }
     [[nodiscard]] double blood() const
     {
-        const double artery = std::max(of(patient_.artery).lost, sim_.blood(patient_.artery.body).welled);
-        return artery + sim_.blood(patient_.liver).welled;
+        return sim_.blood(patient_.artery.body).welled + sim_.blood(patient_.liver).welled;
     }
     /// [m^2], on what is no target.
     [[nodiscard]] double burnt() const
@@ -82,7 +79,22 @@ public:
         return seen() ? static_cast<double>(points_[0]) / std::max(1, all_[0].load()) : 1.0;
     }
 
+    /// The gall bladder is off its bed, and a strand of the layer still ties it to what stays.
+    [[nodiscard]] bool strand() const { return detached() && strand_; }
+
 private:
+    void mistake(const char* what) const { mark(EventKind::Mistake, what); }
+    /// Nothing but a strand that is drawn out is so long.
+    [[nodiscard]] bool isStretched(const frame::Frame& now) const
+    {
+        const frame::SoftBodyFrame* layer = now.softBody(patient_.layer);
+        if (layer == nullptr || !layer->boundary || layer->boundary->rest.empty()) return false;
+        return std::ranges::any_of(layer->boundary->triangles, [&](const auto& t) {
+            const auto a = static_cast<std::size_t>(t[0]), b = static_cast<std::size_t>(t[1]);
+            return distance(layer->positions[a], layer->positions[b]) >
+                   kStrand * distance(layer->boundary->rest[a], layer->boundary->rest[b]);
+        });
+    }
     [[nodiscard]] bool seen() const { return all_[0] + all_[1] > 0; } ///< before the first frame nothing is known
     void watch()
     {
@@ -96,11 +108,10 @@ private:
             all_[i] = std::max(all_[i].load(), points);
         }
         if (!layerOpen_) layerOpen_ = isLayerOpen(*now);
-        const auto leaks = [&](const PatientTube& tube, bool& was, const char* what) {
-            if (of(tube).lost > kDrop && !std::exchange(was, true)) mistake(what);
-        };
-        leaks(patient_.duct, bileTold_, "bile leaks");
-        leaks(patient_.artery, bloodTold_, "artery bleeds");
+        if (bile() > kDrop && !std::exchange(bileTold_, true)) mistake("bile leaks");
+        if (sim_.blood(patient_.artery.body).welled > kDrop && !std::exchange(bloodTold_, true))
+            mistake("artery bleeds");
+        strand_ = isStretched(*now);
     }
     /// The layer has come apart between its tubes, and each has a part of it: not a sliver that came off somewhere.
     [[nodiscard]] bool isLayerOpen(const frame::Frame& now)
@@ -127,8 +138,8 @@ private:
     std::array<std::vector<int>, 2> rows_ = {}; ///< nodes of the layer at the artery, and at the duct
     std::uint64_t layerRevision_ = 0;
     std::array<std::atomic<int>, 2> points_ = {}, all_ = {};
-    std::atomic<bool> layerOpen_ = false, viewed_ = false;
-    bool begun_ = false, told_ = false, bileTold_ = false, bloodTold_ = false;
+    std::atomic<bool> layerOpen_ = false, viewed_ = false, strand_ = false;
+    bool begun_ = false, bileTold_ = false, bloodTold_ = false;
 };
 
 std::vector<TaskStep> stepsOf(const GallbladderPatient& patient, const GallbladderTools& tools, const Surgery& surgery)
@@ -151,17 +162,13 @@ std::vector<TaskStep> stepsOf(const GallbladderPatient& patient, const Gallbladd
     };
 }
 
-MetricTrackerDef observedOf(const Training& training, const GallbladderTools& tools, const char* difficulty)
+MetricTrackerDef observedOf(const GallbladderTools& tools, const char* difficulty)
 {
     MetricTrackerDef observed{
         .bodies = {{.body = tools.left.body(), .tip = {0, 0, -18_mm}},
-                   {.body = tools.scope.body(), .role = Role::Scope, .element = Endoscope::kCamera}},
-        .file = training.file};
+                   {.body = tools.scope.body(), .role = Role::Scope, .element = Endoscope::kCamera}}};
     for (const auto& each : tools.right) observed.bodies.push_back({.body = each->body(), .tip = {0, 0, -12_mm}});
-    observed.session = {.trainee = training.trainee,
-                        .task = text("cholecystectomy ", difficulty),
-                        .software = "Filasofia",
-                        .seed = static_cast<std::uint64_t>(training.seed),
+    observed.session = {.task = text("cholecystectomy ", difficulty),
                         .fieldOfView = tools.scope.def().fieldOfView,
                         .targets = {"layer", "duct", "artery"},
                         .watched = {EventKind::Mistake}};
@@ -176,7 +183,8 @@ std::vector<ResultLine> resultsOf(const TaskProgress& progress, const Surgery& s
             {"Clips", text(clips.applied(), clips.missed() > 0 ? text(", lost ", clips.missed()) : "")},
             {"Bile lost", millilitres(surgery.bile())},
             {"Blood lost", millilitres(surgery.blood())},
-            {"Burnt beside", text(std::lround(surgery.burnt() * 1e6), " mm^2")}};
+            {"Burnt beside", text(std::lround(surgery.burnt() * 1e6), " mm^2")},
+            {"Layer", surgery.strand() ? "a strand still holds" : "nothing of it holds"}};
 }
 
 } // namespace
@@ -186,59 +194,41 @@ int cholecystectomy(const Training& training)
     static constexpr const char* kNames[] = {"easy", "normal", "hard"};
     if (training.device) fail("cholecystectomy: a haptic device holds the right handle in peg-transfer only");
     Simulation sim({.window = {"Cholecystectomy", 960, 720}, .look = {.mouse = false, .keys = false}});
-    const GallbladderPatient patient = addGallbladder(sim, static_cast<std::uint64_t>(training.seed));
+    const auto seed = static_cast<std::uint64_t>(training.seed);
+    const GallbladderPatient patient = addGallbladder(sim, seed);
     GallbladderTools tools(sim, patient);
     Surgery surgery(sim, patient);
-    const std::vector<TaskStep> taskSteps = stepsOf(patient, tools, surgery);
-    MetricTrackerDef observed = observedOf(training, tools, kNames[training.difficulty]);
-    for (const TaskStep& step : taskSteps) observed.session.steps.push_back(step.name);
-    MetricTracker tracker(sim, observed);
-    surgery.mistake = [&](const std::string& what) { tracker.mark(EventKind::Mistake, what); };
-    tools.onClip = [&](BodyId tissue) { surgery.clipped(tissue); };
     sim.on<KeyEvent>([&](const KeyEvent& e) {
         for (const InHand each : {Hook, Applier, Scissors})
             if (e.pressed && e.key == static_cast<KeyCode>(static_cast<int>(KeyCode::Digit4) + each))
                 tools.choose(each);
     });
-    const ForceBar bar(sim, {.name = "Force of the grasper", .bodies = {tools.left.body()}, .warning = 5, .full = 10});
-    TrainingSession session(sim, training);
-    const Task* running = nullptr;
-    const auto over = [&](bool done) {
-        session.over(done ? "The gall bladder is free" : "Time is up",
-                     [&] { return resultsOf(running->progress(), surgery, tools.clips); });
-    };
-    const Task task(sim, {.name = "cholecystectomy",
-                          .steps = taskSteps,
-                          .timeLimit = kLimits[training.difficulty],
-                          .tracker = &tracker,
-                          .over = over});
-    running = &task;
-    Guidance guidance(sim, task);
-    session.guide(guidance, training.difficulty == 0 && training.motion.empty());
-    sim.dress([&](VisualServer& server) {
-        tools.scope.dress(server);
-        guidance.dress(server);
-    });
-    const GallbladderMotion with{sim, patient, tools, [&](const char* name) { return session.picture(name); }};
+    TrainerTask task(
+        sim, training,
+        {.steps = stepsOf(patient, tools, surgery),
+         .timeLimit = kLimits[training.difficulty],
+         .guided = training.difficulty == 0,
+         .observed = observedOf(tools, kNames[training.difficulty]),
+         .force = {.name = "Force of the grasper", .bodies = {tools.left.body()}, .warning = 5, .full = 10},
+         .done = "The gall bladder is off its bed",
+         .dress = [&](VisualServer& server) { tools.scope.dress(server); },
+         .results = [&](const TaskProgress& now) { return resultsOf(now, surgery, tools.clips); }});
+    surgery.mark = [&](EventKind kind, const std::string& what) { task.tracker().mark(kind, what); };
+    tools.onClip = [&](BodyId tissue) { surgery.clipped(tissue); };
+    const GallbladderMotion with{sim, patient, tools, [&](const char* name) { return task.picture(name); }};
     std::vector<TrocarMove> moves;
     if (training.motion == "expert") moves = expertMotion(with);
-    if (training.motion == "clumsy") moves = clumsyMotion(with, static_cast<std::uint64_t>(training.seed));
-    double seconds = 0.0;
-    for (const TrocarMove& each : moves) seconds += each.seconds;
+    if (training.motion == "clumsy") moves = clumsyMotion(with, seed);
     if (!moves.empty()) tools.hands.play(moves);
-    const auto steps = static_cast<int>(1000 * seconds);
-    if (const int problem = session.run(steps > 0 ? steps + 100 : 0)) return problem;
-    tracker.close();
-    const TaskProgress progress = task.progress();
-    const bool done = progress.state == TaskProgress::State::Done;
-    std::printf(
-        "%s: %d of %zu steps in %.1f s; critical view %s, clips %d (%d lost), bile %.2f ml, blood %.2f ml, burnt "
-        "beside %.0f mm^2, highest force %.2f N; session%s: %s\n",
-        done ? "done" : "not done", progress.step, taskSteps.size(), progress.time, surgery.viewed() ? "yes" : "no",
-        tools.clips.applied(), tools.clips.missed(), surgery.bile() * 1e6, surgery.blood() * 1e6, surgery.burnt() * 1e6,
-        bar.highest(), tracker.failed() ? " (incomplete)" : "", training.file.c_str());
-    if (tracker.failed()) return 1;
-    return training.motion == "expert" && !session.cutShort() && !done ? 1 : 0;
+    return task.run(moves.empty() ? 0.0 : prefab::durationOf(moves) + 0.1, [&] {
+        char line[160] = {};
+        std::snprintf(line, sizeof line,
+                      "critical view %s, clips %d (%d lost), bile %.2f ml, blood %.2f ml, burnt beside %.0f mm^2%s",
+                      surgery.viewed() ? "yes" : "no", tools.clips.applied(), tools.clips.missed(),
+                      surgery.bile() * 1e6, surgery.blood() * 1e6, surgery.burnt() * 1e6,
+                      surgery.strand() ? ", a strand holds" : "");
+        return std::string(line);
+    });
 }
 
 } // namespace operation

@@ -24,16 +24,6 @@ struct Plan {
 using Shared = std::shared_ptr<Plan>;
 using Aim = std::function<TrocarPose()>;
 
-/// Brings a point of an instrument to a place; its jaws open across a direction.
-TrocarPose reach(const LaparoscopicInstrument& tool, Vec3 place, Vec3 point, Vec3 across, double back = 0.0)
-{
-    const TrocarDef& trocar = tool.def().trocar;
-    const Vec3 pivot = place + length(point) * normalized(trocar.fulcrum - place);
-    TrocarPose pose = poseAt(trocar, place, rollAcross(trocar, pivot, across), point);
-    pose.insertion -= back;
-    return withinLimits(trocar, pose);
-}
-
 void add(const Shared& plan, double seconds, const Aim& left, const Aim& right, std::function<void()> begin = {},
          std::function<void()> end = {})
 {

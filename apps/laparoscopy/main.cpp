@@ -1,4 +1,5 @@
 #include "apps/laparoscopy/gallbladder.h"
+#include "apps/laparoscopy/gauze.h"
 #include "apps/laparoscopy/motion.h"
 
 #include <utility>
@@ -113,10 +114,11 @@ std::vector<TaskStep> stepsOf(const Difficulty& difficulty, const Judge& judge)
 int pegTransfer(const Training& training)
 {
     const Difficulty& difficulty = kDifficulties[training.difficulty];
+    const auto seed = static_cast<std::uint64_t>(training.seed);
     Simulation sim({.physics = {.contact = PenaltyContact{.stiffness = 1e4, .damping = 2.0}},
                     .window = {"Laparoscopy", 960, 720},
                     .look = {.mouse = false, .keys = false}});
-    const PegBox box = addBox(sim, difficulty.rings, static_cast<std::uint64_t>(training.seed));
+    const PegBox box = addBox(sim, difficulty.rings, seed);
     MetricTracker* marks = nullptr;
     LaparoscopicInstrumentDef leftDef = instrumentOf(LeftSide, false),
                               rightDef = instrumentOf(RightSide, training.device);
@@ -130,73 +132,48 @@ int pegTransfer(const Training& training)
     if (training.device)
         handsDef.rightDevice = sim.add(HapticInterfaceDef{.name = "right hand", .body = right.handle()});
     TrocarHands hands(sim, left, right, scope, handsDef);
-
     Judge judge(sim, box, {&left, &right});
-    const std::vector<TaskStep> taskSteps = stepsOf(difficulty, judge);
-    MetricTrackerDef observed{.bodies = {{.body = left.body(), .tip = {0, 0, -18_mm}},
-                                         {.body = right.body(), .tip = {0, 0, -18_mm}},
-                                         {.body = scope.body(), .role = Role::Scope, .element = Endoscope::kCamera}},
-                              .file = training.file};
-    observed.session = {.trainee = training.trainee,
-                        .task = text("peg transfer ", difficulty.name),
-                        .software = "Filasofia",
-                        .seed = static_cast<std::uint64_t>(training.seed),
-                        .fieldOfView = scope.def().fieldOfView,
-                        .watched = {EventKind::Grasp, EventKind::Release, EventKind::Mistake}};
-    for (int i = 1; i <= difficulty.rings; ++i) observed.session.targets.push_back(text("ring ", i));
-    for (const TaskStep& step : taskSteps) observed.session.steps.push_back(step.name);
-    MetricTracker tracker(sim, observed);
-    marks = &tracker;
-    judge.mark = [&](EventKind kind, const std::string& what) { tracker.mark(kind, what); };
-
-    const ForceBar bar(
-        sim, {.name = "Force of the instruments", .bodies = {left.body(), right.body()}, .warning = 5, .full = 10});
-    TrainingSession session(sim, training);
-    const Task* running = nullptr;
     // McGill's raw score (Derossis et al. 1998): the cutoff time less the time, less the percentage of lost objects.
-    const auto score = [&] {
-        const double lost = 100.0 * judge.lost() / difficulty.rings;
-        return std::max(0.0, kCutoff - running->progress().time - lost);
+    const auto score = [&](const TaskProgress& now) {
+        if (now.state != TaskProgress::State::Done) return 0.0;
+        return std::max(0.0, kCutoff - now.time - 100.0 * judge.lost() / difficulty.rings);
     };
-    const auto over = [&](bool done) {
-        session.over(done ? "All rings are in place" : "Time is up", [&] {
-            return std::vector<ResultLine>{{"Time", text(std::lround(running->progress().time), " s")},
-                                           {"Dropped", text(judge.drops())},
-                                           {"Lost", text(judge.lost())},
-                                           {"Score", text(done ? std::lround(score()) : 0, " of 300")},
-                                           {"Highest force", text(std::lround(1000 * bar.highest()), " mN")}};
-        });
-    };
-    const Task task(sim, {.name = "peg transfer",
-                          .steps = taskSteps,
-                          .timeLimit = difficulty.seconds,
-                          .tracker = &tracker,
-                          .over = over});
+    const TrainerTask* running = nullptr;
+    TrainerTaskDef def{
+        .steps = stepsOf(difficulty, judge),
+        .timeLimit = difficulty.seconds,
+        .guided = difficulty.guided,
+        .force = {.name = "Force of the instruments", .bodies = {left.body(), right.body()}, .warning = 5, .full = 10},
+        .done = "All rings are in place",
+        .dress = [&](VisualServer& server) { scope.dress(server); },
+        .results =
+            [&](const TaskProgress& now) {
+                return std::vector<ResultLine>{
+                    {"Time", text(std::lround(now.time), " s")},
+                    {"Dropped", text(judge.drops())},
+                    {"Lost", text(judge.lost())},
+                    {"Score", text(std::lround(score(now)), " of 300")},
+                    {"Highest force", text(std::lround(1000 * running->force().highest()), " mN")}};
+            }};
+    def.observed.bodies = observedIn(left, right, scope);
+    def.observed.session = {.task = text("peg transfer ", difficulty.name),
+                            .fieldOfView = scope.def().fieldOfView,
+                            .watched = {EventKind::Grasp, EventKind::Release, EventKind::Mistake}};
+    for (int i = 1; i <= difficulty.rings; ++i) def.observed.session.targets.push_back(text("ring ", i));
+    TrainerTask task(sim, training, def);
     running = &task;
-    Guidance guidance(sim, task);
-    session.guide(guidance, difficulty.guided && training.motion.empty());
-    sim.dress([&](VisualServer& server) {
-        scope.dress(server);
-        guidance.dress(server);
-    });
+    marks = &task.tracker();
+    judge.mark = [&](EventKind kind, const std::string& what) { task.tracker().mark(kind, what); };
 
-    const Motion with{
-        sim, box, {&left, &right}, difficulty.back, [&](const char* name) { return session.picture(name); }};
+    const Motion with{sim, box, {&left, &right}, difficulty.back, [&](const char* name) { return task.picture(name); }};
     std::vector<TrocarMove> moves;
     if (training.motion == "expert") moves = expertMotion(with);
-    if (training.motion == "clumsy") moves = clumsyMotion(with, static_cast<std::uint64_t>(training.seed));
+    if (training.motion == "clumsy") moves = clumsyMotion(with, seed);
     if (!moves.empty()) hands.play(moves);
-    const int steps = static_cast<int>(1000 * durationOf(moves));
-    if (const int problem = session.run(steps > 0 ? steps + 600 : 0)) return problem;
-    tracker.close();
-    const TaskProgress progress = task.progress();
-    const bool done = progress.state == TaskProgress::State::Done;
-    std::printf("%s: %d of %zu steps in %.1f s; score %.0f, %d dropped, %d lost, highest force %.2f N; session%s: %s\n",
-                done ? "done" : "not done", progress.step, taskSteps.size(), progress.time, done ? score() : 0.0,
-                judge.drops(), judge.lost(), bar.highest(), tracker.failed() ? " (incomplete)" : "",
-                training.file.c_str());
-    if (tracker.failed()) return 1;
-    return training.motion == "expert" && !session.cutShort() && !done ? 1 : 0;
+    return task.run(moves.empty() ? 0.0 : prefab::durationOf(moves) + 0.6, [&] {
+        return text("score ", std::lround(score(task.progress())), ", ", judge.drops(), " dropped, ", judge.lost(),
+                    " lost");
+    });
 }
 
 } // namespace
@@ -206,18 +183,19 @@ int main(int argc, char** argv)
     return runTrainer(
         argc, argv,
         {.name = "laparoscopy",
-         .about = "A laparoscopy trainer: peg transfer in a box, and taking out a gall bladder.",
+         .about = "A laparoscopy trainer: peg transfer and pattern cutting in a box, and taking out a gall bladder.",
          .hands =
              "1, 2 and 3 choose the left hand, the right hand and the laparoscope. Drag with the right button to\n"
              "turn the chosen shaft; the wheel, W and S move it in and out, A and D roll it. The left button closes\n"
              "its jaws while it is held down, G closes and opens them. Page up and page down zoom.\n"
              "Cholecystectomy: 4, 5 and 6 give the right hand the hook (closing is its pedal), clips and scissors.\n"
              "A haptic device (--device) holds the right handle; its first button closes the jaws.\n",
-         .cases = {"peg-transfer", "cholecystectomy"},
+         .cases = {"peg-transfer", "cholecystectomy", "pattern-cutting"},
          .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
          .motions = {"expert", "clumsy"},
          .window = {"Laparoscopy", 960, 720}},
         [](const Training& training) {
-            return training.caseIndex == 0 ? pegTransfer(training) : operation::cholecystectomy(training);
+            static constexpr std::array kTasks = {pegTransfer, operation::cholecystectomy, cutting::patternCutting};
+            return kTasks[static_cast<std::size_t>(training.caseIndex)](training);
         });
 }

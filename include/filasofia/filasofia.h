@@ -14,7 +14,9 @@
 #include "filasofia/prefab/scope_hands.h"
 #include "filasofia/prefab/screens.h"
 #include "filasofia/prefab/trainer.h"
+#include "filasofia/prefab/trainer_task.h"
 #include "filasofia/prefab/trocar_hands.h"
+#include "filasofia/prefab/trocar_plan.h"
 #include "filasofia/runtime/assets.h"
 #include "filasofia/runtime/options.h"
 #include "filasofia/runtime/simulation.h"
@@ -136,6 +138,7 @@ using prefab::MetricTrackerDef;
 using prefab::PerforationWatch;
 using prefab::pivotOf;
 using prefab::poseAt;
+using prefab::reach;
 using prefab::ResultLine;
 using prefab::rollAcross;
 using prefab::runTrainer;
@@ -149,12 +152,16 @@ using prefab::TaskProgress;
 using prefab::TaskStep;
 using prefab::TrackedBody;
 using prefab::TrainerDef;
+using prefab::TrainerTask;
+using prefab::TrainerTaskDef;
 using prefab::Training;
 using prefab::TrainingSession;
+using prefab::TrocarAim;
 using prefab::TrocarDef;
 using prefab::TrocarHands;
 using prefab::TrocarHandsDef;
 using prefab::TrocarMove;
+using prefab::TrocarPlan;
 using prefab::TrocarPose;
 using prefab::TrocarPoses;
 using prefab::TrocarReport;
@@ -162,6 +169,7 @@ using prefab::withinLimits;
 using runtime::asset;
 using runtime::BleedingEvent;
 using runtime::BurnEvent;
+using runtime::ClipEvent;
 using runtime::ContactEvent;
 using runtime::CutEvent;
 using runtime::DeviceEvent;
@@ -206,6 +214,7 @@ using surface::Heat;
 using surface::HeatBalance;
 using surface::Injure;
 using surface::Perfuse;
+using surface::Pour;
 using surface::Rinse;
 using surface::Seal;
 using surface::Suck;

@@ -20,7 +20,7 @@ class PegTransfer(Trainer):
 
 class Words(PegTransfer):
     def test_unknown_words_are_refused_in_one_line(self):
-        for words, says in ((("--case", "stapling"), "--case must be peg-transfer or cholecystectomy, got 'stapling'"),
+        for words, says in ((("--case", "stapling"), "--case must be peg-transfer, cholecystectomy or pattern-cutting, got 'stapling'"),
                             (("--difficulty", "brutal"), "--difficulty must be easy, normal or hard, got 'brutal'"),
                             (("--seed", "-1"), "--seed must be a whole number in [0, 999999999]")):
             done = run("--headless", "--steps", "1", *words)
@@ -79,6 +79,10 @@ class Surgeon(Trainer):
         self.assertEqual([line["what"] for line in self.lines() if line.get("event") == "step"],
                          ["grasp", "triangle", "view", "clip duct", "clip artery", "cut", "detach"])
         self.assertEqual([line for line in self.lines() if line.get("event") == "mistake"], [])
+        told = [line["event"] for line in self.lines() if "event" in line]
+        self.assertEqual((told.count("clip"), told.count("clip_lost"), told.count("clip_slipped")), (6, 0, 0))
+        self.assertIn("leak", told)
+        self.assertIn("critical view of safety shown", [line.get("what") for line in self.lines()])
 
     def test_a_device_is_refused_in_one_line(self):
         motion = Path(self.folder.name) / "in.csv"
@@ -93,6 +97,34 @@ class Surgeon(Trainer):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         if not STEPS:
             self.assertIn("not done: ", done.stdout)
+
+
+class Gauze(Trainer):
+    """One seed of pattern cutting; docs/lab/laparoscopy.md reports more."""
+
+    def play(self, motion, *words):
+        return run("--case", "pattern-cutting", "--motion", motion, "--headless", "--no-picture", "--session", self.session, *words,
+                   *(["--steps", STEPS] if STEPS else []))
+
+    def test_the_expert_cuts_the_circle_out(self):
+        done = self.play("expert", "--seed", "3")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("rolled back 0", done.stdout)
+        if STEPS:
+            return
+        found = re.search(r"done: 4 of 4 steps in [\d.]+ s; score (\d+), 100 % of the circle cut, deviation ([\d.]+) %", done.stdout)
+        self.assertIsNotNone(found, done.stdout)
+        self.assertGreater(int(found[1]), 270)
+        self.assertLess(float(found[2]), 8.0)  # 5.4 % was measured
+        self.assertEqual([line["what"] for line in self.lines() if line.get("event") == "step"], ["hold", "begin", "half", "out"])
+        self.assertEqual([line["what"] for line in self.lines() if line.get("event") == "residual"], ["deviation from the circle"])
+
+    def test_clumsy_hands_come_to_their_end(self):
+        for seed in ("1", "2"):
+            done = self.play("clumsy", "--seed", seed)
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+            if not STEPS:
+                self.assertIn("not done: ", done.stdout)
 
 
 class Hand(PegTransfer):

@@ -3,6 +3,8 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/units.h"
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/metric/catalog.h"
+#include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/runtime/stepped_run.h"
 
 #include <catch2/catch.hpp>
@@ -162,6 +164,58 @@ TEST_CASE("an applier goes on without clips and targets that were removed")
     CHECK(it.clips.missed() == 1);
     it.clips.reload();
     CHECK(report().callbackProblems.empty());
+}
+
+TEST_CASE("clips that are placed, lost and pulled off are measures of a session")
+{
+    Theatre it;
+    MetricTracker tracker(it.sim, {.bodies = {{.body = it.tool.body()}}, .keep = true});
+    it.run(20);
+    it.shut(0.0);
+    it.shut(60_mm); // nothing is there
+    it.sim.physics().setWrench(it.clips.bodies()[0], {0, 0, 5.0}, {});
+    CHECK(it.clips.slipped() == 0);
+    it.run(200);
+    CHECK(it.clips.slipped() == 1);
+    tracker.close();
+    const auto measured = metric::measure(tracker.session());
+    const auto number = [&](std::string_view id) {
+        const auto at = std::ranges::find(metric::catalog(), id, &metric::MetricInfo::id) - metric::catalog().begin();
+        return measured.at(static_cast<std::size_t>(at)).value;
+    };
+    CHECK(number("clips_placed") == 1.0);
+    CHECK(number("clips_lost") == 1.0);
+    CHECK(number("clips_slipped") == 1.0);
+    CHECK_FALSE(number("duct_leak")); // there is no duct
+}
+
+TEST_CASE("an applier without jaws closes when it is told to, and counts the clips that slip off")
+{
+    Theatre it;
+    physics::RigidBodyDef rod{.name = "rod", .elements = {Theatre::at(0, 0)}};
+    rod.mesh = geometry::shapes::box({1_mm, 1_mm, 1_mm});
+    const BodyId body = it.sim.add(rod);
+    ClipApplier clips(it.sim, body, {.clip = {.friction = 0.01}, .clips = 2, .targets = {it.duct}});
+    CHECK_THROWS_WITH(clips.close(), "clip applier: close() needs a step before it");
+    it.run(20);
+    clips.close();
+    it.run(300);
+    CHECK(clips.applied() == 1);
+    CHECK(clips.left() == 1);
+    CHECK(clips.slipped() == 0);
+    it.sim.physics().setWrench(clips.bodies()[0], {0, 0, 0.5}, {});
+    it.run(300);
+    CHECK(clips.slipped() == 1);
+    CHECK(clips.applied() == 1);
+    it.sim.physics().setPose(body, {{0, 0.3, 0}, {}});
+    it.run(2);
+    clips.close();
+    clips.close(); // the magazine is empty
+    it.run(5);
+    CHECK(clips.missed() == 1);
+    CHECK(clips.left() == 0);
+    CHECK_THROWS_WITH(ClipApplier(it.sim, it.duct, {.targets = {it.duct}}),
+                      "clip applier 'duct': the tool must be a rigid body, got soft body 'duct'");
 }
 
 TEST_CASE("an applier without targets, or with wrong ones, is refused in one line")

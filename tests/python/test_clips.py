@@ -38,6 +38,40 @@ def test_a_clip_stops_what_flows_in_a_duct():
     assert [(each.body, each.duct, each.balance.state) for each in report.ducts] == [("duct", "bile", "clipped")]
 
 
+def test_an_applier_closes_its_clips_and_states_know_how_many_are_left():
+    sim, duct, _ = stage()
+    tool = sim.add(fs.RigidBodyDef(name="tool", elements=[(0, 0, 0)], mesh=fs.shapes.box((1e-3, 1e-3, 1e-3))))
+    with pytest.raises(fs.Error, match="targets must name at least one soft body, got none"):
+        fs.ClipApplier(sim, tool, fs.ClipApplierDef())
+    applier = fs.ClipApplier(sim, tool, fs.ClipApplierDef(targets=[duct], clips=2, place=(0, 0, 0)))
+    changes = []
+    sim.on(fs.ClipEvent, lambda event: changes.append((event.change.kind, event.change.partial)))
+    with pytest.raises(fs.Error, match="close.. needs a step before it"):
+        applier.close()
+    sim.step(2)
+    before = sim.save_state()
+    applier.close()
+    sim.step(400)
+    assert (applier.left, applier.applied, applier.missed, applier.slipped) == (1, 1, 0, 0)
+    assert sim.duct(duct).state == "clipped" and changes == [("applied", False)]
+    assert sim.frame.clips[0]["clip"] == applier.bodies[0] and not sim.frame.clips[0]["partial"]
+    sim.step(10, moves={tool: (0, 0.1, 0)})
+    applier.close()
+    sim.step(3)
+    assert (applier.left, applier.missed) == (0, 1) and changes[-1] == ("missed", False)
+    sim.restore(before)
+    assert (applier.left, applier.applied) == (2, 0)
+
+
+def test_blood_of_a_duct_is_one_number():
+    sim, duct, _ = stage()
+    sim.bleed(duct, fs.BleedingDef(flux=1e-4))
+    sim.step()
+    sim.treat(duct, fs.Pour(place=(0, 0, 0), volume=1e-9))
+    sim.step(100)
+    assert sim.blood(duct).welled == pytest.approx(1e-9)
+
+
 def test_a_clip_is_released_and_misuse_is_one_line():
     sim, duct, clip = stage()
     with pytest.raises(fs.Error, match="must be a rigid body to be a clip"):

@@ -114,7 +114,11 @@ TEST_CASE("scenes: wrong clips and ducts are one line with their place")
               theatre(
                   kDuct,
                   R"(, "instruments": [{"type": "EndoscopeDef", "name": "scope", "clips": {"targets": ["vessel"]}}])"))
-              .find("clips need an instrument with jaws") != std::string::npos);
+              .find("clips need an instrument of kind clipApplier") != std::string::npos);
+    for (const char* kind : {"dissector", "laparoscopicGrasper"})
+        CHECK(addingFails(folder, theatre(kDuct, text(R"(, "instruments": [{"name": "i", "kind": ")", kind,
+                                                      R"(", "clips": {"targets": ["vessel"]}}])")))
+                  .find("clips need an instrument of kind clipApplier") != std::string::npos);
 }
 
 } // namespace clips_test

@@ -103,6 +103,27 @@ TEST_CASE("welled blood is on the tissue, sucked, rinsed, dripped or carried off
     CHECK(error(b) < 1e-9 * b.welled);
 }
 
+TEST_CASE("what is poured on is welled, at its rate, near the place or at the nearest point")
+{
+    Ball ball({.flux = 1e-4});
+    ball.run(0.1);
+    for (int i = 0; i < 20; ++i) {
+        ball.blood.apply(Pour{{0, i % 2 == 0 ? 0.03 : 0.2, 0}, 0.005, 1e-9}, ball.mesh->vertices);
+        ball.run(0.05);
+    }
+    CHECK(ball.blood.balance().rate == Approx(2e-8).epsilon(0.5));
+    ball.run(0.5);
+    const BloodBalance b = ball.blood.balance();
+    CHECK(b.welled == Approx(20e-9).epsilon(1e-12));
+    CHECK(b.rate == 0.0);
+    CHECK(error(b) < 1e-12 * b.welled);
+    ball.blood.apply(Pour{{0, 0.03, 0}, 0.005, 1e-9}, ball.mesh->vertices);
+    ball.blood.step(ball.mesh->vertices, {0, -9.81, 0}, 0.01);
+    CHECK(ball.blood.balance().rate == Approx(1e-8));
+    ball.run(0.5);
+    CHECK(ball.blood.balance().rate == 0.0);
+}
+
 TEST_CASE("pausing and sealing stop a wound, and only sealing is for good")
 {
     Ball ball({.flux = 1e-4});

@@ -2,6 +2,7 @@
 
 #include "def_table.h"
 
+#include "filasofia/prefab/clip_applier.h"
 #include "filasofia/prefab/metric_tracker.h"
 
 #include <nanobind/stl/vector.h>
@@ -29,6 +30,7 @@ const DefTable& table()
         out.add<surface::Treatment>();
         out.add<surface::ElectrodeDef>();
         out.add<surface::DuctDef>();
+        out.add<prefab::ClipApplierDef>();
         out.add<runtime::PictureDef>();
         out.add<runtime::ViewerDef>();
         out.add<runtime::ReplayDef>();

@@ -96,6 +96,8 @@ void bindEvents(nb::module_& module)
             nb::for_getter(nb::sig(id("body").c_str())))
         .def_ro("duct", &runtime::DuctEvent::duct)
         .def_ro("balance", &runtime::DuctEvent::balance);
+    eventClass<runtime::ClipEvent>(module, "ClipEvent", "A clip was closed, or slipped off.")
+        .def_ro("change", &runtime::ClipEvent::change);
     eventClass<runtime::FileFailedEvent>(module, "FileFailedEvent", "A file that the run writes takes no more data.")
         .def_ro("problem", &runtime::FileFailedEvent::problem);
     eventClass<event::PhysicsUpdateEvent>(module, "PhysicsUpdateEvent", "A step is done.");
@@ -111,6 +113,7 @@ std::size_t alternativeOf(nb::handle given)
                                   nb::type<runtime::BurnEvent>(),
                                   nb::type<runtime::EnergyEvent>(),
                                   nb::type<runtime::DuctEvent>(),
+                                  nb::type<runtime::ClipEvent>(),
                                   nb::type<runtime::FileFailedEvent>(),
                                   nb::type<event::PhysicsUpdateEvent>()};
     static_assert(std::size(classes) == std::variant_size_v<Arrived>);
@@ -118,7 +121,7 @@ std::size_t alternativeOf(nb::handle given)
         if (given.is(classes[i])) return i;
     throw nb::type_error(
         text("on: the event must be ContactEvent, CutEvent, TearEvent, IntersectionEvent, BleedingEvent, "
-             "BurnEvent, EnergyEvent, DuctEvent, FileFailedEvent or PhysicsUpdateEvent, got ",
+             "BurnEvent, EnergyEvent, DuctEvent, ClipEvent, FileFailedEvent or PhysicsUpdateEvent, got ",
              shown(given))
             .c_str());
 }

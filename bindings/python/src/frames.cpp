@@ -87,7 +87,7 @@ nb::handle clipType()
         {"id", "u4", offsetof(Clip, id)},         {"clip", "u4", offsetof(Clip, clip)},
         {"tissue", "u4", offsetof(Clip, tissue)}, {"place", "3f8", offsetof(Clip, place)},
         {"gap", "f8", offsetof(Clip, gap)},       {"force", "f8", offsetof(Clip, force)},
-        {"closed", "?", offsetof(Clip, closed)}};
+        {"closed", "?", offsetof(Clip, closed)},  {"partial", "?", offsetof(Clip, partial)}};
     return typeOf<Clip>(columns);
 }
 nb::handle jointType()
@@ -163,6 +163,15 @@ void bindSoft(nb::module_& module)
         },
         nb::for_getter(nb::sig("def boundary(self) -> numpy.typing.NDArray[numpy.int32] | None")),
         "(m, 3) nodes of its surface after cuts and tears, or None if its mesh was never changed.");
+    soft.def_prop_ro(
+        "rest",
+        [](const SoftPart& self) -> nb::object {
+            if (!self.body->boundary) return nb::none();
+            return rowsOf<double, 3>(self.body->boundary->rest, self.frame);
+        },
+        nb::for_getter(nb::sig("def rest(self) -> numpy.typing.NDArray[numpy.float64] | None")),
+        "(n, 3) [m] where the nodes are at rest, those that cuts have made too, or None if its mesh was never "
+        "changed.");
 }
 
 void bindRigid(nb::module_& module)
@@ -228,7 +237,7 @@ void bindFrame(nb::module_& module)
         "clips",
         [](nb::handle self) { return recordsOf(nb::cast<const HeldFrame&>(self).get().clips, clipType(), self); },
         nb::for_getter(nb::sig("def clips(self) -> numpy.typing.NDArray[numpy.void]")),
-        "One row per clip on tissue: id, clip, tissue, place, gap, force, closed.");
+        "One row per clip on tissue: id, clip, tissue, place, gap, force, closed, partial.");
     whole.def(
         "copy", [](const HeldFrame& self) { return HeldFrame{.copy = std::make_shared<const Frame>(self.get())}; },
         "A frame of its own, which may be kept as long as you like: the engine has eight, and six may be held at "

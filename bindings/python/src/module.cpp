@@ -48,6 +48,7 @@ NB_MODULE(_core, module)
     bindLibrary(module);
     bindFrames(module);
     bindSimulation(module);
+    addClipApplier(module);
     module.def("close_all", &closeAll, nb::call_guard<nb::gil_scoped_release>());
     explainWrongArguments(module);
 }

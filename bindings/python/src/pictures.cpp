@@ -153,7 +153,7 @@ void addPictures(nb::class_<HeldSimulation>& sim)
         },
         nb::arg("body").none(), nb::arg("command").none(),
         nb::sig("def treat(self, body: filasofia.BodyId, command: filasofia.Perfuse | filasofia.Injure | "
-                "filasofia.Seal | filasofia.Suck | filasofia.Rinse | filasofia.Heat) -> None"),
+                "filasofia.Seal | filasofia.Suck | filasofia.Rinse | filasofia.Pour | filasofia.Heat) -> None"),
         "Presses, injures, seals, sucks or rinses a body that bleeds, or heats one that burns.");
     sim.def(
         "blood",

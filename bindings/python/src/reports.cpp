@@ -131,7 +131,18 @@ void bindStep(nb::module_& module)
     nb::class_<ClipReport>(module, "ClipReport", "What became of clips.")
         .def_ro("applied", &ClipReport::applied, "[-], began to close on tissue")
         .def_ro("missed", &ClipReport::missed, "[-], had nothing between their legs")
-        .def_ro("slipped", &ClipReport::slipped, "[-], were pulled off, or lost their tissue");
+        .def_ro("slipped", &ClipReport::slipped, "[-], were pulled off, or lost their tissue")
+        .def_ro("partial", &ClipReport::partial, "[-], among those applied: tissue goes on beyond their legs");
+    nb::class_<ClipChange> change(module, "ClipChange", "What became of one clip.");
+    change
+        .def_prop_ro("kind",
+                     [](const ClipChange& self) {
+                         using enum ClipChange::Kind;
+                         return self.kind == Applied ? "applied" : self.kind == Missed ? "missed" : "slipped";
+                     })
+        .def_ro("partial", &ClipChange::partial, "tissue went on beyond its legs when it was applied");
+    addId(change, "clip", &ClipChange::clip);
+    addId(change, "tissue", &ClipChange::tissue);
     nb::class_<StepReport>(module, "StepReport", "How a step went.")
         .def_ro("step", &StepReport::step, "number of steps completed")
         .def_ro("time", &StepReport::time, "[s], simulated")
@@ -146,6 +157,7 @@ void bindStep(nb::module_& module)
         .def_ro("unrest", &StepReport::unrest)
         .def_ro("topology", &StepReport::topology)
         .def_ro("clips", &StepReport::clips)
+        .def_ro("clip_changes", &StepReport::clipChanges)
         .def("__repr__", [](nb::handle self) {
             const auto& report = nb::cast<const StepReport&>(self);
             return text("StepReport(step=", report.step, ", time=", report.time,
@@ -199,7 +211,7 @@ void bindRun(nb::module_& module)
             [](const DuctBalance& self) {
                 return std::string(names(&self.state)[static_cast<std::size_t>(self.state)]);
             },
-            "open, clipped, cut or leaking")
+            "open, squeezed, clipped, cut or leaking")
         .def_ro("flow", &DuctBalance::flow, "[m^3/s], from the inlet to the outlet")
         .def_ro("leak", &DuctBalance::leak, "[m^3/s], out of its cut ends")
         .def_ro("lost", &DuctBalance::lost, "[m^3], that has flowed out of them")

@@ -226,6 +226,8 @@ void Session::collect(std::size_t alternative, bool on)
     case 7:
         return observe<runtime::DuctEvent>(alternative);
     case 8:
+        return observe<runtime::ClipEvent>(alternative);
+    case 9:
         return observe<runtime::FileFailedEvent>(alternative);
     default:
         return observe<event::PhysicsUpdateEvent>(alternative);

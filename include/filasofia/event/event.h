@@ -29,6 +29,7 @@ enum class EventType : std::uint8_t {
     Burn,
     Energy,
     Duct,
+    Clip,
     FileFailed,
     Device,
     Controller,
@@ -37,7 +38,7 @@ enum class EventType : std::uint8_t {
     Custom3,
     Custom4,
 };
-inline constexpr std::size_t kEventTypes = 23;
+inline constexpr std::size_t kEventTypes = 24;
 
 /// The enumerator's name, such as "PhysicsUpdate".
 std::string_view name(EventType type);

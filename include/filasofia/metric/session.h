@@ -49,6 +49,10 @@ enum class EventKind {
     Energy,      ///< an electrode has given so much heat since it was added or reset; amount: [J]
     Activation,  ///< an electrode has been active for so long since then; amount: [s]
     InAir,       ///< for so long in this it touched no tissue; amount: [s]
+    Leak,        ///< so much has flowed out of a cut duct since it was added or reset; amount: [m^3]
+    Clip,        ///< a clip was closed on tissue
+    ClipLost,    ///< a clip was closed on nothing, and fell
+    ClipSlipped, ///< a clip was pulled off, or its tissue was removed
     Burn,        ///< so much of a body that is no target of heat is burnt; amount: [m^2]
     Removed,     ///< a piece was removed; amount: [m^3]
     Seen,        ///< the share of the surface to be inspected that has been seen; amount: [-], in [0, 1]

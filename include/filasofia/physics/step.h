@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/core/attachment_id.h"
 #include "filasofia/core/body_id.h"
 #include "filasofia/math/vec3.h"
 
@@ -153,6 +154,17 @@ struct ClipReport {
     int applied = 0; ///< [-] clips that began to close on tissue
     int missed = 0;  ///< [-] clips that had nothing between their legs
     int slipped = 0; ///< [-] clips that were pulled off, or whose tissue was removed
+    int partial = 0; ///< [-] clips among those applied that are too small: tissue goes on beyond their legs
+};
+
+/// What became of one clip in a step.
+struct ClipChange {
+    enum class Kind { Applied, Missed, Slipped };
+    Kind kind = Kind::Applied;
+    AttachmentId id = {};
+    BodyId clip = {};     ///< the rigid body
+    BodyId tissue = {};   ///< the soft body
+    bool partial = false; ///< tissue went on beyond its legs when it was applied: it does not close all of it
 };
 
 /// The time budget of a step. It affects only where the solvers stop.
@@ -183,6 +195,7 @@ struct StepReport {
     Unrest unrest = {};
     TopologyReport topology = {};
     ClipReport clips = {};
+    std::vector<ClipChange> clipChanges = {}; ///< what `clips` counts, in the order in which it happened
     StageTimes times = {};
 
     void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }

@@ -38,17 +38,25 @@ class ClipApplier {
 public:
     /// Adds the clips. Throws an Error if the Def is wrong. Construct it before a run; the instrument must outlive it.
     ClipApplier(runtime::Simulation& simulation, const ArticulatedInstrument& tool, const ClipApplierDef& def);
+    /// The same for a rigid body without jaws: a clip lies ready at once, and close() alone closes it. `place` is from
+    /// the body's first element.
+    ClipApplier(runtime::Simulation& simulation, BodyId tool, const ClipApplierDef& def);
     ~ClipApplier();
     ClipApplier(const ClipApplier&) = delete;
     ClipApplier& operator=(const ClipApplier&) = delete;
 
-    [[nodiscard]] int left() const;                   ///< [-], clips in the magazine
-    [[nodiscard]] int applied() const;                ///< [-], clips that were closed on tissue
-    [[nodiscard]] int missed() const;                 ///< [-], clips that were closed on nothing
+    [[nodiscard]] int left() const;    ///< [-], clips in the magazine
+    [[nodiscard]] int applied() const; ///< [-], clips that were closed on tissue
+    [[nodiscard]] int missed() const;  ///< [-], clips that were closed on nothing
+    /// [-], clips among those applied that are on no tissue any more: they slipped off, lost it, or were released
+    [[nodiscard]] int slipped() const;
+    void close(); ///< closes the next clip where the tool is, also if its jaws do not; none left: nothing
     [[nodiscard]] std::vector<BodyId> bodies() const; ///< the clips, in the order in which they are used
     void reload();                                    ///< puts all clips back into the magazine
 
 private:
+    void begin();
+
     struct Impl;
     std::shared_ptr<Impl> impl_; // shared with the simulation's callback
 };

@@ -6,6 +6,7 @@
 #include "filasofia/physics/physics_server.h"
 #include "filasofia/runtime/bleeding_event.h"
 #include "filasofia/runtime/burn_event.h"
+#include "filasofia/runtime/clip_event.h"
 #include "filasofia/runtime/contact_event.h"
 #include "filasofia/runtime/device_event.h"
 #include "filasofia/runtime/duct_event.h"

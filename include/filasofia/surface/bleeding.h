@@ -48,6 +48,7 @@ private:
     void measureWounds();
     void well(double dt);
     void suck(double dt);
+    void pour(const Pour& what);
     [[nodiscard]] bool idle() const;
 
     BleedingDef def_;
@@ -62,7 +63,9 @@ private:
     double perfusion_ = 1.0;
     double untilLandings_ = 0.0; ///< [s], until it looks again where drops land
     std::optional<Suck> suction_;
-    FilmGeometry geometry_; ///< working memory, like those below
+    double poured_ = 0.0;                     ///< [m^3] since the last step
+    double sincePour_ = 1.0, pourRate_ = 0.0; ///< [s] since something was poured; [m^3/s] lately
+    FilmGeometry geometry_;                   ///< working memory, like those below
     std::vector<double> woundArea_;
     std::vector<Vec3> places_;
     std::vector<int> order_;

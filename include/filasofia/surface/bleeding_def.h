@@ -60,7 +60,13 @@ struct Rinse {
     Vec3 place = {};                                         ///< [m], in the world
     double radius = std::numeric_limits<double>::infinity(); ///< [m], > 0; infinite: everywhere
 };
-using BloodCommand = std::variant<Perfuse, Injure, Seal, Suck, Rinse>;
+/// Blood that a vessel pours onto the surface around a place, or, if nothing of it is so near, onto its nearest point.
+struct Pour {
+    Vec3 place = {};       ///< [m], in the world
+    double radius = 0.003; ///< [m], > 0
+    double volume = 0.0;   ///< [m^3], in [0, 1]
+};
+using BloodCommand = std::variant<Perfuse, Injure, Seal, Suck, Rinse, Pour>;
 
 constexpr auto fields(const Perfuse*)
 {
@@ -86,6 +92,12 @@ constexpr auto fields(const Rinse*)
 {
     return describe("Rinse", field("place", &Rinse::place, "m", finite(), "where, in the world"),
                     field("radius", &Rinse::radius, "m", positiveOrInfinite(), "reach"));
+}
+constexpr auto fields(const Pour*)
+{
+    return describe("Pour", field("place", &Pour::place, "m", finite(), "where, in the world"),
+                    field("radius", &Pour::radius, "m", positive(), "reach"),
+                    field("volume", &Pour::volume, "m^3", closed(0, 1), "of blood"));
 }
 
 /// What became of the blood, [m^3]: welled = onTissue + sucked + rinsed + dripped + carriedOff, up to rounding.

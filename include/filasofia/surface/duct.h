@@ -25,7 +25,8 @@ struct DuctBody {
 class Duct {
 public:
     /// `mesh`: the body's at the start, in the world; `skin`: its boundary then. Throws an Error that begins with
-    /// `object` if the path has no length, is longer than 100 m, turns back, or leads away from the body.
+    /// `object` if the path is shorter than the radius or longer than 100 m, turns sharply, or leads away from the
+    /// body, or if the tube is wider than the body.
     Duct(const DuctDef& def, const geometry::TetMesh& mesh, std::span<const geometry::Triangle> skin,
          const std::string& object);
 
@@ -36,15 +37,22 @@ public:
 
     /// An end that a cut has made.
     struct End {
-        Vec3 place = {};    ///< [m] near it
-        bool leaks = false; ///< otherwise it is shut, or nothing presses there
+        Vec3 place = {};   ///< [m] near it
+        double leak = 0.0; ///< [m^3/s]; 0: it is shut, or nothing presses there
     };
     [[nodiscard]] const std::vector<End>& ends() const { return ends_; } ///< the inlet's part, then the outlet's
     [[nodiscard]] std::uint64_t revision() const { return revision_; }   ///< the last that it saw
     void restart();                                                      ///< it is whole, and has seen nothing
 
 private:
-    [[nodiscard]] std::vector<double> conductances(std::span<const Vec3> positions);
+    void follow(std::span<const Vec3> positions);
+    void measureConductances();
+    /// The station that a clip is at; -1 if it is on none.
+    [[nodiscard]] int stationOf(const frame::Clip& clip) const;
+    [[nodiscard]] double resistance(int from, int to) const;
+    void flowThrough(DuctBalance& now) const;
+    void leakOut(const DuctBody& body, double dt, DuctBalance& now);
+    [[nodiscard]] int lastStation() const { return static_cast<int>(middles_.size()) - 1; }
     void findCut(const DuctBody& body);
     void findNear(const geometry::TetMesh& mesh, std::span<const geometry::Triangle> skin, std::span<const Vec3> points,
                   const std::string& object);
@@ -54,7 +62,9 @@ private:
     geometry::Embedding points_;               ///< the points of all rings, station by station
     std::vector<int> near_;                    ///< per point, the nearest node of the skin, all on one of its walls
     std::vector<Vec3> middles_;                ///< [m] where the stations are now
-    std::vector<Vec3> ring_;                   ///< [m] scratch
+    std::vector<Vec3> ring_;                   ///< [m] where the points are now
+    std::vector<double> open_;                 ///< [-] per station, flow per pressure over that at the start
+    std::vector<int> clipped_;                 ///< stations that clips are at
     std::uint64_t revision_ = 0;               ///< the boundary that cuts_ was found in
     std::vector<int> cuts_;                    ///< it is cut between each of these stations and the next
     std::array<std::vector<int>, 2> endNodes_; ///< nodes of the skin, around the cut ends

@@ -42,12 +42,21 @@ constexpr auto fields(const DuctDef*)
 
 /// What has become of a duct.
 enum class DuctState {
-    Open,    ///< from end to end
-    Clipped, ///< it is whole, and shut somewhere
-    Cut,     ///< it is cut through, and nothing flows out
-    Leaking, ///< it is cut through, and flows out
+    Open,     ///< from end to end
+    Squeezed, ///< it is whole, and shut somewhere, but by no clip
+    Clipped,  ///< it is whole, and shut where a clip is
+    Cut,      ///< it is cut through, and nothing flows out
+    Leaking,  ///< it is cut through, and flows out
 };
-constexpr std::array<std::string_view, 4> names(const DuctState*) { return {"open", "clipped", "cut", "leaking"}; }
+constexpr std::array<std::string_view, 5> names(const DuctState*)
+{
+    return {"open", "squeezed", "clipped", "cut", "leaking"};
+}
+/// From its inlet to its outlet it is one.
+constexpr bool isWhole(DuctState state)
+{
+    return state == DuctState::Open || state == DuctState::Squeezed || state == DuctState::Clipped;
+}
 
 /// A duct after a step.
 struct DuctBalance {

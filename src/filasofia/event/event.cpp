@@ -39,6 +39,8 @@ std::string_view name(EventType type)
         return "Energy";
     case EventType::Duct:
         return "Duct";
+    case EventType::Clip:
+        return "Clip";
     case EventType::FileFailed:
         return "FileFailed";
     case EventType::Device:

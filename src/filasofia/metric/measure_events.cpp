@@ -125,6 +125,11 @@ Value unintendedArea(const Material& m)
 
 Value bloodLost(const Material& m) { return grown(m, EventKind::Blood, "the case has no body that can bleed"); }
 
+Value ductLeak(const Material& m) { return grown(m, EventKind::Leak, "the case has no duct"); }
+Value clipsPlaced(const Material& m) { return count(m, EventKind::Clip, anyOf); }
+Value clipsLost(const Material& m) { return count(m, EventKind::ClipLost, anyOf); }
+Value clipsSlipped(const Material& m) { return count(m, EventKind::ClipSlipped, anyOf); }
+
 /// The largest burnt area of each body, because what is cut off later was burnt all the same.
 Value unintendedBurn(const Material& m)
 {

@@ -55,12 +55,15 @@ physics::RigidBodyDef bodyOf(const ClipApplierDef& def, const std::string& tool,
 } // namespace
 
 struct ClipApplier::Impl {
-    Impl(runtime::Simulation& sim, const ArticulatedInstrument& instrument, const ClipApplierDef& given)
-        : simulation(sim), tool(instrument), def(given)
+    Impl(runtime::Simulation& sim, const ArticulatedInstrument* instrument, BodyId toolBody,
+         const ClipApplierDef& given)
+        : simulation(sim), jaws(instrument), tool(toolBody), def(given)
     {
-        const std::string name =
-            std::visit([](const auto& each) { return each.name; }, *sim.physics().def(tool.body()));
+        const auto held = sim.physics().def(tool);
+        const std::string name = std::visit([](const auto& each) { return each.name; }, *held);
         const std::string object = text("clip applier '", name, "'");
+        if (!std::holds_alternative<physics::RigidBodyDef>(*held))
+            fail(object, ": the tool must be a rigid body, got ", physics::describeBody(*held));
         validate(def, object);
         physics::check(def.clip, object + ": clip");
         if (def.clip.element != 0) fail(object, ": clip.element must be 0, got ", def.clip.element);
@@ -77,11 +80,11 @@ struct ClipApplier::Impl {
             waits.push_back(sim.physics().attachments(clips.back()).front());
         }
         holds.resize(clips.size());
+        on.resize(clips.size());
         usedAt.resize(clips.size());
         tell();
         const auto open = wire(def.clip, 0.8 * def.clip.opening);
-        loaded =
-            sim.show(tool.body(), {.surface = moved(*open, def.place), .material = def.material, .visible = false});
+        loaded = sim.show(tool, {.surface = moved(*open, def.place), .material = def.material, .visible = false});
     }
 
     // Stepping thread, before each step.
@@ -89,12 +92,14 @@ struct ClipApplier::Impl {
     {
         const frame::FrameRef frame = simulation.physics().latest();
         if (!frame) return;
-        const frame::RigidBodyFrame* now = frame->rigidBody(tool.body());
+        const frame::RigidBodyFrame* now = frame->rigidBody(tool);
         if (now == nullptr) return;
         turns.now([&] {
             if (wasReset(*frame)) reload();
             findOut(*frame);
-            const double opening = tool.opening();
+            findSlipped(*frame);
+            if (!jaws) ready = next() < std::ssize(clips);
+            const double opening = jaws ? jaws->opening() : def.closesAt;
             if (!ready && opening > std::min(0.95, def.closesAt + 0.2)) {
                 ready = next() < std::ssize(clips);
             } else if (ready && opening < def.closesAt) {
@@ -125,13 +130,37 @@ struct ClipApplier::Impl {
         return false;
     }
 
+    /// For who has no jaws, or does not ask them.
+    void closeNow()
+    {
+        const frame::FrameRef frame = simulation.physics().latest();
+        if (!frame) fail("clip applier: close() needs a step before it");
+        const frame::RigidBodyFrame* now = frame->rigidBody(tool);
+        if (now == nullptr) return;
+        ready = false;
+        shut(*frame, now->poses.front());
+        tell();
+    }
+
+    /// Clips that were on tissue and are not there any more.
+    void findSlipped(const frame::Frame& frame)
+    {
+        for (std::size_t i = 0; i < static_cast<std::size_t>(used); ++i) {
+            if (!on[i] || std::ranges::find(frame.clips, holds[i], &frame::Clip::id) != frame.clips.end()) continue;
+            on[i] = false;
+            ++slipped;
+        }
+    }
+
     /// Whether the clip that was closed last holds: the step after it tells.
     void findOut(const frame::Frame& frame)
     {
         if (asked < 0 || frame.step <= usedAt[static_cast<std::size_t>(asked)]) return;
-        const AttachmentId id = holds[static_cast<std::size_t>(std::exchange(asked, -1))];
+        const auto clip = static_cast<std::size_t>(std::exchange(asked, -1));
+        const AttachmentId id = holds[clip];
         const auto found = std::ranges::find(frame.clips, id, &frame::Clip::id);
-        tellClip(found == frame.clips.end() ? BodyId{} : found->tissue);
+        on[clip] = found != frame.clips.end();
+        tellClip(on[clip] ? found->tissue : BodyId{});
     }
     void tellClip(BodyId tissue)
     {
@@ -196,15 +225,16 @@ struct ClipApplier::Impl {
         }
         used = 0;
         asked = -1;
-        applied = missed = 0;
+        applied = missed = slipped = 0;
+        on.assign(on.size(), false);
         ready = false;
         tell();
     }
-    void tell() { newest.write({static_cast<int>(clips.size()) - used, applied, missed}); }
+    void tell() { newest.write({static_cast<int>(clips.size()) - used, applied, missed, slipped}); }
 
     using Ids = std::vector<AttachmentId>;
-    using Kept = std::tuple<int, int, int, int, bool, Ids, Ids, std::vector<std::uint64_t>>;
-    auto kept() { return std::tie(used, asked, applied, missed, ready, waits, holds, usedAt); }
+    using Kept = std::tuple<int, int, int, int, int, bool, Ids, Ids, std::vector<std::uint64_t>, std::vector<bool>>;
+    auto kept() { return std::tie(used, asked, applied, missed, slipped, ready, waits, holds, usedAt, on); }
     void publish()
     {
         simulation.setVisible(loaded, shownLoaded = ready);
@@ -213,7 +243,8 @@ struct ClipApplier::Impl {
     }
 
     runtime::Simulation& simulation;
-    const ArticulatedInstrument& tool;
+    const ArticulatedInstrument* jaws; ///< null: it has none
+    const BodyId tool;
     const ClipApplierDef def;
     Turns turns; // guards the members below
     std::vector<BodyId> clips;
@@ -223,22 +254,32 @@ struct ClipApplier::Impl {
     std::vector<AttachmentId> waits;   ///< by which those in the magazine hang in space
     std::vector<AttachmentId> holds;   ///< by which used ones hang on tissue
     std::vector<std::uint64_t> usedAt; ///< the step after which each was used
-    int used = 0, applied = 0, missed = 0;
+    std::vector<bool> on;              ///< which used ones are on tissue
+    int used = 0, applied = 0, missed = 0, slipped = 0;
     int asked = -1;     ///< the clip of which the next step tells whether it holds
     bool ready = false; ///< a clip is in the jaws
     struct Counts {
-        int left = 0, applied = 0, missed = 0;
+        int left = 0, applied = 0, missed = 0, slipped = 0;
     };
     Published<Counts> newest; // for all threads
 };
 
 ClipApplier::ClipApplier(runtime::Simulation& simulation, const ArticulatedInstrument& tool, const ClipApplierDef& def)
-    : impl_(std::make_shared<Impl>(simulation, tool, def))
+    : impl_(std::make_shared<Impl>(simulation, &tool, tool.body(), def))
 {
-    simulation.everyStep([weak = std::weak_ptr(impl_)](double) {
+    begin();
+}
+ClipApplier::ClipApplier(runtime::Simulation& simulation, BodyId tool, const ClipApplierDef& def)
+    : impl_(std::make_shared<Impl>(simulation, nullptr, tool, def))
+{
+    begin();
+}
+void ClipApplier::begin()
+{
+    impl_->simulation.everyStep([weak = std::weak_ptr(impl_)](double) {
         if (const auto impl = weak.lock()) impl->watch();
     });
-    remember(simulation, text("clips of body ", tool.body().value), impl_);
+    remember(impl_->simulation, text("clips of body ", impl_->tool.value), impl_);
 }
 ClipApplier::~ClipApplier() = default;
 
@@ -246,6 +287,11 @@ int ClipApplier::left() const { return impl_->newest.read().left; }
 int ClipApplier::applied() const { return impl_->newest.read().applied; }
 int ClipApplier::missed() const { return impl_->newest.read().missed; }
 std::vector<BodyId> ClipApplier::bodies() const { return impl_->clips; }
+int ClipApplier::slipped() const { return impl_->newest.read().slipped; }
+void ClipApplier::close()
+{
+    impl_->turns.take(!impl_->simulation.physics().stepsHere(), [impl = impl_] { impl->closeNow(); });
+}
 void ClipApplier::reload()
 {
     impl_->turns.take(!impl_->simulation.physics().stepsHere(), [impl = impl_] { impl->reload(); });

@@ -89,7 +89,8 @@ metric::Session begun(runtime::Simulation& simulation, const MetricTrackerDef& d
     session.complete = true;
     if (session.date.empty()) session.date = dateNow();
     if (session.software.empty()) session.software = "Filasofia " FILASOFIA_VERSION;
-    for (const EventKind kind : {EventKind::Tear, EventKind::Cut})
+    for (const EventKind kind :
+         {EventKind::Tear, EventKind::Cut, EventKind::Clip, EventKind::ClipLost, EventKind::ClipSlipped})
         if (std::find(session.watched.begin(), session.watched.end(), kind) == session.watched.end())
             session.watched.push_back(kind);
     for (const TrackedBody& body : def.bodies)
@@ -422,7 +423,7 @@ MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef d
                              [weak](const std::any&) {
                                  if (const auto impl = weak.lock()) impl->checkBack();
                              }});
-    const auto happened = [weak, &simulation](EventKind kind, double time, BodyId body, double amount,
+    const auto happened = [weak, &simulation](EventKind kind, double time, BodyId body, std::optional<double> amount,
                                               const std::string& which) {
         const auto impl = weak.lock();
         if (!impl) return;
@@ -444,6 +445,18 @@ MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef d
         }),
         simulation.on<runtime::BurnEvent>([happened](const runtime::BurnEvent& burn) {
             if (!burn.target) happened(EventKind::Burn, burn.time, burn.body, burn.balance.burnt, {});
+        }),
+        simulation.on<runtime::DuctEvent>([happened](const runtime::DuctEvent& duct) {
+            const std::string which = duct.duct == 0 ? "" : text(", duct ", duct.duct);
+            happened(EventKind::Leak, duct.time, duct.body, duct.balance.lost, which);
+        }),
+        simulation.on<runtime::ClipEvent>([happened](const runtime::ClipEvent& clip) {
+            using enum physics::ClipChange::Kind;
+            const auto kind = clip.change.kind;
+            happened(kind == Applied  ? EventKind::Clip
+                     : kind == Missed ? EventKind::ClipLost
+                                      : EventKind::ClipSlipped,
+                     clip.time, clip.change.tissue, {}, {});
         }),
         simulation.on<runtime::EnergyEvent>([happened](const runtime::EnergyEvent& energy) {
             const std::string which = energy.electrode == 0 ? "" : text(", electrode ", energy.electrode);

@@ -89,6 +89,10 @@ ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServ
                     ": this surface deforms with the body but does not open where it is cut, because parts of it are "
                     "not near the body's skin; without a surface the body's own boundary is drawn, which opens");
         }
+        if (soft->dynamicTopology && physics::isShell(*soft) && !mapped->surface.uv.empty()) {
+            const std::lock_guard lock(mutex_);
+            printed_.try_emplace(id, mapped->surface);
+        }
         const int nodes = mapping::nodesNeeded(mapped->map);
         made.push_back({.id = id,
                         .name = soft->name,
@@ -192,7 +196,11 @@ void Bindings::followTopology(const frame::Frame& frame)
         if (last == body.boundary) continue;
         if (!last && body.boundary->revision == 0 && !isCut(body.id)) continue; // drawn as it was built
         const auto part = [&](bool opened) {
-            return std::make_shared<const mapping::MappedSurface>(mapping::mapBoundary(*body.boundary, opened));
+            mapping::MappedSurface made = mapping::mapBoundary(*body.boundary, opened);
+            const std::lock_guard lock(mutex_);
+            if (const auto print = printed_.find(body.id); print != printed_.end() && !opened)
+                print->second.print(made);
+            return std::make_shared<const mapping::MappedSurface>(std::move(made));
         };
         auto interior = part(true);
         const bool open = !interior->surface.triangles.empty();

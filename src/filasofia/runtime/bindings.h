@@ -6,6 +6,7 @@
 #include "filasofia/runtime/painted_surfaces.h"
 
 #include "filasofia/geometry/box.h"
+#include "filasofia/mapping/printed_sheet.h"
 
 #include <set>
 
@@ -117,8 +118,9 @@ private:
         SharedSurface skin, interior; ///< null: nothing is open
         std::shared_ptr<const frame::Boundary> boundary = {};
     };
-    std::map<BodyId, Topology> topology_; ///< the newest boundary of each body whose topology has changed
-    std::set<BodyId> changed_;            ///< bodies whose new triangles the worker was not yet asked for
+    std::map<BodyId, Topology> topology_;             ///< the newest boundary of each body whose topology has changed
+    std::map<BodyId, mapping::PrintedSheet> printed_; ///< shells with texture coordinates that may be cut
+    std::set<BodyId> changed_;                        ///< bodies whose new triangles the worker was not yet asked for
     std::uint32_t lastShown_ = 0;
     SurfaceKey lastKey_ = 0;
 

@@ -8,6 +8,12 @@
 #include <utility>
 
 namespace filasofia::runtime {
+namespace {
+
+constexpr double kPouring = 0.05; // [s] between two tellings of what flows onto a body: each is a line of a recording
+
+} // namespace
+
 int Ducts::add(BodyId id, const surface::DuctDef& def, const physics::PhysicsServer& physics)
 {
     const auto body = physics.def(id);
@@ -44,7 +50,8 @@ void Ducts::restart()
     for (Known& each : state_.all) {
         if (const std::uint64_t last = each.duct.revision(); last > 0) each.old = last;
         each.duct.restart();
-        each.leaks.clear();
+        each.poured = {};
+        each.pourFrom = 0.0;
         each.revision = 0;
         each.told.reset();
         each.tellFrom = 0.0;
@@ -59,35 +66,36 @@ bool Ducts::afterStep(std::uint64_t step, double time, physics::PhysicsServer& p
     const std::lock_guard lock(mutex_);
     const double dt = std::max(time - std::exchange(state_.last, time), 0.0);
     bool all = true;
-    std::vector<frame::Clip> clips;
+    std::erase_if(state_.all, [&](const Known& each) { return !physics.has(each.body); });
     for (Known& each : state_.all) {
         const frame::SoftBodyFrame* body = frame->softBody(each.body);
-        if (body == nullptr) continue; // it was removed
+        if (body == nullptr) continue; // it is not there yet
         const std::uint64_t revision = body->boundary ? body->boundary->revision : 0;
         if (each.old > 0 && revision >= each.old) continue; // the reset has not come yet
         each.old = 0;
-        clips.clear();
+        clips_.clear();
         for (const frame::Clip& clip : frame->clips)
-            if (clip.tissue == each.body) clips.push_back(clip);
-        each.duct.step({.positions = body->positions, .boundary = body->boundary.get(), .clips = clips}, dt);
-        tellEnds(each, told);
+            if (clip.tissue == each.body) clips_.push_back(clip);
+        each.duct.step({.positions = body->positions, .boundary = body->boundary.get(), .clips = clips_}, dt);
+        tellEnds(time, dt, each, told);
         all = tell(time, each, told) && all;
     }
     return all;
 }
 
-void Ducts::tellEnds(Known& known, const Told& told)
+// What flows out of an end is the duct's: the body's own law must not tell it again.
+void Ducts::tellEnds(double time, double dt, Known& known, const Told& told)
 {
     const auto& ends = known.duct.ends();
-    const bool fresh = known.leaks.size() != ends.size(); // the body's own law lets a fresh cut bleed
-    known.leaks.resize(ends.size(), 1);
+    const double reach = 3.0 * known.duct.def().radius;
     const bool opened = std::exchange(known.revision, known.duct.revision()) != known.duct.revision();
     for (std::size_t i = 0; i < ends.size(); ++i) {
-        const bool leaks = ends[i].leaks;
-        const bool same = std::exchange(known.leaks[i], leaks ? 1 : 0) == (leaks ? 1 : 0);
-        if (same && (leaks || !opened)) continue; // what a blade opens later at a shut end is shut, too
-        if (!(fresh && leaks)) told.end(known.body, ends[i].place, 3.0 * known.duct.def().radius, leaks);
+        known.poured[i] += dt * ends[i].leak;
+        if (opened) told.seal(known.body, ends[i].place, reach);
+        if (known.poured[i] == 0.0 || time < known.pourFrom) continue;
+        told.pour(known.body, ends[i].place, reach, std::exchange(known.poured[i], 0.0));
     }
+    if (time >= known.pourFrom) known.pourFrom = time + kPouring;
 }
 
 bool Ducts::tell(double time, Known& known, const Told& told)

@@ -52,6 +52,7 @@ public:
         clips_.applied += report.clips.applied;
         clips_.missed += report.clips.missed;
         clips_.slipped += report.clips.slipped;
+        clips_.partial += report.clips.partial;
         const physics::TopologyReport& blades = report.topology;
         refused_.steps += blades.bladesRefused() > 0;
         refused_.jumped += blades.bladeJump + blades.bladeTooFast > 0;

@@ -87,7 +87,7 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     haptics.afterStep(report, physics);
     // Before the update event, so that its observers already know what happened in the step.
     const std::uint32_t flags = postContactEvents(report) | postIntersectionEvents(report) | postRuptureEvents(report) |
-                                stepDucts(report) | stepSurfaces(report);
+                                postClipEvents(report) | stepDucts(report) | stepSurfaces(report);
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
     now.stamp(*update);
     return flags | (events.tryPost(std::move(update)) ? 0u : kEventLost);
@@ -137,6 +137,18 @@ std::uint32_t Simulation::Impl::postRuptureEvents(const physics::StepReport& rep
             post(std::make_unique<CutEvent>(), rupture);
         else
             post(std::make_unique<TearEvent>(), rupture);
+    return all ? 0u : kEventLost;
+}
+
+std::uint32_t Simulation::Impl::postClipEvents(const physics::StepReport& report)
+{
+    bool all = true;
+    for (const physics::ClipChange& each : report.clipChanges) {
+        auto event = std::make_unique<ClipEvent>();
+        event->change = each;
+        now.stamp(*event);
+        all = events.tryPost(std::move(event)) && all;
+    }
     return all ? 0u : kEventLost;
 }
 
@@ -190,14 +202,16 @@ std::uint32_t Simulation::Impl::stepDucts(const physics::StepReport& report)
         now.stamp(*event);
         return events.tryPost(std::move(event));
     };
-    const auto end = [this](BodyId id, Vec3 place, double radius, bool leaks) {
+    const auto give = [this](BodyId id, const surface::Treatment& treatment) {
         if (!bleedings.has(id)) return;
-        const surface::Treatment treatment = leaks ? surface::Treatment(surface::Injure{place, radius})
-                                                   : surface::Treatment(surface::Seal{place, radius});
         treat(id, treatment);
         recordScene(SceneTreated{id, treatment});
     };
-    return ducts.afterStep(report.step, report.time, physics, {post, end}) ? 0u : kEventLost;
+    const auto seal = [give](BodyId id, Vec3 place, double radius) { give(id, surface::Seal{place, radius}); };
+    const auto pour = [give](BodyId id, Vec3 place, double radius, double volume) {
+        give(id, surface::Pour{place, radius, volume});
+    };
+    return ducts.afterStep(report.step, report.time, physics, {post, seal, pour}) ? 0u : kEventLost;
 }
 
 void Simulation::Impl::cleanSurfaces()

@@ -143,6 +143,7 @@ std::string energyLine(const EnergyReport& report)
 std::string clipsLine(const physics::ClipReport& clips)
 {
     std::string out = text("clips closed on tissue: ", clips.applied);
+    if (clips.partial > 0) out += text(" (", clips.partial, " too small: tissue goes on beyond the legs)");
     if (clips.missed > 0) out += text(", on nothing: ", clips.missed);
     if (clips.slipped > 0) out += text(", pulled off: ", clips.slipped);
     return out + "\n";
@@ -152,8 +153,7 @@ std::string ductLine(const DuctReport& report)
 {
     const surface::DuctBalance& b = report.balance;
     const std::string state(names(&b.state)[static_cast<std::size_t>(b.state)]);
-    const bool whole = b.state == surface::DuctState::Open || b.state == surface::DuctState::Clipped;
-    const std::string clips = whole ? text(b.clipsBefore) : text(b.clipsBefore, " + ", b.clipsAfter);
+    const std::string clips = isWhole(b.state) ? text(b.clipsBefore) : text(b.clipsBefore, " + ", b.clipsAfter);
     return line("duct '%s' of '%s': %s; clips %s, flow %.3g ml/s, leak %.3g ml/s, lost %.2f ml",
                 oneLine(shortened(report.duct)).c_str(), oneLine(shortened(report.body)).c_str(), state.c_str(),
                 clips.c_str(), b.flow * 1e6, b.leak * 1e6, b.lost * 1e6);

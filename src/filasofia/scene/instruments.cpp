@@ -151,7 +151,10 @@ void addClips(runtime::Simulation& simulation, const SceneInstrument& def, const
               const std::vector<BodyId>& ids)
 {
     if (!def.clips) return;
-    if (!added.jaws) fail("clips need an instrument with jaws");
+    const auto* jaws = std::get_if<prefab::ArticulatedInstrumentDef>(&def.def);
+    if (const auto* tool = std::get_if<prefab::LaparoscopicInstrumentDef>(&def.def)) jaws = &tool->tool;
+    if (!jaws || jaws->kind != prefab::InstrumentKind::ClipApplier)
+        fail("clips need an instrument of kind clipApplier");
     prefab::ClipApplierDef clips = *def.clips;
     SceneNumbers(ids).replaceIn(clips);
     const auto applier = std::make_shared<prefab::ClipApplier>(simulation, *added.jaws, clips);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace filasofia::surface {
 namespace {
@@ -15,6 +16,7 @@ constexpr std::uint8_t kOpened = 1;  ///< bleeds on its opened triangles
 constexpr std::uint8_t kInjured = 2; ///< bleeds on all of its triangles
 constexpr double kLandings = 0.1;    ///< [s] between two looks where drops land
 constexpr double kNew = -1.0;        ///< vessels have just been opened
+constexpr double kPouring = 0.1;     ///< [s] after which what was poured is no stream any more
 
 /// In [0, 1), the same for the same node.
 double drawn(int node)
@@ -152,6 +154,7 @@ void Bleeding::apply(const BloodCommand& command, std::span<const Vec3> position
         });
     if (const auto* seal = std::get_if<Seal>(&command))
         forEachNear(places_, seal->place, seal->radius, [&](std::size_t v) { vessels_[v] = 0.0; });
+    if (const auto* poured = std::get_if<Pour>(&command)) pour(*poured);
     if (const auto* rinse = std::get_if<Rinse>(&command))
         forEachNear(places_, rinse->place, rinse->radius, [&](std::size_t v) {
             balance_.rinsed += content_.volume[v];
@@ -159,9 +162,28 @@ void Bleeding::apply(const BloodCommand& command, std::span<const Vec3> position
         });
 }
 
+void Bleeding::pour(const Pour& what)
+{
+    if (places_.empty() || what.volume == 0.0) return;
+    std::vector<std::size_t> on;
+    forEachNear(places_, what.place, what.radius, [&](std::size_t v) { on.push_back(v); });
+    if (on.empty()) {
+        const auto far = [&](Vec3 place) { return lengthSquared(place - what.place); };
+        on = {static_cast<std::size_t>(std::ranges::min_element(places_, {}, far) - places_.begin())};
+    }
+    for (const std::size_t v : on) content_.volume[v] += what.volume / static_cast<double>(on.size());
+    poured_ += what.volume;
+    balance_.welled += what.volume;
+}
+
 void Bleeding::step(std::span<const Vec3> positions, Vec3 gravity, double dt)
 {
-    balance_.rate = 0.0;
+    sincePour_ += dt;
+    if (poured_ > 0.0)
+        pourRate_ = std::exchange(poured_, 0.0) / std::min(std::exchange(sincePour_, 0.0), kPouring);
+    else if (sincePour_ > kPouring)
+        pourRate_ = 0.0;
+    balance_.rate = pourRate_;
     if (dt <= 0.0 || idle()) return;
     surface_.gather(positions, places_);
     measure(surface_.topology(), places_, gravity, geometry_);

@@ -1,4 +1,4 @@
-"""Environments for gymnasium (docs/guide/environments.md): importing this registers filasofia/Reach-v0 and 13 more."""
+"""Environments for gymnasium (docs/guide/environments.md): importing this registers filasofia/Reach-v0 and 16 more."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ except ImportError:
 
 from .cuts import PolypRemoval, PrecisionCutting
 from .environment import Judgement, SurgicalEnv
+from .laparoscopy import ClipAndCut, PatternCutting, PegTransfer
 from .stitches import LigatingLoop, Suture
 from .tasks import (
     BimanualTissueManipulation,
@@ -39,17 +40,23 @@ TASKS = (
     RopeThreading,
     LigatingLoop,
     Suture,
+    PegTransfer,
+    PatternCutting,
+    ClipAndCut,
 )
 
 # Name by name, because type checkers read no more than that.
 __all__ = [
     "TASKS",
     "BimanualTissueManipulation",
+    "ClipAndCut",
     "DeflectSpheres",
     "GraspLift",
     "Joint",
     "Judgement",
     "LigatingLoop",
+    "PatternCutting",
+    "PegTransfer",
     "PickAndPlace",
     "PolypRemoval",
     "PrecisionCutting",

@@ -6,7 +6,7 @@ import typing
 
 import numpy as np
 
-from . import cuts, stitches, tasks, threads
+from . import cuts, laparoscopy, stitches, tasks, threads
 from .environment import SurgicalEnv
 from .tool import Array, Tool, turned
 
@@ -285,6 +285,94 @@ def _suture(env: stitches.Suture) -> Moves:
     yield from _stay(tool.size)
 
 
+def _transfer(env: laparoscopy.PegTransfer) -> Moves:
+    left, right = env.tools
+    beside = env.inner + env.wall / 2
+    for i, wanted in enumerate(env.wanted):
+
+        def at(side: float, above: float, i: int = i) -> typing.Callable[[], Array]:
+            return lambda: env.ring(i) + (side * beside, env.height / 2 + 0.003 + above, 0)
+
+        def carry(tool: Tool, place: Array, i: int = i) -> typing.Callable[[], Array]:
+            return lambda: tool.place + place - env.ring(i)
+
+        yield from _both(env, 0, _to(env, left, at(-1, 0.012), -1.0))
+        yield from _both(env, 0, _until(env, left, at(-1, -0.004), lambda: env.has(0, i)))
+        yield from _both(env, 0, _to(env, left, carry(left, env.ring(i) * (1, 0, 1) + (0, 0.032, 0)), 1.0))
+        yield from _both(env, 0, _to(env, left, carry(left, np.array([0.0, 0.036, 0.0])), 1.0))
+        yield from _both(env, 1, _to(env, right, at(1, 0.012), -1.0))
+        yield from _both(env, 1, _until(env, right, at(1, -0.004), lambda: env.has(1, i)))
+        yield from _both(env, 0, [np.array([0, 0, 0, -1.0])] * 2)
+        yield from _both(env, 0, _to(env, left, left.place + (-0.03, 0.01, 0.0), -1.0))
+        yield from _both(env, 1, _to(env, right, carry(right, wanted + (0, 0.032, 0)), 1.0))
+        yield from _both(env, 1, _to(env, right, carry(right, wanted + (0, 0.006, 0)), 1.0, slow=0.5))
+        yield from _both(env, 1, [np.array([0, 0, 0, -1.0])] * 2)
+        yield from _both(env, 1, _to(env, right, right.place + (0.0, 0.03, 0.01), -1.0))
+    yield from _stay(8)
+
+
+def _until(
+    env: SurgicalEnv, tool: Tool, place: typing.Callable[[], Array], done: typing.Callable[[], bool]
+) -> typing.Iterator[Array]:
+    """Closed, to a place, until something is done."""
+    for _ in range(60):
+        if done():
+            return
+        step = _command(env, tool, place(), grip=1.0)
+        step[:3] *= 0.5
+        yield step
+
+
+def _pattern(env: laparoscopy.PatternCutting) -> Moves:
+    scissors, hand = env.tools
+    if env.difficulty > 0:
+        corner = env.corner
+        yield from _both(env, 1, _to(env, hand, lambda: env.sim.frame[env.gauze].positions[corner] + (0, 0.01, 0), -1.0))
+        yield from _both(
+            env,
+            1,
+            _until(env, hand, lambda: env.sim.frame[env.gauze].positions[corner], lambda: env.holds(hand)),
+        )
+        yield from _both(env, 1, _to(env, hand, np.array([-0.05, 0.004, 0.05]), 1.0))
+    grip = 0.0 if env.difficulty == 0 else 1.0
+
+    def cut(x: float, z: float, heading: float, slow: float = 1.0, up: float = 0.0) -> Moves:
+        for _ in range(60):
+            there = env.at(x, z) + (0, up, 0)
+            step = _command(env, scissors, there, [heading])
+            far = np.linalg.norm(there - scissors.place)
+            if far < 8e-4:
+                return
+            step[:3] *= slow
+            yield np.concatenate([step, [0, 0, 0, grip]])
+
+    yield from cut(0.0, env.radius, np.pi / 2, up=0.025)
+    yield from cut(0.0, env.radius, np.pi / 2)
+    parts = 60
+    for i in range(1, parts + 12):  # on over its start, where something may still hold
+        angle = 2 * np.pi * i / parts
+        yield from cut(env.radius * np.sin(angle), env.radius * np.cos(angle), np.pi / 2 + angle)
+    yield from _stay(8, grip)
+
+
+def _clip_and_cut(env: laparoscopy.ClipAndCut) -> Moves:
+    applier, scissors = env.tools
+    for x in (*env.wanted[0], *env.wanted[1]):
+        place = env.at(x)
+        yield from _both(env, 0, _to(env, applier, place + (0, 0, 0.014), -1.0))
+        yield from _both(env, 0, _to(env, applier, place, -1.0))
+        yield from _both(env, 0, [np.array([0, 0, 0, 1.0])] * 18)
+        yield from _both(env, 0, _to(env, applier, place + (0, 0, 0.014), 0.0))
+    for off in (0.0, 8e-4, -8e-4, 1.6e-3, -1.6e-3):  # a cut may leave a bridge
+        if env.sim.duct(env.vessel).state in ("cut", "leaking"):
+            break
+        place = env.at(env.cut_at) + (off, 0, 0)
+        yield from _both(env, 1, _to(env, scissors, place + (0, 0.006, 0)))
+        yield from _both(env, 1, _to(env, scissors, place - (0, 0.006, 0), slow=0.6))
+        yield from _both(env, 1, _to(env, scissors, place + (0, 0.006, 0)))
+    yield from _stay(7, -1.0)
+
+
 POLICIES: dict[type[SurgicalEnv], typing.Callable[[typing.Any], Moves]] = {
     tasks.Reach: _reach,
     tasks.DeflectSpheres: _deflect,
@@ -300,4 +388,7 @@ POLICIES: dict[type[SurgicalEnv], typing.Callable[[typing.Any], Moves]] = {
     threads.RopeThreading: _thread,
     stitches.LigatingLoop: _ligate,
     stitches.Suture: _suture,
+    laparoscopy.PegTransfer: _transfer,
+    laparoscopy.PatternCutting: _pattern,
+    laparoscopy.ClipAndCut: _clip_and_cut,
 }

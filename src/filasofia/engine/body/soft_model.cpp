@@ -166,6 +166,8 @@ void checkClips(const SoftModel& model, const SoftState& state, const std::strin
         if (clip.pairs.empty()) fail(name, ": must have a pair of points");
         for (double each : {clip.gap, clip.age, clip.force})
             if (!std::isfinite(each)) fail(name, ": its state must be finite");
+        for (const std::size_t each : clip.corners)
+            if (each >= clip.pairs.size()) fail(name, ": corners must be pairs of it");
         for (const ClipPair& pair : clip.pairs)
             for (const auto& side : pair)
                 for (const NodeWeight& each : side) {

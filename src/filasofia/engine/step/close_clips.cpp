@@ -8,15 +8,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace filasofia::engine {
 namespace {
 
+using Change = physics::ClipChange::Kind;
+
 // Pairs of points along the legs and across them: as near as the edges of the finest tissue that is clipped.
 constexpr int kAlong = 12, kAcross = 3;
 // [N/m] for each point by which a clip hangs on the tissue; it weighs little.
 constexpr double kHold = 500.0;
+constexpr double kNoPlace = std::numeric_limits<double>::infinity();
 
 /// Where a line parallel to y leaves the tissue, or enters it.
 struct Crossing {
@@ -47,31 +51,55 @@ std::optional<Crossing> crossingOf(const geometry::Triangle& t, const std::vecto
     return out;
 }
 
-/// The pairs of points that face each other between the legs of a clip at this pose. Lines whose tissue goes on beyond
-/// the opening have none.
-std::vector<ClipPair> pairsBetween(const physics::ClipDef& def, const Pose& pose, const SoftBody& body)
+/// The tissue on a line along y between the legs.
+struct Between {
+    std::optional<Crossing> top, bottom;
+    double above = kNoPlace, below = kNoPlace; ///< [m] where the line crosses it next beyond the legs
+    bool aboveLeaves = false, belowLeaves = true;
+
+    void add(Crossing&& found, double half)
+    {
+        const double y = found.y;
+        if (y > half && y < above) above = y, aboveLeaves = found.leaves;
+        if (-y > half && -y < below) below = -y, belowLeaves = found.leaves;
+        if (std::abs(y) > half) return;
+        if (!bottom || y < bottom->y) bottom = found;
+        if (!top || y > top->y) top = std::move(found);
+    }
+    /// It is between the legs, from one side to the other.
+    [[nodiscard]] bool whole() const { return top && top->leaves && !bottom->leaves && top->y > bottom->y; }
+    /// It goes on beyond a leg.
+    [[nodiscard]] bool beyond() const { return aboveLeaves || !belowLeaves; }
+};
+
+/// Finds the pairs of points that face each other between the legs of a clip at this pose. Lines whose tissue goes on
+/// beyond the opening have none.
+void findPairs(const Pose& pose, const SoftBody& body, Clip& clip)
 {
+    const physics::ClipDef& def = clip.def;
     std::vector<Vec3> local;
     local.reserve(body.state.x.size());
     const Pose back = inverse(pose);
     for (Vec3 each : body.state.x) local.push_back(transform(back, each));
     const double half = 0.5 * def.opening;
-    std::vector<ClipPair> pairs;
+    const auto tissueAt = [&](double x, double z) {
+        Between out;
+        for (const geometry::Triangle& t : body.model.surface)
+            if (auto found = crossingOf(t, local, x, z)) out.add(std::move(*found), half);
+        return out;
+    };
     for (int i = 0; i < kAlong; ++i)
         for (int j = 0; j < kAcross; ++j) {
             const double z = ((i + 0.5) / kAlong - 0.5) * def.length;
             const double x = ((j + 0.5) / kAcross - 0.5) * def.width;
-            std::optional<Crossing> top, bottom;
-            for (const geometry::Triangle& t : body.model.surface) {
-                const auto found = crossingOf(t, local, x, z);
-                if (!found || std::abs(found->y) > half) continue;
-                if (!top || found->y > top->y) top = found;
-                if (!bottom || found->y < bottom->y) bottom = found;
-            }
-            if (top && top->leaves && !bottom->leaves && top->y > bottom->y)
-                pairs.push_back({std::move(top->point), std::move(bottom->point)});
+            Between found = tissueAt(x, z);
+            if (found.whole()) clip.pairs.push_back({std::move(found.top->point), std::move(found.bottom->point)});
+            clip.partial = clip.partial || found.beyond();
         }
-    return pairs;
+    for (const double end : {-0.5, 0.5}) { // it may also go on past the ends of the legs
+        const Between found = tissueAt(0.0, end * def.length);
+        clip.partial = clip.partial || found.whole() || found.beyond();
+    }
 }
 
 /// [N] With which a clip can be pulled off whose legs press with this force: both rub. One without friction hangs on
@@ -113,8 +141,8 @@ double gapFor(double most, double stiffness, const std::vector<double>& lengths)
 
 void closeLegs(double dt, const SoftState& state, Clip& clip)
 {
-    std::vector<double> lengths;
-    lengths.reserve(clip.pairs.size());
+    std::vector<double>& lengths = clip.lengths;
+    lengths.clear();
     for (const ClipPair& each : clip.pairs) lengths.push_back(distanceAcross(each, state));
     std::ranges::sort(lengths, std::greater{});
     const bool closing = clip.age < clip.def.closingTime;
@@ -142,17 +170,31 @@ void applyClip(const physics::ApplyClip& command, Scene& scene, physics::StepRep
     SoftBody& tissue = scene.soft[*soft];
     const Pose& pose = scene.rigid[*rigid].state.poses[static_cast<std::size_t>(command.def.element)];
     Clip clip{.id = command.id, .clip = command.rigid, .def = command.def, .pairs = {}};
-    clip.pairs = pairsBetween(command.def, pose, tissue);
+    findPairs(pose, tissue, clip);
+    const auto tell = [&](Change kind) {
+        report.clipChanges.push_back({.kind = kind,
+                                      .id = command.id,
+                                      .clip = command.rigid,
+                                      .tissue = command.target,
+                                      .partial = kind == Change::Applied && clip.partial});
+    };
     if (clip.pairs.empty()) {
         ++report.clips.missed;
+        tell(Change::Missed);
         report.set(physics::StepFlag::NothingAttached);
         logWarning(describe(tissue.model), ": nothing of it is between the legs of clip '",
                    scene.rigid[*rigid].model.name, "'");
         return;
     }
     ++report.clips.applied;
+    tell(Change::Applied);
+    if (clip.partial) {
+        ++report.clips.partial;
+        logWarning(describe(tissue.model), ": clip '", scene.rigid[*rigid].model.name,
+                   "' is too small: tissue goes on beyond its legs, and is not shut there");
+    }
     clip.gap = command.def.opening;
-    addAttachment(holdOf(command, holdPoints(command.def, pose, clip.pairs, tissue.state)), {}, scene);
+    addAttachment(holdOf(command, holdPoints(pose, tissue.state, clip)), {}, scene);
     const auto place = std::ranges::upper_bound(tissue.state.clips, clip.id, {}, &Clip::id);
     tissue.state.clips.insert(place, std::move(clip));
 }
@@ -172,9 +214,16 @@ void keepClips(Scene& scene, physics::StepReport& report)
     scene.clipReports.clear();
     for (SoftBody& body : scene.soft) {
         std::vector<Clip>& clips = body.state.clips;
-        const auto before = clips.size();
-        std::erase_if(clips, [&](const Clip& each) { return !hasAttachment(scene, each.id); });
-        report.clips.slipped += static_cast<int>(before - clips.size());
+        std::erase_if(clips, [&](const Clip& each) {
+            if (hasAttachment(scene, each.id)) return false;
+            ++report.clips.slipped;
+            report.clipChanges.push_back({.kind = Change::Slipped,
+                                          .id = each.id,
+                                          .clip = each.clip,
+                                          .tissue = body.model.id,
+                                          .partial = each.partial});
+            return true;
+        });
         for (const Clip& each : clips) {
             Vec3 middle;
             for (const ClipPair& pair : each.pairs)
@@ -186,7 +235,8 @@ void keepClips(Scene& scene, physics::StepReport& report)
                                          .place = 1.0 / static_cast<double>(each.pairs.size()) * middle,
                                          .gap = each.gap,
                                          .force = each.force,
-                                         .closed = closed});
+                                         .closed = closed,
+                                         .partial = each.partial});
             if (!closed) continue; // as hard as it presses, it holds
             const auto hold = std::ranges::lower_bound(scene.attachments, each.id, {}, &Attachment::id);
             hold->breakForce = slipForce(each.def, each.force);

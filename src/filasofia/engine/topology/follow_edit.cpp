@@ -119,7 +119,7 @@ void addEmbedding(geometry::Embedding& embedding, Riders& riders)
 
 } // namespace
 
-void followRiders(const TopologyEdit& edit, const EditableMesh& mesh, SoftModel& soft,
+void followRiders(const TopologyEdit& edit, const EditableMesh& mesh, SoftModel& soft, std::vector<Clip>& clips,
                   std::vector<Attachment>& attachments, std::vector<Channel>& channels)
 {
     const OldElements before(edit, mesh, soft);
@@ -132,6 +132,9 @@ void followRiders(const TopologyEdit& edit, const EditableMesh& mesh, SoftModel&
             if (attachment.body == soft.id) addPoint(pair[0].nodes);
             if (attachment.to == soft.id) addPoint(pair[1].nodes);
         }
+    for (Clip& clip : clips)
+        for (ClipPair& pair : clip.pairs)
+            for (std::vector<NodeWeight>& point : pair) addPoint(point);
     for (Channel& channel : channels) {
         if (channel.tissue != soft.id) continue;
         for (ChannelPoint& point : channel.points) addPoint(point.nodes);

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/hash.h"
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/contact/clip_holds.h"
 #include "filasofia/engine/topology/apply_edit.h"
 #include "filasofia/engine/topology/cut_attachments.h"
 #include "filasofia/engine/topology/cut_rods.h"
@@ -260,7 +261,8 @@ void applyEditsOf(SoftBody& body, double period, Scene& scene, physics::Topology
     const auto elements = static_cast<int>(elementCount(model));
     if (!std::exchange(topology.edited, true)) topology.startAttachments = scene.attachments;
     topology.history = historyWith(edit, topology.history);
-    followRiders(edit, *topology.mesh, model, scene.attachments, scene.channels);
+    followRiders(edit, *topology.mesh, model, body.state.clips, scene.attachments, scene.channels);
+    followHolds(body.state.clips, scene.attachments);
     const OwnSurfaceEdit surface = applyEdit(edit, period, body);
     std::vector<physics::LoosePiece> loose = loosePieces(edit, topology);
     model.pieces = findPieces(model, *topology.pieces);
