@@ -297,8 +297,7 @@ Command fuzzCommand()
               &options.what,
               "contact: bodies that fall, are pressed and squeezed; cut: cuts and tears of small bodies; shells: of "
               "shells; knots: threads that are tied and pulled; laws: small bodies of every law that are cut, torn, "
-              "pulled "
-              "and pressed",
+              "pulled and pressed",
               "",
               {},
               true},

@@ -10,6 +10,9 @@
 /// y = 0, the trainee is at +z, lengths are metres.
 namespace laparoscopy {
 
+/// Steps in so much time: PhysicsDef's default is 1 kHz.
+inline int stepsIn(double seconds) { return static_cast<int>(std::lround(1000.0 * seconds)); }
+
 inline constexpr int kPegs = 6;                ///< on each side, from the back to the front, the outer ones first
 inline constexpr double kPegHeight = 18e-3;    ///< [m]
 inline constexpr double kRingHeight = 7e-3;    ///< [m]

@@ -1,3 +1,4 @@
+#include "apps/laparoscopy/box.h"
 #include "apps/laparoscopy/gallbladder.h"
 
 #include <filasofia/core/disjoint_sets.h>
@@ -220,7 +221,7 @@ int cholecystectomy(const Training& training)
     if (training.motion == "expert") moves = expertMotion(with);
     if (training.motion == "clumsy") moves = clumsyMotion(with, seed);
     if (!moves.empty()) tools.hands.play(moves);
-    return task.run(moves.empty() ? 0.0 : prefab::durationOf(moves) + 0.1, [&] {
+    return task.run(moves.empty() ? 0 : laparoscopy::stepsIn(prefab::durationOf(moves) + 0.1), [&] {
         char line[160] = {};
         std::snprintf(line, sizeof line,
                       "critical view %s, clips %d (%d lost), bile %.2f ml, blood %.2f ml, burnt beside %.0f mm^2%s",

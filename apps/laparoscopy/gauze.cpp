@@ -101,8 +101,9 @@ Gauze addGauze(Simulation& sim, std::uint64_t seed)
         return low + (high - low) * static_cast<double>(random() % 1001) / 1000.0;
     };
     Gauze gauze;
-    gauze.pose = {{any(-4_mm, 4_mm), 46_mm + any(-3_mm, 3_mm), any(-4_mm, 4_mm)},
-                  axisAngle({0, 1, 0}, any(-6_deg, 6_deg)) * axisAngle({1, 0, 0}, any(-4_deg, 4_deg))};
+    const Vec3 place{any(-4_mm, 4_mm), 46_mm + any(-3_mm, 3_mm), any(-4_mm, 4_mm)};
+    const Quat tilted = axisAngle({1, 0, 0}, any(-4_deg, 4_deg));
+    gauze.pose = {place, axisAngle({0, 1, 0}, any(-6_deg, 6_deg)) * tilted};
     const auto mesh = printed();
     SoftBodyDef cloth{.name = "gauze", .mesh = mesh, .pose = gauze.pose};
     cloth.material =
@@ -155,14 +156,13 @@ CutPattern patternOf(const Gauze& gauze, const frame::SoftBodyFrame& body)
 
     DisjointSets pieces(rest.size());
     std::map<std::pair<int, int>, int> edges;
-    int middle = -1, rim = -1;
+    int middle = -1;
     for (const auto& t : body.boundary->triangles)
         for (std::size_t k = 0; k < 3; ++k) {
             const int a = t[k], b = t[(k + 1) % 3];
             pieces.join(a, b);
             ++edges[{std::min(a, b), std::max(a, b)}];
             if (middle < 0 || length(at(a)) < length(at(middle))) middle = a;
-            if (rim < 0 && onRim(a)) rim = a;
         }
     std::array<bool, kSectors> cut{};
     for (const auto& [edge, count] : edges) {
@@ -176,7 +176,9 @@ CutPattern patternOf(const Gauze& gauze, const frame::SoftBodyFrame& body)
         }
     }
     out.around = static_cast<double>(std::ranges::count(cut, true)) / kSectors;
-    out.out = middle >= 0 && rim >= 0 && pieces.find(middle) != pieces.find(rim);
+    out.out = middle >= 0 && std::ranges::none_of(body.boundary->triangles, [&](const auto& t) {
+                  return pieces.find(t[0]) == pieces.find(middle) && std::ranges::any_of(t, onRim);
+              });
     if (!out.out) return out;
     double inside = 0.0, outside = 0.0; // [m^2] what the piece has there
     for (const auto& [a, b, c] : body.boundary->triangles) {

@@ -170,7 +170,7 @@ int pegTransfer(const Training& training)
     if (training.motion == "expert") moves = expertMotion(with);
     if (training.motion == "clumsy") moves = clumsyMotion(with, seed);
     if (!moves.empty()) hands.play(moves);
-    return task.run(moves.empty() ? 0.0 : prefab::durationOf(moves) + 0.6, [&] {
+    return task.run(moves.empty() ? 0 : stepsIn(prefab::durationOf(moves) + 0.6), [&] {
         return text("score ", std::lround(score(task.progress())), ", ", judge.drops(), " dropped, ", judge.lost(),
                     " lost");
     });

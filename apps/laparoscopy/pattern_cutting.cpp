@@ -155,14 +155,16 @@ TrocarPlan clumsyMotion(const Motion& with, std::uint64_t seed)
     addHold(with, plan);
     for (int i = 0; i < 8; ++i) {
         double x = any(-40_mm, 40_mm), z = any(-40_mm, 60_mm);
-        plan.add(any(0.3, 0.7), {}, bladesAt(with, x, z, any(15_mm, 40_mm))).begin = [&right = with.right] {
+        const double height = any(15_mm, 40_mm);
+        plan.add(any(0.3, 0.7), {}, bladesAt(with, x, z, height)).begin = [&right = with.right] {
             right.tool().open(0.6);
         };
         plan.add(any(0.2, 0.5), {}, bladesAt(with, x, z));
         const int strokes = 1 + static_cast<int>(random() % 4);
         for (int k = 0; k < strokes; ++k) {
             x += any(-15_mm, 15_mm), z += any(-15_mm, 15_mm);
-            TrocarMove& move = plan.add(any(0.2, 0.8), {}, bladesAt(with, x, z, any(-6_mm, 3_mm)));
+            const double above = any(-6_mm, 3_mm);
+            TrocarMove& move = plan.add(any(0.2, 0.8), {}, bladesAt(with, x, z, above));
             if (random() % 2 == 0) move.begin = [&right = with.right] { right.tool().close(); };
         }
         if (random() % 3 != 0) continue;
@@ -239,14 +241,14 @@ int patternCutting(const Training& training)
                       scope,
                       [&](const char* name) { return task.picture(name); },
                       [&] { return judge.out(); }};
-    double seconds = 0.0;
+    int steps = 0;
     for (const char* motion : {"expert", "clumsy"})
         if (training.motion == motion) {
             const TrocarPlan plan = motion[0] == 'e' ? expertMotion(with) : clumsyMotion(with, seed);
             hands.play(plan.moves());
-            seconds = plan.seconds() + 0.2;
+            steps = laparoscopy::stepsIn(plan.seconds() + 0.2);
         }
-    return task.run(seconds, [&] {
+    return task.run(steps, [&] {
         return text("score ", std::lround(score(task.progress())), ", ", std::lround(100 * judge.around()),
                     " % of the circle cut, deviation ", std::lround(1000 * judge.deviation()) / 10.0, " %");
     });

@@ -218,6 +218,25 @@ TEST_CASE("an applier without jaws closes when it is told to, and counts the cli
                       "clip applier 'duct': the tool must be a rigid body, got soft body 'duct'");
 }
 
+TEST_CASE("two clips that are closed before the same step both count")
+{
+    Theatre it;
+    physics::RigidBodyDef rod{.name = "rod", .elements = {Theatre::at(0, 0)}};
+    rod.mesh = geometry::shapes::box({1_mm, 1_mm, 1_mm});
+    const BodyId body = it.sim.add(rod);
+    std::vector<BodyId> told;
+    ClipApplier clips(it.sim, body,
+                      {.clips = 3, .targets = {it.duct}, .onClip = [&](BodyId tissue) { told.push_back(tissue); }});
+    it.run(20);
+    clips.close();
+    clips.close();
+    it.run(5);
+    CHECK(clips.left() == 1);
+    CHECK(clips.applied() == 2);
+    CHECK(clips.missed() == 0);
+    CHECK(told == std::vector<BodyId>{it.duct, it.duct});
+}
+
 TEST_CASE("an applier without targets, or with wrong ones, is refused in one line")
 {
     Theatre it;

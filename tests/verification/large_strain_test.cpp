@@ -118,9 +118,11 @@ TEST_CASE(
             const double depth = 0.01 * percent * Poke::kHeight;
             poke.press(depth - 0.1 * Poke::kHeight, depth, 0.2);
             poke.press(depth, depth, 0.2);
-            if (poke.force() < 1.05 * before) break;
-            if (before > 0.0) least = std::min(least, poke.force() / before);
-            before = poke.force();
+            const double force = poke.force();
+            REQUIRE(std::isfinite(force));
+            if (before > 0.0 && force < 1.05 * before) break;
+            if (before > 0.0) least = std::min(least, force / before);
+            before = force;
         }
         const bool told = (poke.flags & static_cast<std::uint32_t>(StepFlag::Inverted)) != 0;
         tell("ball pressed into " + name + ", depth up to which the force rises [%]", percent - 10);

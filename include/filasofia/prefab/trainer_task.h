@@ -48,9 +48,9 @@ public:
     [[nodiscard]] const ForceBar& force() const; ///< any thread
     /// For a move of a planned motion: writes a picture of this name; empty if no pictures are wanted.
     [[nodiscard]] std::function<void()> picture(const std::string& name) const;
-    /// Runs for so long [s], or, if that is 0, until the person ends it; then says in one line how it went, with what
+    /// Runs for so many steps or, if that is 0, until the person ends it; then says in one line how it went, with what
     /// `said` adds. Returns the exit code: 1 if the expert did not do the task, or the session's file is incomplete.
-    int run(double seconds, const std::function<std::string()>& said);
+    int run(int steps, const std::function<std::string()>& said);
 
 private:
     struct Impl;

@@ -16,7 +16,7 @@ TrocarPose reach(const LaparoscopicInstrument& tool, Vec3 place, Vec3 point, Vec
 using TrocarAim = std::function<TrocarPose()>;
 
 /// A planned motion of two hands, made move by move, for TrocarHands::play(). A hand that a move says nothing of stays
-/// where the last one has brought it. A value: copies plan on by themselves.
+/// where the last one has brought it. Copies share goal(): only one of them can be played.
 class TrocarPlan {
 public:
     /// The hands begin where their instruments and the scope do. All must live as long as what is played.

@@ -25,13 +25,17 @@ public:
     ClusterSmoother(std::vector<int> nodes, std::span<const double> matrices);
 
     [[nodiscard]] bool empty() const { return nodes_.empty(); }
-    void setIn(const NodeArray& s, NodeArray& w, WorkerPool& pool) const { apply(s, w, false, pool); } ///< w_k = ...
-    void addTo(const NodeArray& s, NodeArray& w, WorkerPool& pool) const { apply(s, w, true, pool); }  ///< w_k += ...
+    /// The nodes that addTo() leaves as they are, as if their clusters did not have them; replaces the last ones.
+    void leaveOut(std::span<const int> nodes);
+    void setIn(const NodeArray& s, NodeArray& w, WorkerPool& pool) const; ///< w_k = ..., of all nodes
+    void addTo(const NodeArray& s, NodeArray& w, WorkerPool& pool) const; ///< w_k += ...
 
 private:
-    void apply(const NodeArray& s, NodeArray& w, bool add, WorkerPool& pool) const;
+    void apply(std::span<const int> nodes, const NodeArray& s, NodeArray& w, bool add, WorkerPool& pool) const;
 
-    std::vector<int> nodes_;
+    std::vector<int> nodes_, kept_;  ///< all of them, and those that are not left out
+    std::vector<int> placeOf_;       ///< per node: where it stands in nodes_; -1: nowhere
+    std::vector<int> leftOut_;       ///< places in nodes_
     std::vector<PanelRow> inverses_; ///< kPieceRows rows per cluster
 };
 

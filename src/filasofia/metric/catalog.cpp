@@ -164,8 +164,7 @@ constexpr Entry kEntries[] = {
      bloodLost},
     {{"duct_leak", "Lost from ducts", Group::Safety, "m^3", Lower,
       "The volume that flowed out of cut ducts, as the simulator reports it. Blood of a body that bleeds is also in "
-      "the "
-      "blood lost.",
+      "the blood lost.",
       kOurs, Safety, kSafety},
      ductLeak},
     {{"clips_placed", "Clips placed", Group::Safety, "-", Neither,

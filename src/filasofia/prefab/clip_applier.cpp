@@ -152,15 +152,19 @@ struct ClipApplier::Impl {
         }
     }
 
-    /// Whether the clip that was closed last holds: the step after it tells.
+    /// Whether the clips that were closed last hold: the step after it tells.
     void findOut(const frame::Frame& frame)
     {
-        if (asked < 0 || frame.step <= usedAt[static_cast<std::size_t>(asked)]) return;
-        const auto clip = static_cast<std::size_t>(std::exchange(asked, -1));
-        const AttachmentId id = holds[clip];
-        const auto found = std::ranges::find(frame.clips, id, &frame::Clip::id);
-        on[clip] = found != frame.clips.end();
-        tellClip(on[clip] ? found->tissue : BodyId{});
+        for (const int clip : std::exchange(asked, {})) {
+            const auto index = static_cast<std::size_t>(clip);
+            if (frame.step <= usedAt[index]) {
+                asked.push_back(clip);
+                continue;
+            }
+            const auto found = std::ranges::find(frame.clips, holds[index], &frame::Clip::id);
+            on[index] = found != frame.clips.end();
+            tellClip(on[index] ? found->tissue : BodyId{});
+        }
     }
     void tellClip(BodyId tissue)
     {
@@ -209,7 +213,7 @@ struct ClipApplier::Impl {
         const BodyId target = between(frame, place);
         if (!target || !physics.has(target)) return tellClip({});
         holds[index] = physics.clip(clips[index], target, def.clip);
-        asked = clip;
+        asked.push_back(clip);
     }
 
     void reload()
@@ -224,7 +228,7 @@ struct ClipApplier::Impl {
             waits[i] = physics.attach(clips[i], physics::RigidAttachmentDef{.points = {Vec3{}}});
         }
         used = 0;
-        asked = -1;
+        asked.clear();
         applied = missed = slipped = 0;
         on.assign(on.size(), false);
         ready = false;
@@ -233,7 +237,8 @@ struct ClipApplier::Impl {
     void tell() { newest.write({static_cast<int>(clips.size()) - used, applied, missed, slipped}); }
 
     using Ids = std::vector<AttachmentId>;
-    using Kept = std::tuple<int, int, int, int, int, bool, Ids, Ids, std::vector<std::uint64_t>, std::vector<bool>>;
+    using Kept =
+        std::tuple<int, std::vector<int>, int, int, int, bool, Ids, Ids, std::vector<std::uint64_t>, std::vector<bool>>;
     auto kept() { return std::tie(used, asked, applied, missed, slipped, ready, waits, holds, usedAt, on); }
     void publish()
     {
@@ -256,8 +261,8 @@ struct ClipApplier::Impl {
     std::vector<std::uint64_t> usedAt; ///< the step after which each was used
     std::vector<bool> on;              ///< which used ones are on tissue
     int used = 0, applied = 0, missed = 0, slipped = 0;
-    int asked = -1;     ///< the clip of which the next step tells whether it holds
-    bool ready = false; ///< a clip is in the jaws
+    std::vector<int> asked; ///< the clips of which the next step tells whether they hold
+    bool ready = false;     ///< a clip is in the jaws
     struct Counts {
         int left = 0, applied = 0, missed = 0, slipped = 0;
     };

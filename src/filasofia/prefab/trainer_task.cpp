@@ -67,10 +67,10 @@ TaskProgress TrainerTask::progress() const { return impl_->task.progress(); }
 const ForceBar& TrainerTask::force() const { return impl_->bar; }
 std::function<void()> TrainerTask::picture(const std::string& name) const { return impl_->session.picture(name); }
 
-int TrainerTask::run(double seconds, const std::function<std::string()>& said)
+int TrainerTask::run(int steps, const std::function<std::string()>& said)
 {
     Impl& it = *impl_;
-    if (const int problem = it.session.run(static_cast<int>(1000.0 * seconds))) return problem;
+    if (const int problem = it.session.run(steps)) return problem;
     it.tracker.close();
     const TaskProgress progress = it.task.progress();
     const bool done = progress.state == TaskProgress::State::Done;

@@ -1,5 +1,7 @@
 #include "filasofia/prefab/trocar_plan.h"
 
+#include "filasofia/prefab/hand_move.h"
+
 #include <utility>
 
 namespace filasofia::prefab {
@@ -30,11 +32,6 @@ TrocarMove& TrocarPlan::add(double seconds, TrocarAim left, TrocarAim right)
     return moves_.emplace_back(TrocarMove{.seconds = seconds, .aim = aim});
 }
 
-double TrocarPlan::seconds() const
-{
-    double sum = 0.0;
-    for (const TrocarMove& each : moves_) sum += each.seconds;
-    return sum;
-}
+double TrocarPlan::seconds() const { return durationOf(moves_); }
 
 } // namespace filasofia::prefab

@@ -237,7 +237,8 @@ private:
             middle_ + 0.5 * Vec3{extent_.x * random_.uniform(-1.0, 1.0), extent_.y * random_.uniform(0.0, 1.0),
                                  extent_.z * random_.uniform(-1.0, 1.0)};
         const double radius = size_ * random_.uniform(0.25, 0.5), begin = now();
-        const Vec3 to = at + size_ * random_.uniform(0.2, 1.5) * random_.direction();
+        const Vec3 towards = random_.direction();
+        const Vec3 to = at + size_ * random_.uniform(0.2, 1.5) * towards;
         const std::size_t body = tool(RigidBodyDef{.name = "hand"}, {{at}, {to}});
         ++report_.pulls;
         scene_.events.push_back({begin, [=](PhysicsServer& server, const Bodies& bodies) {

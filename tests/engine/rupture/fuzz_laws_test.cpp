@@ -7,7 +7,8 @@ namespace fuzz_laws_test {
 using namespace filasofia;
 using namespace filasofia::testing;
 
-TEST_CASE("small bodies of every law are cut, torn, pulled and pressed at random, and nothing goes wrong in silence")
+TEST_CASE("small bodies of every law are cut, torn, pulled and pressed at random: finite, flagged, and the same when "
+          "replayed")
 {
     const int scenes = cases(32); // four of each law and of shells
     const LawFuzzReport report = fuzzLaws({.seed = 5, .scenes = scenes});

@@ -125,7 +125,8 @@ TEST_CASE("a clip that is smaller than the tissue is told, in the step, the fram
         it.stage.run(300, kStep);
         it.stage.post(ApplyClip{AttachmentId{77}, it.clip, it.beam, def});
         const StepReport report = it.stage.step(kStep);
-        const bool small = def.opening < 4e-3 || def.length<6e-3, taken = def.opening> 4e-3;
+        const bool taken = def.opening > 4e-3;
+        const bool small = def.opening < 4e-3 || def.length < 6e-3;
         CHECK(report.clips.applied == taken);
         CHECK(report.clips.partial == (small && taken));
         REQUIRE(report.clipChanges.size() == 1);

@@ -1,5 +1,7 @@
 #include "filasofia/engine/step/close_clips.h"
 
+#include "filasofia/engine/contact/attachment_points.h"
+#include "filasofia/engine/contact/clip_legs.h"
 #include "filasofia/engine/scene/check_scene.h"
 #include "filasofia/engine/scene/state_hash.h"
 #include "filasofia/geometry/shapes.h"
@@ -8,6 +10,7 @@
 #include "engine/stage.h"
 
 #include <numbers>
+#include <utility>
 
 namespace clips_test {
 
@@ -128,17 +131,24 @@ TEST_CASE("the forces of a clip are the derivative of its energy, and sum up to 
     const BodyId soft = stage.add(duct()), rigid = stage.add(clipBody());
     apply(stage, rigid, soft, {});
     stage.run(150, kStep);
-    SoftState state = stage.soft();
+    SoftState& state = stage.soft();
     REQUIRE(state.clips.size() == 1);
     const Clip& clip = state.clips.front();
     CHECK(clip.pairs.size() >= 12);
     for (Vec3& each : state.v) each = {};
-    const auto forcesAt = [&](const std::vector<Vec3>& x) {
-        SoftState there = state;
-        there.x = x;
-        std::vector<Vec3> forces(x.size());
-        std::vector<RankOneStiffness> rows;
-        addClipForces(kStep, there, forces, rows);
+    const auto forcesAt = [&](std::vector<Vec3> x) {
+        const std::size_t nodes = x.size();
+        const std::vector<Vec3> kept = std::exchange(state.x, std::move(x));
+        Coupling coupling;
+        addClipLegs(kStep, stage.world.scene(), coupling);
+        state.x = kept;
+        std::vector<Vec3> forces(nodes);
+        for (const Constraint& leg : coupling.constraints) // as the solve has them for bodies at rest
+            for (std::size_t side = 0; side < 2; ++side)
+                for (const NodeWeight& each : nodeWeights(leg.sides[side])) {
+                    const double share = (side == 0 ? -1.0 : 1.0) * each.weight * leg.softness * leg.bias.x / kStep;
+                    forces[static_cast<std::size_t>(each.node)] += share * leg.frame[0];
+                }
         return forces;
     };
     const auto energyAt = [&](const std::vector<Vec3>& x) {
@@ -200,7 +210,7 @@ TEST_CASE("a clip closes a soft tube down to its gap, with less force than it be
     // The tissue between the legs is flat.
     const Clip& clip = stage.soft().clips.front();
     for (const ClipPair& each : clip.pairs)
-        CHECK(distance(meanOf(each[0], stage.soft().x), meanOf(each[1], stage.soft().x)) < 1e-3); // the tube has 4 mm
+        CHECK(distance(meanOf(each[0], stage.soft().x), meanOf(each[1], stage.soft().x)) < 1.1e-3); // the tube has 4 mm
 }
 
 TEST_CASE("a clip bears twice mu times the force of its legs, and slips off if it is pulled harder")

@@ -287,8 +287,8 @@ class PatternCutting(SurgicalEnv):
             piece = new
         used = np.unique(triangles)
         middle = used[np.hypot(*flat[used].T).argmin()]
-        corner = used[np.abs(flat[used]).max(axis=1).argmax()]
-        self.out = bool(piece[middle] != piece[corner])
+        rim = used[np.abs(flat[used]).max(axis=1) > np.abs(flat).max() - 1e-6]
+        self.out = bool(np.all(piece[rim] != piece[middle]))
         if not self.out:
             return
         mine = triangles[piece[triangles[:, 0]] == piece[middle]]
@@ -413,7 +413,7 @@ class ClipAndCut(SurgicalEnv):
         self.marks = [*self.wanted[0], *self.wanted[1], self.cut_at]
 
     def arrange(self) -> None:
-        self.closed = False
+        self.closed, self.missed = False, 0
         for marker, x in zip(self.marked, self.marks):
             self.put(marker, self.at(x) + (0, 0.003, 0))
         self.shift(self.tools[0], (-0.003, -0.001, -0.004), (0.003, 0.001, 0.004))
@@ -463,8 +463,9 @@ class ClipAndCut(SurgicalEnv):
             "distance": -10 * distance(tool.place, self.at(float(tool.place[0]))),
             "cut": 0.5 * (cut - 1.0),
             "leak": -2 * duct.leak * 1e6,
-            "lost": -1.0 * self.clips.missed,
+            "lost": -1.0 * (self.clips.missed - self.missed),
             "success": 10.0 * success,
         }
+        self.missed = self.clips.missed
         measures = {"before": float(before), "behind": float(behind), "leaked": duct.lost, "cut": float(cut)}
         return Judgement(reward, success, measures)

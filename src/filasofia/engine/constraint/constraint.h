@@ -62,7 +62,8 @@ struct ChannelInfo {
 /// A unilateral constraint requires C >= 0 along the normal: its normal impulse n only pushes, and its tangential
 /// impulse t is within Coulomb's cone |t| <= friction * n. A bilateral constraint requires C = 0 in all three rows, but
 /// applies at most maxImpulse along the first. A shaft requires C = 0 across its first axis, the line; along it, its
-/// impulse is bounded by maxImpulse, dry friction.
+/// impulse is bounded by maxImpulse, dry friction. The legs of a clip are a spring along the normal, and require
+/// nothing across it.
 struct ConstraintLaw {
     ConstraintKind kind = ConstraintKind::Contact;
     std::array<Vec3, 3> frame = {}; ///< orthonormal; the first vector is the normal, from the second side to the first
@@ -83,7 +84,7 @@ struct ConstraintLaw {
 };
 
 /// Two points and the law between them: a contact, a pair of points of an attachment, a joint limit, a joint's
-/// friction, a shaft in a channel or its tip.
+/// friction, a shaft in a channel or its tip, two points that a clip draws together.
 struct Constraint : ConstraintLaw {
     std::array<BodyPoint, 2> sides = {};
     double yielding = 1.0; ///< [-] factor on the penalty of a rigid constraint, > 0

@@ -35,7 +35,10 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     chooseStiffness();
     firstGuess();
     makeFilter();
-    const auto holds = [](const ConstraintRow& row) { return row.constraint->bilateral() && !row.constraint->tied; };
+    const auto holds = [](const ConstraintRow& row) {
+        const Constraint& each = *row.constraint;
+        return each.bilateral() && !each.tied && each.kind != ConstraintKind::ClipLeg;
+    };
     if (std::ranges::any_of(rows.list, holds)) correctCoarseLevels();
 
     const bool mayJoin = std::ranges::count_if(bodies, [](const CoupledBody& body) {

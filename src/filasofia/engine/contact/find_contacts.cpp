@@ -270,7 +270,7 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
 {
     const double dt = context.dt;
     coupling.constraints.clear();
-    coupling.contactCount = coupling.weldCount = coupling.channelCount = 0;
+    coupling.contactCount = coupling.weldCount = coupling.channelCount = coupling.clipLegCount = 0;
     if (dt == 0.0) return;
 
     ContactDetection& detection = coupling.detection;

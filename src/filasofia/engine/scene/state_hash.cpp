@@ -97,6 +97,8 @@ void addClips(Hasher& hash, const SoftState& body)
         addCount(hash, clip.pairs.size());
         for (const ClipPair& pair : clip.pairs)
             for (const auto& side : pair) add(hash, side);
+        for (std::size_t corner : clip.corners) hash.add(static_cast<std::uint64_t>(corner));
+        hash.add(std::uint64_t{clip.partial});
     }
 }
 

@@ -182,8 +182,10 @@ void applyClip(const physics::ApplyClip& command, Scene& scene, physics::StepRep
         ++report.clips.missed;
         tell(Change::Missed);
         report.set(physics::StepFlag::NothingAttached);
-        logWarning(describe(tissue.model), ": nothing of it is between the legs of clip '",
-                   scene.rigid[*rigid].model.name, "'");
+        logWarning(describe(tissue.model),
+                   clip.partial ? ": it reaches beyond the legs of clip '"
+                                : ": nothing of it is between the legs of clip '",
+                   scene.rigid[*rigid].model.name, clip.partial ? "' wherever it is between them" : "'");
         return;
     }
     ++report.clips.applied;
