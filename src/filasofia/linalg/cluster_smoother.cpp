@@ -21,52 +21,21 @@ ClusterSmoother::ClusterSmoother(std::vector<int> nodes, std::span<const double>
         if (!writePieceInverse(matrices.subspan(k * kNumbers, kNumbers),
                                std::span(inverses_).subspan(k * kPieceRows, kPieceRows)))
             std::fill_n(nodes_.begin() + static_cast<std::ptrdiff_t>(k * kPieceNodes), kPieceNodes, -1);
-    kept_ = nodes_;
-    for (std::size_t place = 0; place < nodes_.size(); ++place) {
-        if (nodes_[place] < 0) continue;
-        const auto node = static_cast<std::size_t>(nodes_[place]);
-        placeOf_.resize(std::max(placeOf_.size(), node + 1), -1);
-        placeOf_[node] = static_cast<int>(place);
-    }
 }
 
-void ClusterSmoother::leaveOut(std::span<const int> nodes)
+void ClusterSmoother::apply(const NodeArray& s, NodeArray& w, WorkerPool& pool) const
 {
-    for (int place : leftOut_) kept_[static_cast<std::size_t>(place)] = nodes_[static_cast<std::size_t>(place)];
-    leftOut_.clear();
-    for (int node : nodes) {
-        const auto at = static_cast<std::size_t>(node);
-        if (at >= placeOf_.size() || placeOf_[at] < 0) continue;
-        leftOut_.push_back(placeOf_[at]);
-        kept_[static_cast<std::size_t>(placeOf_[at])] = -1;
-    }
-}
-
-void ClusterSmoother::setIn(const NodeArray& s, NodeArray& w, WorkerPool& pool) const
-{
-    apply(nodes_, s, w, false, pool);
-}
-
-void ClusterSmoother::addTo(const NodeArray& s, NodeArray& w, WorkerPool& pool) const
-{
-    apply(kept_, s, w, true, pool);
-}
-
-void ClusterSmoother::apply(std::span<const int> all, const NodeArray& s, NodeArray& w, bool add,
-                            WorkerPool& pool) const
-{
-    const Parts parts{static_cast<int>(all.size()) / kPieceNodes, kClustersPerPart};
+    const Parts parts{static_cast<int>(nodes_.size()) / kPieceNodes, kClustersPerPart};
     pool.run(parts.count(), [&](int part) {
         alignas(64) std::array<float, kPieceUnknowns> in{}, out{};
         for (int k = parts[part].begin; k < parts[part].end; ++k) {
-            const auto nodes = all.subspan(static_cast<std::size_t>(k) * kPieceNodes, kPieceNodes);
+            const auto nodes = std::span(nodes_).subspan(static_cast<std::size_t>(k) * kPieceNodes, kPieceNodes);
             for (std::size_t i = 0; i < nodes.size(); ++i)
                 for (std::size_t c = 0; c < 3; ++c) in[3 * i + c] = nodes[i] < 0 ? 0.0f : s[nodes[i]][c];
             const std::size_t first = static_cast<std::size_t>(k) * kPieceRows;
             multiplyPanels(std::span(inverses_).subspan(first, kPieceRows), in, out, 0, kPiecePanels);
             for (std::size_t i = 0; i < nodes.size(); ++i)
-                for (std::size_t c = 0; nodes[i] >= 0 && c < 3; ++c)
-                    w[nodes[i]][c] = add ? w[nodes[i]][c] + out[3 * i + c] : out[3 * i + c];
+                for (std::size_t c = 0; nodes[i] >= 0 && c < 3; ++c) w[nodes[i]][c] = out[3 * i + c];
         }
     });
 }

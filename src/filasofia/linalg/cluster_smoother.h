@@ -25,17 +25,11 @@ public:
     ClusterSmoother(std::vector<int> nodes, std::span<const double> matrices);
 
     [[nodiscard]] bool empty() const { return nodes_.empty(); }
-    /// The nodes that addTo() leaves as they are, as if their clusters did not have them; replaces the last ones.
-    void leaveOut(std::span<const int> nodes);
-    void setIn(const NodeArray& s, NodeArray& w, WorkerPool& pool) const; ///< w_k = ..., of all nodes
-    void addTo(const NodeArray& s, NodeArray& w, WorkerPool& pool) const; ///< w_k += ...
+    /// Sets w at the nodes of clusters, and leaves the others as they are.
+    void apply(const NodeArray& s, NodeArray& w, WorkerPool& pool) const;
 
 private:
-    void apply(std::span<const int> nodes, const NodeArray& s, NodeArray& w, bool add, WorkerPool& pool) const;
-
-    std::vector<int> nodes_, kept_;  ///< all of them, and those that are not left out
-    std::vector<int> placeOf_;       ///< per node: where it stands in nodes_; -1: nowhere
-    std::vector<int> leftOut_;       ///< places in nodes_
+    std::vector<int> nodes_;
     std::vector<PanelRow> inverses_; ///< kPieceRows rows per cluster
 };
 

@@ -56,8 +56,8 @@ void TwoLevelPreconditioner::followPieces(const NodeArray& x, std::span<const fl
 double TwoLevelPreconditioner::apply(const NodeArray& r, NodeArray& z, WorkerPool& pool)
 {
     smooth(r, pool);
-    clusters_.setIn(rest_, smoothed_, pool);
-    return addCoarse(r, z, pool, {});
+    clusters_.apply(rest_, smoothed_, pool);
+    return applyCoarse(r, z, pool);
 }
 
 void TwoLevelPreconditioner::smooth(const NodeArray& r, WorkerPool& pool)
@@ -90,13 +90,6 @@ void TwoLevelPreconditioner::subtractFromCoarse(std::span<const int> coarseNodes
 
 double TwoLevelPreconditioner::applyCoarse(const NodeArray& r, NodeArray& z, WorkerPool& pool,
                                            std::span<const double> coefficients)
-{
-    clusters_.addTo(rest_, smoothed_, pool);
-    return addCoarse(r, z, pool, coefficients);
-}
-
-double TwoLevelPreconditioner::addCoarse(const NodeArray& r, NodeArray& z, WorkerPool& pool,
-                                         std::span<const double> coefficients)
 {
     if (coarse_.coarseNodes() > 0) {
         restrictOnce(pool);

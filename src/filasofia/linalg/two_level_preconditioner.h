@@ -22,7 +22,7 @@ struct ColumnEntry {
 ///     R  rotation of each node      A_c  Galerkin matrix of the coarse nodes (CoarseLevel)
 ///
 /// M^-1 is symmetric and positive definite whatever P is. If there are clusters (ClusterSmoother), D consists of their
-/// blocks, and of single nodes elsewhere.
+/// blocks, and of single nodes elsewhere. In two halves, D is that of single nodes.
 class TwoLevelPreconditioner {
 public:
     TwoLevelPreconditioner() = default;
@@ -38,12 +38,11 @@ public:
     /// z = M^-1 r; returns r . z
     double apply(const NodeArray& r, NodeArray& z, WorkerPool& pool);
 
-    // The same in two halves, for callers that change something between them: w = R D^-1 R^T r, then z = w + C r + B r
-    // with the coarse level B = R P A_c^-1 P^T R^T. Here D is that of single nodes, and C are the clusters but for
-    // nodes that are left out, because something acts on them that C does not know.
-    void leaveOut(std::span<const int> nodes) { clusters_.leaveOut(nodes); }
+    // The same in two halves, for callers that change something between them: w = R D^-1 R^T r, then z = w + B r with
+    // the coarse level B = R P A_c^-1 P^T R^T. D is that of single nodes: what acts on single nodes must be known to
+    // it.
     void smooth(const NodeArray& r, WorkerPool& pool);
-    /// `coefficients` a of the deflation columns, if any: z = w + C r + B (r - F a). Returns r . z
+    /// `coefficients` a of the deflation columns, if any: z = w + B (r - F a). Returns r . z
     double applyCoarse(const NodeArray& r, NodeArray& z, WorkerPool& pool, std::span<const double> coefficients = {});
     void addToCoarseResidual(int node, Vec3 change); ///< to the r that B is applied to
     // For callers that correct r for what the coarse level answers to it, once nothing is added to it any more: the
@@ -86,7 +85,6 @@ public:
 
 private:
     void restrictOnce(WorkerPool& pool);
-    double addCoarse(const NodeArray& r, NodeArray& z, WorkerPool& pool, std::span<const double> coefficients);
 
     std::vector<RotationBlock> rotations_;
     BlockJacobi smoother_;

@@ -42,7 +42,6 @@ double MatrixFreeOperator::begin(std::span<const ContactPoint> points)
         slots_.push_back(system_.slotOf_[static_cast<std::size_t>(point.node)]);
         inverse_.push_back(system_.preconditioner_.inverseDiagonal(slots_.back()));
     }
-    system_.preconditioner_.leaveOut(slots_);
     system_.dv_.setZero();
     return mass_;
 }
