@@ -1,6 +1,7 @@
 #include "filasofia/geometry/shapes.h"
 
 #include "engine/stage.h"
+#include "engine/step/clip_body.h"
 
 namespace clips_cut_test {
 
@@ -30,12 +31,7 @@ struct Clipped {
                             {.box = geometry::Box{{7.9e-3, -1, -1}, {1, 1, 1}}}};
         soft.dynamicTopology = true;
         beam = stage.add(soft);
-        RigidBodyDef body{.name = "clip", .elements = {Pose{}}, .mesh = shapes::box({1e-3, 1e-3, 8e-3})};
-        body.dynamic = true;
-        body.mass = TotalMass{1e-4};
-        body.linearDamping = body.angularDamping = 5.0;
-        body.gravity = false;
-        clip = stage.add(body);
+        clip = stage.add(clipBody());
         const Quat across = axisAngle({0, 0, 1}, std::numbers::pi / 2);
         RigidBodyDef blade{.name = "knife", .elements = {{{0, 20e-3, 0}, across}}};
         blade.collision = {{.mesh = shapes::sheet(10e-3, 10e-3, {1, 1}), .cutting = true}};

@@ -8,6 +8,7 @@
 #include "filasofia/physics/physics_server.h"
 
 #include "engine/stage.h"
+#include "engine/step/clip_body.h"
 
 #include <numbers>
 #include <utility>
@@ -45,18 +46,6 @@ SoftBodyDef duct()
             .gravity = false,
             .attachments = {{.box = geometry::Box{{-1, -1, -1}, {-9.5e-3, 1, 1}}},
                             {.box = geometry::Box{{9.5e-3, -1, -1}, {1, 1, 1}}}}};
-}
-
-RigidBodyDef clipBody(Vec3 place = {})
-{
-    return {.name = "clip",
-            .elements = {{place, {}}},
-            .mesh = shapes::box({1e-3, 1e-3, 8e-3}),
-            .dynamic = true,
-            .mass = TotalMass{1e-4},
-            .linearDamping = 5.0,
-            .angularDamping = 5.0,
-            .gravity = false};
 }
 
 /// Posts the clip, and returns its id.

@@ -35,8 +35,7 @@ class PegTransfer(SurgicalEnv):
     inner, wall, height, peg = 0.0055, 0.0033, 0.007, 0.0013  # [m]
 
     def build(self) -> list[Tool]:
-        board = self._fixed("board", fs.shapes.box((0.15, 0.01, 0.1)), (0, -0.005, 0), (0.62, 0.60, 0.53))
-        del board
+        self._fixed("board", fs.shapes.box((0.15, 0.01, 0.1)), (0, -0.005, 0), (0.62, 0.60, 0.53))
         self.pegs = np.array([(side * x, 0.0, z) for side in (-1, 1) for x in (0.03, 0.055) for z in (-0.02, 0.02)])
         post = bodies.moved(fs.shapes.cylinder(self.peg, 0.018, 8), (0, 0.009, 0))
         for i, foot in enumerate(self.pegs):
@@ -156,7 +155,8 @@ class PatternCutting(SurgicalEnv):
     by which the cut deviates (1).
     Success: the disc is out, and deviates by at most 15, 10 or 6 % of its area (difficulty).
     Reward: -0.05 times what is not cut of the circle, -10 times the scissors' distance from the next uncut part of it
-    [m], -20 times what is new of the deviation, +10 for success.
+    [m], -20 times what is new of the deviation and of ten times the length that is cut inside the lines' band [m],
+    +10 for success.
     """
 
     eye, looks_at = (0.0, 0.135, 0.11), (0.0, 0.0, 0.006)
@@ -287,7 +287,7 @@ class PatternCutting(SurgicalEnv):
             piece = new
         used = np.unique(triangles)
         middle = used[np.hypot(*flat[used].T).argmin()]
-        rim = used[np.abs(flat[used]).max(axis=1) > np.abs(flat).max() - 1e-6]
+        rim = used[np.abs(flat[used]).max(axis=1) > self.side / 2 - 1e-6]
         self.out = bool(np.all(piece[rim] != piece[middle]))
         if not self.out:
             return

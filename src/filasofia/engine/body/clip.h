@@ -25,7 +25,6 @@ struct Clip {
     double age = 0.0;                      ///< [s] since it began to close
     double force = 0.0;                    ///< [N] that all pairs pull with
     bool partial = false;                  ///< tissue went on beyond its legs when it was applied
-    std::vector<double> lengths = {};      ///< [m] scratch
 
     [[nodiscard]] double pairStiffness() const { return def.stiffness / static_cast<double>(pairs.size()); } ///< [N/m]
 };

@@ -9,12 +9,11 @@
 namespace filasofia::engine {
 
 /// What resists the change of one quantity, and nothing else, adds to the matrix of a step: weight times g g^T, where g
-/// is the gradient of the quantity. It is the volume of a cavity, or the distance between two points that a clip draws
-/// together.
+/// is the gradient of the quantity: the volume of a cavity.
 struct RankOneStiffness {
-    std::vector<int> nodes;     ///< those that change it; ascending for a cavity
-    std::vector<Vec3> gradient; ///< per node: [m^2] if it is a volume, [-] if a distance
-    double weight = 0.0;        ///< [kg/m^4] or [kg], h^2 times the growth of what resists
+    std::vector<int> nodes;     ///< those that change it, ascending
+    std::vector<Vec3> gradient; ///< [m^2] per node
+    double weight = 0.0;        ///< [kg/m^4], h^2 times the growth of what resists
 };
 
 /// All of a body for the default solver, in its scaling and on its slots.

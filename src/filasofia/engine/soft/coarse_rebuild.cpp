@@ -4,12 +4,10 @@
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/soft/assembled_system.h"
 #include "filasofia/engine/soft/coarse_matrix.h"
-#include "filasofia/engine/soft/node_clusters.h"
-#include "filasofia/geometry/coarse_lattice.h"
+#include "filasofia/engine/soft/coarse_mesh.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace filasofia::engine {
@@ -25,142 +23,6 @@ std::vector<std::array<int, 2>> connections(const SoftModel& model)
     const std::vector<std::array<int, 2>> sheet = edgesOf(model.shell);
     edges.insert(edges.end(), sheet.begin(), sheet.end());
     return edges;
-}
-
-/// The mesh through which the coarse lattice is built.
-struct Tissue {
-    std::span<const Vec3> rest;
-    const std::vector<std::array<int, 2>>& edges;
-    std::span<const int> nodes; ///< the nodes that are not pinned hard
-    const std::vector<bool>& held;
-    const std::vector<PinSpring>& pins;
-    const std::vector<double>& masses;
-};
-
-/// The coarse lattice of a mesh, and which of its small pieces are free.
-struct BuiltLattice {
-    geometry::CoarseLattice lattice;
-    std::vector<char> freePieces; ///< per small piece: 1 if nothing holds it
-};
-
-/// Per small piece: 1 if no pinned node and no pin spring holds it.
-std::vector<char> freePieces(const Tissue& tissue, const std::vector<std::vector<int>>& pieces)
-{
-    std::vector<int> pieceOf(tissue.rest.size(), -1);
-    for (std::size_t p = 0; p < pieces.size(); ++p)
-        for (int node : pieces[p]) pieceOf[static_cast<std::size_t>(node)] = static_cast<int>(p);
-    std::vector<char> isFree(pieces.size(), 1);
-    const auto hold = [&](int node) {
-        if (const int piece = pieceOf[static_cast<std::size_t>(node)]; piece >= 0)
-            isFree[static_cast<std::size_t>(piece)] = 0;
-    };
-    for (const auto& [a, b] : tissue.edges) {
-        if (tissue.held[static_cast<std::size_t>(a)]) hold(b);
-        if (tissue.held[static_cast<std::size_t>(b)]) hold(a);
-    }
-    for (const PinSpring& pin : tissue.pins) hold(pin.node);
-    return isFree;
-}
-
-void refineLightNodes(const Tissue& tissue, int most, geometry::CoarseLattice& lattice)
-{
-    constexpr double kLight = 0.2; // [-] relative to the median mass
-    std::vector<std::pair<double, int>> light;
-    for (int node : tissue.nodes) light.emplace_back(tissue.masses[static_cast<std::size_t>(node)], node);
-    std::ranges::sort(light);
-    const double least = kLight * light[light.size() / 2].first;
-    std::vector<bool> inPiece(tissue.rest.size());
-    for (const std::vector<int>& piece : lattice.pieces)
-        for (int node : piece) inPiece[static_cast<std::size_t>(node)] = true;
-    for (const auto& [mass, node] : light) {
-        if (mass >= least || lattice.nodeCount >= most) return;
-        if (inPiece[static_cast<std::size_t>(node)]) continue;
-        lattice.corners[static_cast<std::size_t>(node)].fill(lattice.nodeCount++);
-        lattice.weights[static_cast<std::size_t>(node)] = {1.0f, 0.0f, 0.0f, 0.0f};
-    }
-}
-
-/// Removes coarse nodes from which no node interpolates any more.
-void dropUnused(geometry::CoarseLattice& lattice)
-{
-    std::vector<int> number(static_cast<std::size_t>(lattice.nodeCount), -1);
-    lattice.nodeCount = 0;
-    for (std::size_t i = 0; i < lattice.corners.size(); ++i)
-        for (std::size_t k = 0; k < 4; ++k)
-            if (int& each = number[static_cast<std::size_t>(lattice.corners[i][k])];
-                lattice.weights[i][k] != 0.0f && each < 0)
-                each = lattice.nodeCount++;
-    for (std::array<int, 4>& corners : lattice.corners)
-        for (int& corner : corners) corner = std::max(0, number[static_cast<std::size_t>(corner)]);
-}
-
-/// Gives each node of a small piece a coarse node of its own.
-void addPieceNodes(geometry::CoarseLattice& lattice)
-{
-    int first = linalg::firstPieceNode(lattice.nodeCount);
-    for (const std::vector<int>& piece : lattice.pieces) {
-        for (std::size_t i = 0; i < piece.size(); ++i) {
-            lattice.corners[static_cast<std::size_t>(piece[i])].fill(first + static_cast<int>(i));
-            lattice.weights[static_cast<std::size_t>(piece[i])] = {1.0f, 0.0f, 0.0f, 0.0f};
-        }
-        first += linalg::kPieceNodes;
-    }
-}
-
-BuiltLattice buildLattice(const Tissue& tissue, const CoarseChoice& choice)
-{
-    std::vector<bool> active(tissue.held);
-    active.flip();
-    geometry::CoarseLattice lattice = geometry::coarseLattice(tissue.rest, tissue.edges, active, choice.target);
-    if (lattice.nodeCount > 0 && lattice.nodeCount < choice.most) {
-        refineLightNodes(tissue, choice.most, lattice);
-        dropUnused(lattice);
-    }
-    addPieceNodes(lattice);
-    std::vector<char> isFree = freePieces(tissue, lattice.pieces);
-    return {std::move(lattice), std::move(isFree)};
-}
-
-/// Whether clusters pay off: if the longest edge at a node is more than kUneven times as long as the shortest, at half
-/// of the nodes or more. Measured, iterations to 1e-6 without clusters and with them: 217 and 44 for a sheet (5.3), 189
-/// and 48 for an artery (4.1), 94 and 50 for a gall bladder (3.8), 29 and 19 for a piece of liver (2.5). The bunny
-/// (1.7) takes 5.5 and 4.7 iterations a step, and its steps a seventh more time. With a factor of 3, a body was thrown
-/// out of a heap of the contact fuzzer whose bodies were lost in each other (seed 2, scene 235).
-bool hasShortEdges(const Tissue& tissue)
-{
-    constexpr double kUneven = 4.0;
-    struct Range {
-        double shortest = std::numeric_limits<double>::infinity(), longest = 0.0;
-    };
-    std::vector<Range> ranges(tissue.rest.size());
-    for (const auto& edge : tissue.edges) {
-        const double length =
-            distance(tissue.rest[static_cast<std::size_t>(edge[0])], tissue.rest[static_cast<std::size_t>(edge[1])]);
-        for (int end : edge) {
-            Range& at = ranges[static_cast<std::size_t>(end)];
-            at = {std::min(at.shortest, length), std::max(at.longest, length)};
-        }
-    }
-    const auto uneven = std::ranges::count_if(tissue.nodes, [&](int node) {
-        const Range& at = ranges[static_cast<std::size_t>(node)];
-        return at.longest > kUneven * at.shortest;
-    });
-    return uneven > 0 && 2 * static_cast<std::size_t>(uneven) >= tissue.nodes.size();
-}
-
-/// The clusters of a mesh as a lattice has its small pieces: one coarse node per node, and none else.
-geometry::CoarseLattice clusterLattice(const Tissue& tissue, const geometry::CoarseLattice& coarse)
-{
-    std::vector<bool> active(tissue.rest.size());
-    for (int node : tissue.nodes) active[static_cast<std::size_t>(node)] = true;
-    for (const std::vector<int>& piece : coarse.pieces)
-        for (int node : piece) active[static_cast<std::size_t>(node)] = false; // solved exactly there
-    geometry::CoarseLattice lattice;
-    lattice.corners.resize(tissue.rest.size());
-    lattice.weights.resize(tissue.rest.size());
-    lattice.pieces = nodeClusters(tissue.rest, tissue.edges, active);
-    addPieceNodes(lattice);
-    return lattice;
 }
 
 /// Per cluster the numbers of its nodes among the unknowns; -1 where it has fewer.
@@ -216,8 +78,8 @@ linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, cons
     SoftState state = stateAtRest(model);
     assembleMatrix(model, std::vector<Vec3>(model.rest.size()), plan.period, 1.0, state, rest);
     const std::vector<std::array<int, 2>> edges = connections(model);
-    const Tissue tissue{model.rest, edges, plan.nodes, model.pins.hard, model.pins.springs, model.masses};
-    const auto [lattice, isFree] = buildLattice(tissue, choice);
+    const CoarseMesh mesh{model.rest, edges, plan.nodes, model.pins.hard, model.pins.springs, model.masses};
+    const auto [lattice, isFree] = buildLattice(mesh, choice);
     linalg::TwoLevelPreconditioner made({.matrix = rest.matrix,
                                          .rows = plan.nodes,
                                          .scale = plan.scale,
@@ -226,8 +88,8 @@ linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, cons
                                          .corners = lattice.corners,
                                          .weights = lattice.weights,
                                          .blocks = plan.blocks});
-    if (hasShortEdges(tissue)) {
-        const geometry::CoarseLattice clusters = clusterLattice(tissue, lattice);
+    if (hasShortEdges(mesh)) {
+        const geometry::CoarseLattice clusters = clusterLattice(mesh, lattice);
         made.setClusters({unknownsOf(clusters, plan.nodes), blocksOf(clusters, rest.matrix, plan.scale)});
     }
     return made;
@@ -276,10 +138,10 @@ struct CoarseRebuild::Work {
 void CoarseRebuild::Work::make()
 {
     const std::vector<std::array<int, 2>> connected = edges();
-    const Tissue tissue{rest, connected, nodes, held, pins, masses};
-    const auto [lattice, isFree] = buildLattice(tissue, coarseChoiceAfterCut(nodes.size()));
+    const CoarseMesh mesh{rest, connected, nodes, held, pins, masses};
+    const auto [lattice, isFree] = buildLattice(mesh, coarseChoiceAfterCut(nodes.size()));
     if (clustered) {
-        const geometry::CoarseLattice ofClusters = clusterLattice(tissue, lattice);
+        const geometry::CoarseLattice ofClusters = clusterLattice(mesh, lattice);
         clusters = {unknownsOf(ofClusters, nodes), coarseMatrix(ofClusters).pieces()};
     }
     if (lattice.nodeCount > 0 || !lattice.pieces.empty()) {

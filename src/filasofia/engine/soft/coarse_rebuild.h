@@ -37,8 +37,8 @@ CoarseChoice coarseChoiceAfterCut(std::size_t freeNodes);
 linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, const PreconditionerPlan& plan,
                                                     const CoarseChoice& choice);
 
-/// Rebuilds the coarse level of a body whose tissue was parted, in the background of its steps. The coarse lattice
-/// follows the present mesh: parts that are no longer connected nearby share no coarse nodes.
+/// Rebuilds the coarse level, and the clusters, of a body whose tissue was parted, in the background of its steps. The
+/// coarse lattice follows the present mesh: parts that are no longer connected nearby share no coarse nodes.
 ///
 /// The result is taken over in a step that is fixed when the rebuild starts, whichever thread builds it and however
 /// long that takes: the motion is the same every time and for any number of threads. If the result is not ready by

@@ -15,7 +15,7 @@ struct SoftSystem {
     CopiedPtr<MatrixFreeSystem> matrixFree; ///< in float, the default
     /// Operator of matrixFree; set once the body is part of a coupled solve.
     std::unique_ptr<MatrixFreeOperator> coupled;
-    std::vector<RankOneStiffness> cavities;     ///< what cavities and clips add to the matrix of the present step
+    std::vector<RankOneStiffness> cavities;     ///< what cavities add to the matrix of the present step
     std::unique_ptr<AssembledSystem> assembled; ///< in double, the reference solver
     CopiedPtr<RodSystem> rod;                   ///< in double, for a rod
 

@@ -139,9 +139,9 @@ double gapFor(double most, double stiffness, const std::vector<double>& lengths)
     return 0.0;
 }
 
-void closeLegs(double dt, const SoftState& state, Clip& clip)
+/// `lengths`: scratch.
+void closeLegs(double dt, const SoftState& state, std::vector<double>& lengths, Clip& clip)
 {
-    std::vector<double>& lengths = clip.lengths;
     lengths.clear();
     for (const ClipPair& each : clip.pairs) lengths.push_back(distanceAcross(each, state));
     std::ranges::sort(lengths, std::greater{});
@@ -203,11 +203,12 @@ void applyClip(const physics::ApplyClip& command, Scene& scene, physics::StepRep
 
 void closeClips(double dt, Scene& scene)
 {
+    std::vector<double> lengths;
     for (SoftBody& body : scene.soft) {
         if (body.state.clips.empty()) continue;
         std::erase_if(body.state.clips, [&](const Clip& each) { return !hasAttachment(scene, each.id); });
         if (dt > 0.0)
-            for (Clip& each : body.state.clips) closeLegs(dt, body.state, each);
+            for (Clip& each : body.state.clips) closeLegs(dt, body.state, lengths, each);
     }
 }
 
