@@ -9,7 +9,7 @@ void CoarseDeflation::clear()
     columns_ = 0;
     columnValues_.clear();
     solutions_.clear();
-    solutionRows_.clear();
+    panels_.clear();
 }
 
 std::span<float> CoarseDeflation::addColumn(std::size_t rows)
@@ -25,26 +25,18 @@ void CoarseDeflation::solve(const CoarseLevel& coarse)
     const auto columns = static_cast<std::size_t>(columns_);
     solutions_.assign(columns * entries, 0.0f);
     coarse.solve(columnValues_, solutions_, columns);
-    solutionRows_.assign(static_cast<std::size_t>(blocksFor(columns_)) * rows, {});
-    for (std::size_t c = 0; c < columns; ++c)
-        for (std::size_t k = 0; k < static_cast<std::size_t>(3 * coarse.coarseNodes()); ++k)
-            solutionRows_[c / kBlock * rows + k].values[c % kBlock] = solutions_[c * entries + k];
+    panels_.assign(solutions_, columns, rows);
 }
 
-void CoarseDeflation::products(int column, std::span<double> out) const
+void CoarseDeflation::products(int column, std::span<double> out)
 {
     const std::size_t rows = columnValues_.size() / static_cast<std::size_t>(columns_);
-    std::vector<float> sums(static_cast<std::size_t>(blocksFor(columns_) * kBlock));
-    multiplyPanels(solutionRows_, std::span(columnValues_).subspan(static_cast<std::size_t>(column) * rows, rows), sums,
-                   0, blocksFor(columns_));
-    std::copy_n(sums.begin(), out.size(), out.begin());
+    project(std::span(columnValues_).subspan(static_cast<std::size_t>(column) * rows, rows), out);
 }
 
 void CoarseDeflation::project(std::span<const float> residual, std::span<double> out)
 {
-    projections_.resize(static_cast<std::size_t>(blocksFor(columns_) * kBlock));
-    multiplyPanels(solutionRows_, residual, projections_, 0, blocksFor(columns_));
-    std::copy_n(projections_.begin(), out.size(), out.begin());
+    std::ranges::copy(panels_.products(residual).first(out.size()), out.begin());
 }
 
 void CoarseDeflation::subtract(std::span<const double> coefficients, std::span<float> correction) const

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/linalg/coarse_level.h"
+#include "filasofia/linalg/column_panels.h"
 
 namespace filasofia::linalg {
 
@@ -27,15 +28,14 @@ public:
         const std::size_t entries = solutions_.size() / static_cast<std::size_t>(columns_);
         return std::span(solutions_).subspan(static_cast<std::size_t>(column) * entries, entries);
     }
-    void products(int column, std::span<double> out) const;               ///< per column: F^T B F, one row of it
+    void products(int column, std::span<double> out);                     ///< per column: F^T B F, one row of it
     void project(std::span<const float> residual, std::span<double> out); ///< per column: Y^T r_c
     void subtract(std::span<const double> coefficients, std::span<float> correction) const; ///< x_c -= Y a
 
 private:
     int columns_ = 0;
     std::vector<float> columnValues_, solutions_; ///< F_c and Y, column after column
-    std::vector<PanelRow> solutionRows_;          ///< Y, sixteen columns side by side
-    std::vector<float> projections_;
+    ColumnPanels panels_;                         ///< Y
 };
 
 } // namespace filasofia::linalg

@@ -79,7 +79,7 @@ public:
     void finishColumns() { deflation_.solve(coarse_); } ///< once all columns are there
     /// B F of a column, per coarse node.
     [[nodiscard]] std::span<const float> columnAnswer(int column) const { return deflation_.solution(column); }
-    void products(int column, std::span<double> out) const { deflation_.products(column, out); } ///< a row of F^T B F
+    void products(int column, std::span<double> out) { deflation_.products(column, out); } ///< a row of F^T B F
     /// Per column: F^T B (r + what was added), between smooth() and applyCoarse().
     void project(std::span<double> out, WorkerPool& pool);
 

@@ -89,7 +89,7 @@ private:
     void clear() override { columns_.clear(); }
     void addColumn(std::span<const Vec3> impulses) override { columns_.push_back(scattered(impulses)); }
     void finish() override { finished_ = columns_.size(); }
-    void products(int column, std::span<double> out) const override
+    void products(int column, std::span<double> out) override
     {
         for (std::size_t i = 0; i < out.size(); ++i)
             out[i] =

@@ -294,8 +294,8 @@ class PatternCutting(SurgicalEnv):
         mine = triangles[piece[triangles[:, 0]] == piece[middle]]
         a, b, c = (flat[mine[:, k]] for k in range(3))
         area = 0.5 * np.abs((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
-        u, v = np.meshgrid((np.arange(12) + 0.5) / 12, (np.arange(12) + 0.5) / 12)
-        u, v = np.where(u + v > 1, 1 - u, u).ravel(), np.where(u + v > 1, 1 - v, v).ravel()
+        one, two = (each.ravel() for each in np.meshgrid((np.arange(12) + 0.5) / 12, (np.arange(12) + 0.5) / 12))
+        u, v = np.where(one + two > 1, 1 - one, one), np.where(one + two > 1, 1 - two, two)
         points = a[:, None] + u[:, None] * (b - a)[:, None] + v[:, None] * (c - a)[:, None]
         inside = (np.hypot(points[..., 0], points[..., 1]) < self.radius).mean(axis=1)
         disc = np.pi * self.radius**2

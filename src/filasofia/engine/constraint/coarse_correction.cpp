@@ -54,19 +54,10 @@ std::vector<double> resistance(const Resisted& in, std::size_t rows)
     return matrix;
 }
 
-/// As many numbers as the shorter one has.
-double product(std::span<const float> a, std::span<const float> b)
-{
-    double sum = 0.0;
-    for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k)
-        sum += static_cast<double>(a[k]) * static_cast<double>(b[k]);
-    return sum;
-}
-
 /// A body's part of a vector over the picked coarse nodes of all bodies of a tie.
 struct PartOf {
     std::size_t first = 0, count = 0;
-    std::span<float> operator()(std::vector<float>& all) const { return std::span(all).subspan(first, count); }
+    std::span<float> operator()(std::span<float> all) const { return all.subspan(first, count); }
 };
 
 /// Calls use(body, its picked coarse nodes, its part) for the bodies of a tie.
@@ -90,8 +81,7 @@ void CoarseCorrection::begin(std::span<const SolvedTie> ties)
         Tie& made = ties_.emplace_back();
         made.tie = &each;
         made.y.assign(each.coarse->paddedSize(), 0.0f);
-        made.c.assign(
-            static_cast<std::size_t>(linalg::kBlock * linalg::blocksFor(static_cast<int>(each.coarse->size()))), 0.0f);
+        made.c.assign(each.coarse->resultSize(), 0.0f);
     }
 }
 
@@ -157,17 +147,17 @@ void CoarseCorrection::make(const ConstraintNetwork& network, std::vector<Constr
 void CoarseCorrection::addTies(std::span<const CoupledBody> bodies, std::size_t size, std::vector<double>& matrix)
 {
     for (Tie& each : ties_) {
-        const TiedCoarse& coarse = *each.tie->coarse;
-        each.t.assign(size, std::vector<float>(each.y.size()));
-        each.wt.assign(size, std::vector<float>(each.c.size()));
+        each.t.assign(size * each.y.size(), 0.0f);
+        each.wt.assign(size * each.c.size(), 0.0f);
         forEachPart(*each.tie, [&](std::size_t b, std::span<const int> nodes, const PartOf& part) {
             for (std::size_t i = 0; i < rows_[b].size(); ++i)
-                bodies[b].deflation()->readColumn(static_cast<int>(i), nodes, part(each.t[rows_[b][i]]));
+                bodies[b].deflation()->readColumn(static_cast<int>(i), nodes, part(each.ofMotion(each.t, rows_[b][i])));
         });
+        each.tie->coarse->multiply(size, each.t, each.wt);
+        each.panels.assign(each.t, size, each.y.size());
         for (std::size_t i = 0; i < size; ++i) {
-            if (std::ranges::all_of(each.t[i], [](float value) { return value == 0.0f; })) continue;
-            coarse.multiply(each.t[i], each.wt[i]);
-            for (std::size_t j = i; j < size; ++j) matrix[j * size + i] -= product(each.t[j], each.wt[i]);
+            const std::span<const float> products = each.products(each.ofMotion(each.wt, i));
+            for (std::size_t j = i; j < size; ++j) matrix[j * size + i] -= static_cast<double>(products[j]);
         }
     }
 }
@@ -179,7 +169,7 @@ void CoarseCorrection::answerTies(std::span<const CoupledBody> bodies)
         forEachPart(*each.tie, [&](std::size_t b, std::span<const int> nodes, const PartOf& part) {
             bodies[b].deflation()->readAnswer(nodes, part(each.y));
         });
-        each.tie->coarse->multiply(each.y, each.c);
+        each.tie->coarse->multiply(1, each.y, each.c);
     }
 }
 
@@ -187,9 +177,10 @@ void CoarseCorrection::answerTies(std::span<const CoupledBody> bodies)
 void CoarseCorrection::subtractTies(std::span<const CoupledBody> bodies)
 {
     for (Tie& each : ties_) {
-        for (std::size_t i = 0; i < sums_.size(); ++i)
-            for (std::size_t k = 0; k < each.tie->coarse->size(); ++k)
-                each.c[k] -= static_cast<float>(sums_[i]) * each.wt[i][k];
+        for (std::size_t i = 0; i < sums_.size(); ++i) {
+            const std::span<const float> wt = each.ofMotion(each.wt, i);
+            for (std::size_t k = 0; k < wt.size(); ++k) each.c[k] -= static_cast<float>(sums_[i]) * wt[k];
+        }
         forEachPart(*each.tie, [&](std::size_t b, std::span<const int> nodes, const PartOf& part) {
             bodies[b].deflation()->subtract(nodes, part(each.c));
         });
@@ -212,8 +203,10 @@ void CoarseCorrection::projectMotions(std::span<const CoupledBody> bodies)
         bodies[b].deflation()->project(shares_[b]);
         for (std::size_t i = 0; i < rows_[b].size(); ++i) sums_[rows_[b][i]] += shares_[b][i];
     }
-    for (const Tie& each : ties_)
-        for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] -= product(each.t[i], each.c);
+    for (Tie& each : ties_) {
+        const std::span<const float> products = each.products(each.c);
+        for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] -= static_cast<double>(products[i]);
+    }
     factor_.solve(sums_);
     for (std::size_t b = 0; b < bodies.size(); ++b)
         for (std::size_t i = 0; i < rows_[b].size(); ++i) shares_[b][i] = sums_[rows_[b][i]];

@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/constraint/constraint_motions.h"
 #include "filasofia/engine/constraint/tied_coarse.h"
+#include "filasofia/linalg/column_panels.h"
 #include "filasofia/linalg/dense_cholesky.h"
 
 #include <vector>
@@ -44,7 +45,18 @@ private:
     struct Tie {
         const SolvedTie* tie = nullptr;
         std::vector<float> y, c;
-        std::vector<std::vector<float>> t, wt; ///< T and W T, per motion
+        std::vector<float> t, wt;    ///< T and W T, motion after motion
+        linalg::ColumnPanels panels; ///< T
+        [[nodiscard]] std::span<float> ofMotion(std::vector<float>& all, std::size_t motion) const
+        {
+            const std::size_t stride = &all == &t ? y.size() : c.size();
+            return std::span(all).subspan(motion * stride, stride);
+        }
+        /// T^T c, valid until the next call
+        std::span<const float> products(std::span<const float> impulses)
+        {
+            return panels.products(impulses.first(y.size()));
+        }
     };
     void clearMotions();
     void addTies(std::span<const CoupledBody> bodies, std::size_t size, std::vector<double>& matrix);

@@ -30,10 +30,20 @@ bool TiedCoarse::finish(std::span<const double> b, std::span<const TiedPair> pai
     return made.has_value();
 }
 
-void TiedCoarse::multiply(std::span<const float> velocities, std::span<float> impulses) const
+std::size_t TiedCoarse::resultSize() const
 {
-    const auto panels = static_cast<int>(w_.size() / paddedSize());
-    linalg::multiplyPanels(w_, velocities.first(paddedSize()), impulses, 0, panels);
+    return static_cast<std::size_t>(linalg::kBlock * linalg::blocksFor(static_cast<int>(size())));
+}
+
+void TiedCoarse::multiply(std::size_t vectors, std::span<const float> velocities, std::span<float> impulses) const
+{
+    const auto rows = static_cast<int>(paddedSize());
+    linalg::multiplyPanels(w_, velocities, impulses,
+                           {.count = static_cast<int>(vectors),
+                            .rows = rows,
+                            .stride = rows,
+                            .resultStride = static_cast<int>(resultSize())},
+                           linalg::blocksFor(static_cast<int>(size())));
 }
 
 } // namespace filasofia::engine

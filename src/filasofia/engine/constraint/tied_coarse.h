@@ -57,9 +57,10 @@ public:
     /// The numbers of an input of multiply() that are in use; the input has paddedSize() of them.
     [[nodiscard]] std::size_t size() const { return 3 * count_; }
     [[nodiscard]] std::size_t paddedSize() const { return (size() + 3) / 4 * 4; }
-    /// [N s] W times velocities [m/s], 3 numbers per picked node, zeros after them. The result has room for whole
-    /// blocks of sixteen.
-    void multiply(std::span<const float> velocities, std::span<float> impulses) const;
+    /// The size of a result of multiply(): whole blocks of sixteen.
+    [[nodiscard]] std::size_t resultSize() const;
+    /// [N s] W times vectors of velocities [m/s], one after the other: 3 numbers per picked node, zeros after them.
+    void multiply(std::size_t vectors, std::span<const float> velocities, std::span<float> impulses) const;
 
 private:
     bool finish(std::span<const double> b, std::span<const TiedPair> pairs);

@@ -19,20 +19,23 @@ std::optional<std::size_t> planPlace(const RigidPlan& plan, const BodyPoint& poi
     return plan[point.body].articulation < 0 ? point.body : plan[point.body].base;
 }
 
+std::optional<std::size_t> unitOf(std::size_t softBodies, const RigidPlan& plan, const BodyPoint& point)
+{
+    if ((point.of == BodyPoint::Of::Soft && point.count > 0) || point.of == BodyPoint::Of::RodEdge) return point.body;
+    const auto place = planPlace(plan, point);
+    if (place) return softBodies + *place;
+    return std::nullopt;
+}
+
 std::vector<Island> findIslands(std::size_t softBodies, const RigidPlan& plan, std::span<const Constraint> constraints)
 {
     const std::size_t soft = softBodies;
-    const auto unitOf = [&](const BodyPoint& point) { // soft bodies, then the plan's elements
-        if ((point.of == BodyPoint::Of::Soft && point.count > 0) || point.of == BodyPoint::Of::RodEdge)
-            return point.body;
-        const auto place = planPlace(plan, point);
-        return place ? soft + *place : kNoIsland;
-    };
+    const auto unitAt = [&](const BodyPoint& point) { return unitOf(soft, plan, point).value_or(kNoIsland); };
     DisjointSets sets(soft + plan.size());
     const auto setOf = [&](std::size_t unit) { return static_cast<std::size_t>(sets.find(static_cast<int>(unit))); };
     std::vector<bool> constrained(soft + plan.size());
     for (const Constraint& each : constraints) {
-        const std::size_t a = unitOf(each.sides[0]), b = unitOf(each.sides[1]);
+        const std::size_t a = unitAt(each.sides[0]), b = unitAt(each.sides[1]);
         for (std::size_t unit : {a, b})
             if (unit != kNoIsland) constrained[unit] = true;
         if (a != kNoIsland && b != kNoIsland) sets.join(static_cast<int>(a), static_cast<int>(b));
@@ -53,8 +56,8 @@ std::vector<Island> findIslands(std::size_t softBodies, const RigidPlan& plan, s
             islands[island].rigid.push_back(unit - soft);
     }
     for (std::size_t c = 0; c < constraints.size(); ++c) {
-        std::size_t unit = unitOf(constraints[c].sides[0]);
-        if (unit == kNoIsland) unit = unitOf(constraints[c].sides[1]);
+        std::size_t unit = unitAt(constraints[c].sides[0]);
+        if (unit == kNoIsland) unit = unitAt(constraints[c].sides[1]);
         if (unit != kNoIsland) islands[islandOf[setOf(unit)]].constraints.push_back(c);
     }
     return islands;

@@ -19,6 +19,10 @@ struct Island {
 /// articulation. None if nothing can move the point.
 std::optional<std::size_t> planPlace(const RigidPlan& plan, const BodyPoint& point);
 
+/// The unit that the point's body is in a solve: its index among the soft bodies, or `softBodies` plus its planPlace().
+/// None if nothing can move the point.
+std::optional<std::size_t> unitOf(std::size_t softBodies, const RigidPlan& plan, const BodyPoint& point);
+
 /// The islands, in the order of their first bodies. Bodies without a constraint are in none. Space and
 /// kinematic elements connect nothing, and a constraint between two of them is in no island.
 std::vector<Island> findIslands(std::size_t softBodies, const RigidPlan& plan, std::span<const Constraint> constraints);

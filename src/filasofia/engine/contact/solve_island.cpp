@@ -117,7 +117,7 @@ class RowBuilder {
 public:
     RowBuilder(const Island& island, const Scene& scene, Coupling& coupling)
         : points(island.soft.size() + island.rigid.size()), scene_(scene), island_(island), coupling_(coupling),
-          pointOf_(coupling.scratch.pointOf), pieceOf_(coupling.scratch.pieceOf)
+          pointOf_(coupling.scratch.pointOf), pieceOf_(coupling.scratch.pieceOf), placeOf_(coupling.scratch.placeOf)
     {
     }
 
@@ -127,16 +127,21 @@ public:
     {
         out.clear();
         for (std::size_t c : island_.constraints) out.list.push_back({.constraint = &coupling_.constraints[c]});
+        findSides(out);
         // Goes through one body after another, so that one map of nodes serves all.
+        std::size_t next = 0;
         for (std::size_t unit = 0; unit < points.size(); ++unit) {
             if (unit < island_.soft.size()) mapNodes(scene_.soft[island_.soft[unit]].model);
-            for (std::size_t row = 0; row < out.list.size(); ++row)
-                for (std::size_t side = 0; side < 2; ++side) addSide(side, unit, row, out);
+            for (; next < sides_.size() && sides_[next].unit == unit; ++next) addSide(sides_[next], out);
         }
         flatten(out);
     }
 
 private:
+    /// A side of a constraint that moves with a body of the island.
+    struct Side {
+        std::size_t unit, row, side;
+    };
     /// A weight of J: constraint row, body, contact point of the body.
     struct Entry {
         std::size_t row, unit;
@@ -153,42 +158,63 @@ private:
             for (int node : body.pieces[p].nodes) pieceOf_[static_cast<std::size_t>(node)] = static_cast<int>(p);
     }
 
-    void addSide(std::size_t side, std::size_t unit, std::size_t row, ConstraintRows& out)
+    /// Body by body, in the order of the rows.
+    void findSides(const ConstraintRows& rows)
     {
-        const BodyPoint& at = out.list[row].constraint->sides[side];
-        const double sign = side == 0 ? 1.0 : -1.0;
-        const std::size_t softCount = island_.soft.size();
-        if (unit < softCount && at.of == BodyPoint::Of::Soft && at.body == island_.soft[unit]) {
-            const SoftModel& body = scene_.soft[at.body].model;
-            if (!pieceOf_.empty()) out.list[row].pieces[side] = pieceOf_[static_cast<std::size_t>(at.nodes[0])];
-            for (std::size_t k = 0; k < static_cast<std::size_t>(at.count); ++k) {
-                const auto node = static_cast<std::size_t>(at.nodes[k]);
-                if (body.pins.hard[node]) continue; // it does not move, whatever pulls at it
-                int& point = pointOf_[node];
-                if (point < 0) {
-                    point = static_cast<int>(points[unit].size());
-                    points[unit].push_back({.node = at.nodes[k]});
-                }
-                entries_.push_back({row, unit, point, sign * at.weights[k]});
-            }
-            for (std::size_t k = 0; k < 2 && at.edges[k] >= 0; ++k) {
-                if (clamped(body.pins.hard, static_cast<std::size_t>(at.edges[k]))) continue;
-                entries_.push_back({row, unit, static_cast<int>(points[unit].size()), sign});
-                points[unit].push_back({.node = at.edges[k], .perSpin = at.perSpin[k]});
-            }
-        } else if (unit < softCount && at.of == BodyPoint::Of::RodEdge && at.body == island_.soft[unit]) {
-            if (clamped(scene_.soft[at.body].model.pins.hard, static_cast<std::size_t>(at.edge))) return;
-            entries_.push_back({row, unit, static_cast<int>(points[unit].size()), sign});
-            points[unit].push_back({.node = at.edge, .perSpin = Vec3{length(at.axis), 0.0, 0.0}});
-        } else if (unit >= softCount && planPlace(coupling_.rigid, at) == island_.rigid[unit - softCount]) {
-            entries_.push_back({row, unit, static_cast<int>(points[unit].size()), sign});
+        const std::size_t soft = scene_.soft.size();
+        placeOf_.resize(soft + coupling_.rigid.size());
+        for (std::size_t k = 0; k < island_.soft.size(); ++k) placeOf_[island_.soft[k]] = k;
+        for (std::size_t k = 0; k < island_.rigid.size(); ++k)
+            placeOf_[soft + island_.rigid[k]] = island_.soft.size() + k;
+        for (std::size_t row = 0; row < rows.list.size(); ++row)
+            for (std::size_t side = 0; side < 2; ++side)
+                if (const auto unit = unitOf(soft, coupling_.rigid, rows.list[row].constraint->sides[side]))
+                    sides_.push_back({placeOf_[*unit], row, side});
+        std::ranges::stable_sort(sides_, {}, &Side::unit);
+    }
+
+    void addSide(const Side& of, ConstraintRows& out)
+    {
+        const BodyPoint& at = out.list[of.row].constraint->sides[of.side];
+        const double sign = of.side == 0 ? 1.0 : -1.0;
+        const auto add = [&](const ContactPoint& point) {
+            entries_.push_back({of.row, of.unit, static_cast<int>(points[of.unit].size()), sign});
+            points[of.unit].push_back(point);
+        };
+        if (at.of == BodyPoint::Of::Soft) {
+            addNodes(of, sign, out);
+            for (std::size_t k = 0; k < 2 && at.edges[k] >= 0; ++k)
+                if (!clamped(scene_.soft[at.body].model.pins.hard, static_cast<std::size_t>(at.edges[k])))
+                    add({.node = at.edges[k], .perSpin = at.perSpin[k]});
+        } else if (at.of == BodyPoint::Of::RodEdge) {
+            if (!clamped(scene_.soft[at.body].model.pins.hard, static_cast<std::size_t>(at.edge)))
+                add({.node = at.edge, .perSpin = Vec3{length(at.axis), 0.0, 0.0}});
+        } else if (at.of == BodyPoint::Of::Joint) {
+            add({.joint = at.joint});
+        } else {
             const int link = static_cast<int>(coupling_.rigid[at.body].element);
-            if (at.of == BodyPoint::Of::Joint)
-                points[unit].push_back({.joint = at.joint});
-            else if (at.of == BodyPoint::Of::Turning)
-                points[unit].push_back({.link = link, .axis = at.axis});
+            if (at.of == BodyPoint::Of::Turning)
+                add({.link = link, .axis = at.axis});
             else
-                points[unit].push_back({.arm = at.position - coupling_.rigid[at.body].centre, .link = link});
+                add({.arm = at.position - coupling_.rigid[at.body].centre, .link = link});
+        }
+    }
+
+    void addNodes(const Side& of, double sign, ConstraintRows& out)
+    {
+        const auto [unit, row, side] = of;
+        const BodyPoint& at = out.list[row].constraint->sides[side];
+        const SoftModel& body = scene_.soft[at.body].model;
+        if (!pieceOf_.empty()) out.list[row].pieces[side] = pieceOf_[static_cast<std::size_t>(at.nodes[0])];
+        for (std::size_t k = 0; k < static_cast<std::size_t>(at.count); ++k) {
+            const auto node = static_cast<std::size_t>(at.nodes[k]);
+            if (body.pins.hard[node]) continue; // it does not move, whatever pulls at it
+            int& point = pointOf_[node];
+            if (point < 0) {
+                point = static_cast<int>(points[unit].size());
+                points[unit].push_back({.node = at.nodes[k]});
+            }
+            entries_.push_back({row, unit, point, sign * at.weights[k]});
         }
     }
 
@@ -210,6 +236,8 @@ private:
     Coupling& coupling_;
     std::vector<int>& pointOf_;
     std::vector<int>& pieceOf_;
+    std::vector<std::size_t>& placeOf_;
+    std::vector<Side> sides_;
     std::vector<Entry> entries_;
 };
 

@@ -149,7 +149,7 @@ void MatrixFreeOperator::addColumn(std::span<const Vec3> impulses)
     system_.preconditioner_.addColumn(column_);
 }
 
-void MatrixFreeOperator::products(int column, std::span<double> out) const
+void MatrixFreeOperator::products(int column, std::span<double> out)
 {
     system_.preconditioner_.products(column, out);
     for (double& each : out) each /= system_.scale_;

@@ -38,7 +38,7 @@ private:
     void clear() override { system_.preconditioner_.clearColumns(); }
     void addColumn(std::span<const Vec3> impulses) override;
     void finish() override { system_.preconditioner_.finishColumns(); }
-    void products(int column, std::span<double> out) const override;
+    void products(int column, std::span<double> out) override;
     void project(std::span<double> out) override;
     void readColumn(int column, std::span<const int> coarseNodes, std::span<float> out) const override;
     void readAnswer(std::span<const int> coarseNodes, std::span<float> out) override;
