@@ -34,6 +34,9 @@ struct CollisionDef {
     /// that have it with each other. Models of one rigid element never meet, nor do those of two links with a joint
     /// between them, which overlap there.
     bool self = false;
+    /// Whether a solid soft body that has been cut or torn collides with itself from then on, fragments of at most 32
+    /// elements apart; else what was parted may sink into the rest. Contacts of cut faces cost time.
+    bool selfOnceCut = true;
     /// On a rigid body, a blade: its lines (the mesh's edges, or those of its segments) cut soft bodies of its group
     /// that have dynamicTopology and pass through them; it pushes everything else of the group. On a soft body: the
     /// groups whose blades may cut it, if these are not all groups of its other models; nothing collides with such a
@@ -74,6 +77,7 @@ constexpr auto fields(const CollisionDef*)
                           "distance within which contacts are found; both bodies' proximities add up"),
                     field("group", &T::group, "only models of the same group collide"),
                     field("self", &T::self, "whether the body collides with itself"),
+                    field("selfOnceCut", &T::selfOnceCut, "whether it does once it has been cut or torn"),
                     field("cutting", &T::cutting, "whether it is a blade, or may be cut by one"));
 }
 constexpr auto fields(const ExactContact*)

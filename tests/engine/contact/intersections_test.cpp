@@ -156,4 +156,59 @@ TEST_CASE("tissue that is squeezed hard but held by contact is not reported")
     CHECK(stage.step(1e-3).contacts.active > 10);
 }
 
+TEST_CASE("a ball that is driven through a sheet is told, however fast it is")
+{
+    int through = 0;
+    for (const double speed : {1.0, 1.5, 2.0, 2.5, 3.0, 4.0}) {
+        CAPTURE(speed);
+        Stage stage;
+        physics::SoftBodyDef stiff = sheet(1e-3);
+        stiff.material = physics::FemMaterial{.youngModulus = 300e3, .poissonRatio = 0.45};
+        stage.add(stiff);
+        const auto at = [&](int step) { return Vec3{1e-3, 0.0213 - 1e-3 * speed * step, 0.5e-3}; };
+        const BodyId tool = stage.add(ball(at(0), 3e-3));
+        int told = 0;
+        for (int i = 1; at(i).y > -0.06; ++i) {
+            stage.post(physics::SetPose{tool, 0, {at(i), {}}});
+            told += flagged(stage.step(1e-3)) ? 1 : 0;
+        }
+        double lowest = 0.0;
+        for (Vec3 x : stage.soft().x) lowest = std::min(lowest, x.y);
+        if (lowest < -0.04) continue; // the sheet was drawn along
+        ++through;
+        CHECK(told > 0);
+    }
+    CHECK(through >= 2);
+}
+
+TEST_CASE("a hollow body that is pressed flat is told to pass through itself, unless it collides with itself")
+{
+    for (const bool self : {false, true}) {
+        CAPTURE(self);
+        Stage stage;
+        physics::SoftBodyDef tube = sheet(2e-3);
+        std::vector<Vec3> axis;
+        for (int i = 0; i <= 10; ++i) axis.push_back({-0.02 + 4e-3 * i, 0, 0});
+        tube.mesh = geometry::shapes::vessel(axis, 8e-3, 2e-3, {16, 2});
+        tube.attachments = {};
+        tube.collision = {{.proximity = 0.2e-3, .self = self}};
+        stage.add(tube);
+        const auto plate = [](double y) {
+            return physics::RigidBodyDef{
+                .elements = {{{0, y, 0}, {}}}, .mesh = geometry::shapes::box({0.1, 0.01, 0.1}), .collision = {{}}};
+        };
+        stage.add(plate(-0.0151));
+        const BodyId press = stage.add(plate(0.0151));
+        bool told = false;
+        for (int i = 1; i <= 950; ++i) {
+            stage.post(physics::SetPose{press, 0, {{0, 0.0151 - 22e-6 * std::min(i, 800), 0}, {}}});
+            const physics::StepReport report = stage.step(1e-3);
+            told = told || std::ranges::any_of(report.intersections, [](const physics::Intersection& each) {
+                       return each.first == each.second;
+                   });
+        }
+        CHECK(told == !self);
+    }
+}
+
 } // namespace intersections_test

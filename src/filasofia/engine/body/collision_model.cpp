@@ -33,6 +33,7 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
                                                      .depth = def.proximity + depth,
                                                      .group = def.group,
                                                      .self = def.self,
+                                                     .selfOnceCut = def.selfOnceCut,
                                                      .cutting = def.cutting});
     model.inset = makeInset(shape, depth);
     setProximity(def.proximity, model.inset, shape);

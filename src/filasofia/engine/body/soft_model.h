@@ -61,6 +61,7 @@ struct SoftModel {
     std::vector<CollisionModel> collision;
     std::optional<PunctureModel> puncture; ///< none: needles cannot pierce it
     bool dynamicTopology = false;          ///< the body may be cut or torn
+    bool opened = false;                   ///< a cut or a tear has parted some of it
     bool leaks = false;                    ///< a closed shell that was opened: its pressure has escaped
     std::vector<BodyPiece> pieces;         ///< ascending by number; empty while the body is whole
     std::set<int> removed;                 ///< removed pieces: their nodes are pinned and have no surface

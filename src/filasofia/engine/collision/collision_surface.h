@@ -11,9 +11,9 @@ namespace filasofia::engine {
 
 /// A shape in its current state.
 struct CollisionSurface {
-    /// Surfaces of one body collide with each other only if both shapes have `self` set, and a soft one then also with
-    /// itself.
+    /// Surfaces of one body collide with each other only if both have `self` set, and a soft one then also with itself.
     SurfaceName name;
+    bool self = false; ///< that of the shape; of tissue that was cut, also its `selfOnceCut`
     /// The element of a rigid body, and the one that a joint connects it to (-1: none): they do not collide. -1 for a
     /// soft body.
     int element = -1, parent = -1;
@@ -23,6 +23,9 @@ struct CollisionSurface {
     /// [m] current vertices. Elements with a vertex that is not finite or beyond 1e9 m are not found.
     std::vector<Vec3> x;
     std::vector<Vec3> v; ///< [m/s] velocities in the coming step
+    /// Per vertex: the number of its piece; -1: a fragment that meets nothing of its own body. Empty if there is only
+    /// one piece.
+    std::vector<int> pieceOf;
 
     // Boxes for this step, written by findProximities.
     std::vector<Bounds> vertexBounds;

@@ -124,6 +124,9 @@ Facing facingOf(const SurfacePair& meeting, int first, int second, const EdgeCro
 
 bool nearAtRest(const SurfacePair& meeting, const std::array<int, 3>& a, const std::array<int, 3>& b)
 {
+    // Where a cut has parted a solid its pieces lie against each other, and may be pressed together again.
+    const std::vector<int>& pieceOf = meeting.sides[0]->pieceOf;
+    if (!pieceOf.empty() && meeting.sides[0]->shape->closed && pieceOf[a[0]] != pieceOf[b[0]]) return false;
     const std::vector<Vec3>& rest = meeting.sides[0]->shape->rest;
     const double nearest = meeting.proximities() * meeting.proximities();
     // A feature with fewer than three vertices is a triangle that repeats a vertex; edge against edge also needs their

@@ -3,13 +3,19 @@
 namespace filasofia::engine {
 namespace {
 
+bool isFragment(const CollisionSurface& surface, int element)
+{
+    return surface.pieceOf[static_cast<std::size_t>(surface.shape->elements[element].vertices[0])] < 0;
+}
+
 void collectLeafPairs(const CollisionSurface& a, const CollisionSurface& b, CollisionShape::Node na,
                       CollisionShape::Node nb, std::vector<std::array<int, 2>>& pairs)
 {
-    const bool same = &a == &b && na.first == nb.first;
+    const bool same = &a == &b && na.first == nb.first, pieces = &a == &b && !a.pieceOf.empty();
     for (int i = na.first; i < na.first + na.count; ++i)
         for (int k = same ? i + 1 : nb.first; k < nb.first + nb.count; ++k)
-            if (meet(a.elementBounds[i], b.elementBounds[k])) pairs.push_back({i, k});
+            if (meet(a.elementBounds[i], b.elementBounds[k]) && !(pieces && (isFragment(a, i) || isFragment(b, k))))
+                pairs.push_back({i, k});
 }
 
 } // namespace

@@ -24,7 +24,7 @@ bool movesRelativeTo(const CollisionSurface& a, const CollisionSurface& b) // of
 bool mayCollide(const CollisionSurface& a, const CollisionSurface& b)
 {
     if ((a.cuts && b.cuttable) || (b.cuts && a.cuttable)) return false; // a blade passes through
-    if (a.name.body == b.name.body && !(a.shape->self && b.shape->self && movesRelativeTo(a, b))) return false;
+    if (a.name.body == b.name.body && !(a.self && b.self && movesRelativeTo(a, b))) return false;
     return a.shape->group == b.shape->group && meet(a.whole, b.whole);
 }
 

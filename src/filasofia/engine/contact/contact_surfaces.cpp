@@ -18,16 +18,35 @@ Vec3 mean(const std::vector<Vec3>& values, const geometry::Tetrahedron& nodes, c
     return sum;
 }
 
+/// Per vertex of a collision model: its piece (CollisionSurface::pieceOf). Small fragments meet nothing of their own
+/// body unless the Def says so: they would cost more than anyone sees of them.
+void findPieces(const SoftModel& model, const CollisionModel& collision, std::vector<int>& pieceOf)
+{
+    pieceOf.clear();
+    if (model.pieces.empty() || isRod(model)) return;
+    const bool self = collision.shape->self;
+    std::vector<int> ofNodes(model.rest.size(), -1);
+    for (const BodyPiece& piece : model.pieces)
+        for (int node : piece.nodes)
+            ofNodes[static_cast<std::size_t>(node)] = self || piece.elements.empty() ? piece.number : -1;
+    for (const geometry::Tetrahedron& nodes : collision.embedding.nodes)
+        pieceOf.push_back(ofNodes[static_cast<std::size_t>(nodes[0])]);
+}
+
 void placeSurface(double dt, const SurfaceOwner& owner, const Scene& scene, const RigidPlan& plan,
                   std::vector<Vec3>& normals, CollisionSurface& out)
 {
     const CollisionModel& collision = *owner.collision;
     const std::size_t count = collision.shape->rest.size();
     out.shape = collision.shape;
+    out.self = out.shape->self;
     out.x.resize(count);
     out.v.resize(count);
     if (owner.soft) {
         const SoftState& body = scene.soft[owner.body].state;
+        const SoftModel& model = scene.soft[owner.body].model;
+        out.self = out.shape->self || (model.opened && out.shape->closed && out.shape->selfOnceCut);
+        findPieces(model, collision, out.pieceOf);
         // What holds the body is not known yet. Without gravity, a cube that starts at rest 2 mm above a floor fell
         // 12 mm into it at 50 steps per second, and through it at 10.
         const Vec3 fall = scene.soft[owner.body].model.gravity ? dt * scene.gravity : Vec3{};

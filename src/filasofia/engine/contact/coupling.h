@@ -11,13 +11,15 @@
 
 namespace filasofia::engine {
 
-/// The data of contact detection. Only `surfaces`, `startedInside`, `intersections` and the warned groups carry over
-/// from step to step.
+/// The data of contact detection. Only `surfaces`, `startedInside`, the intersections and the warned groups carry
+/// over from step to step.
 struct ContactDetection {
     std::vector<CollisionSurface> surfaces; ///< every body's, in the order of Scene::soft and Scene::rigid
     /// Pairs that started inside each other, deeper than contacts are followed.
     std::vector<std::array<SurfaceName, 2>> startedInside;
     std::vector<physics::Intersection> intersections; ///< at the last test (reportIntersections)
+    /// The same, of bodies that pass through themselves because they do not collide with themselves.
+    std::vector<physics::Intersection> foldedIntersections;
     std::set<int> warnedGroups; ///< collision groups for which the log has said that only one body has them
     std::set<int> warnedThin;   ///< collision groups for which the log has said that the proximities are too small
     ProximityScratch scratch;

@@ -14,8 +14,8 @@ struct Coupling;
 struct IslandScratch {
     CoupledSolve solver;
     ConstraintRows rows;
-    std::vector<int> pointOf; ///< per node of the current body: its contact point, or -1
-    std::vector<int> pieceOf; ///< per node of the current body: its piece; empty if the body is whole
+    std::vector<int> pointOf;         ///< per node of the current body: its contact point, or -1
+    std::vector<int> pieceOf;         ///< per node of the current body: its piece; empty if the body is whole
     std::vector<std::size_t> placeOf; ///< per unit (unitOf()) of the current island: its place in the island
 };
 

@@ -19,41 +19,48 @@ Vec3 middleOf(const geometry::Triangle& t, std::span<const Vec3> x)
     return 1.0 / 3.0 * (at(0) + at(1) + at(2));
 }
 
-using NodePart = std::pair<int, Vec3>;
+/// Sums of parts per node.
+struct NodeSums {
+    std::vector<Vec3> of;
+    std::vector<char> has;
+    void add(int node, Vec3 part)
+    {
+        of[static_cast<std::size_t>(node)] += part;
+        has[static_cast<std::size_t>(node)] = 1;
+    }
+};
 
 /// What a rim's lid adds to the gradient: triangles (b, a, middle), whose middle moves with all nodes of the rim.
-void addLid(const CavityRim& rim, std::span<const Vec3> x, std::vector<NodePart>& parts)
+void addLid(const CavityRim& rim, std::span<const Vec3> x, NodeSums& sums)
 {
     const Vec3 middle = middleOf(rim, x);
     Vec3 lid;
     for (const auto& [a, b] : rim.edges) {
         const Vec3 from = x[static_cast<std::size_t>(b)];
         const Vec3 area = 0.5 * cross(x[static_cast<std::size_t>(a)] - from, middle - from);
-        for (int node : {a, b}) parts.emplace_back(node, 1.0 / 3.0 * area);
+        for (int node : {a, b}) sums.add(node, 1.0 / 3.0 * area);
         lid += area;
     }
     const double share = 1.0 / (3.0 * static_cast<double>(rim.edges.size()));
-    for (const auto& [a, b] : rim.edges) parts.emplace_back(a, share * lid);
+    for (const auto& [a, b] : rim.edges) sums.add(a, share * lid);
 }
 
 /// The gradient of volumeOf(), lids included. It sums up to zero over each part that is closed with its lids, so no
 /// motion of a part as a whole changes the volume.
 void gradientOf(const Cavity& cavity, std::span<const Vec3> x, RankOneStiffness& out)
 {
-    std::vector<NodePart> parts;
-    parts.reserve(3 * cavity.wall.size());
-    for (const geometry::Triangle& t : cavity.wall)
-        for (int node : t) parts.emplace_back(node, 1.0 / 3.0 * areaOf(t, x));
-    for (const CavityRim& rim : cavity.rims) addLid(rim, x, parts);
-    std::ranges::stable_sort(parts, {}, &NodePart::first);
+    NodeSums sums{std::vector<Vec3>(x.size()), std::vector<char>(x.size())};
+    for (const geometry::Triangle& t : cavity.wall) {
+        const Vec3 third = 1.0 / 3.0 * areaOf(t, x);
+        for (int node : t) sums.add(node, third);
+    }
+    for (const CavityRim& rim : cavity.rims) addLid(rim, x, sums);
     out.nodes.clear();
     out.gradient.clear();
-    for (const auto& [node, part] : parts) {
-        if (out.nodes.empty() || out.nodes.back() != node) {
-            out.nodes.push_back(node);
-            out.gradient.emplace_back();
-        }
-        out.gradient.back() += part;
+    for (std::size_t node = 0; node < x.size(); ++node) {
+        if (sums.has[node] == 0) continue;
+        out.nodes.push_back(static_cast<int>(node));
+        out.gradient.push_back(sums.of[node]);
     }
 }
 

@@ -295,7 +295,8 @@ OwnSurfaceEdit applyEdit(const TopologyEdit& edit, double period, SoftBody& body
             addMass(model, e, -1.0, model.masses);
 
     const auto opens = [](const frame::TopologyOp& op) { return std::holds_alternative<frame::NodeCopy>(op); };
-    model.leaks = model.leaks || (topology.closed && std::ranges::any_of(edit.ops, opens));
+    model.opened = model.opened || std::ranges::any_of(edit.ops, opens);
+    model.leaks = model.leaks || (topology.closed && model.opened);
     followPins(edit, model);
     followState(edit, mesh, model, state);
     followElements(edit, changed, mesh, model, state);

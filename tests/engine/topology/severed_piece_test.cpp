@@ -1,0 +1,72 @@
+#include "engine/stage.h"
+
+namespace severed_piece_test {
+
+using namespace filasofia;
+using namespace filasofia::engine;
+using physics::StepFlag;
+
+// What a cut has parted meets the rest of its body.
+namespace {
+
+/// A cube of 20 mm that stands on its pinned lower side, and a level blade that goes through it at 11 mm.
+struct Severed {
+    Stage stage{{.period = 1e-3, .threads = 1}};
+    BodyId organ;
+    physics::StepReport after; ///< of the last step; all flags since the blade came to rest
+    bool flagged = false;
+
+    explicit Severed(const physics::CollisionDef& collision)
+    {
+        organ = stage.add(physics::SoftBodyDef{.name = "organ",
+                                               .mesh = geometry::shapes::block({0.02, 0.02, 0.02}, {5, 5, 5}),
+                                               .pose = {{0, 0.01, 0}, {}},
+                                               .material = physics::FemMaterial{.youngModulus = 8e3},
+                                               .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1e-4, 1}}}},
+                                               .collision = {collision},
+                                               .friction = 0.3,
+                                               .dynamicTopology = true});
+        const auto mesh = std::make_shared<const geometry::TriangleMesh>(
+            geometry::TriangleMesh{.vertices = {{0, 0, -0.03}, {0, 0, 0.03}, {-0.06, 0, 0.03}, {-0.06, 0, -0.03}},
+                                   .triangles = {{0, 1, 2}, {0, 2, 3}},
+                                   .uv = {}});
+        const auto at = [](double x) { return Pose{{x, 0.011, 0}, {}}; };
+        const BodyId blade = stage.add(physics::RigidBodyDef{
+            .name = "blade", .elements = {at(-0.02)}, .collision = {{.mesh = mesh, .cutting = true}}});
+        stage.step(1e-3);
+        for (int i = 1; i <= 300; ++i) {
+            stage.post(physics::SetPose{blade, 0, at(-0.02 + 1.2e-4 * i)});
+            flagged = stage.step(1e-3).has(StepFlag::Intersecting) || flagged;
+        }
+        after = stage.run(400, 1e-3);
+        flagged = after.has(StepFlag::Intersecting) || flagged;
+    }
+    double height() // of its top [m]
+    {
+        double top = 0.0;
+        for (Vec3 x : stage.soft().x) top = std::max(top, x.y);
+        return top;
+    }
+};
+
+} // namespace
+
+TEST_CASE("a piece that a blade has severed rests on the rest of its organ")
+{
+    Severed severed({});
+    REQUIRE(severed.stage.model().pieces.size() == 2);
+    CHECK(severed.height() > 19.3e-3);
+    CHECK(!severed.flagged);
+}
+
+TEST_CASE("a severed piece may be told to pass through its organ, and then steps say that it does")
+{
+    Severed severed({.selfOnceCut = false});
+    CHECK(severed.height() < 17e-3);
+    REQUIRE(severed.after.intersections.size() == 1);
+    CHECK(severed.after.intersections.front().first == severed.organ);
+    CHECK(severed.after.intersections.front().second == severed.organ);
+    CHECK(severed.after.intersections.front().depth > 1e-3);
+}
+
+} // namespace severed_piece_test
