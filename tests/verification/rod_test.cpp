@@ -358,4 +358,39 @@ TEST_CASE("a thread that is thrown at a thread does not pass through it")
         }
 }
 
+TEST_CASE("springs that hold threads draw with the force of their length, also in steps that are solved again")
+{
+    // A force that begins at once moves the upper thread by many diameters in a step, so it would pass through the
+    // lower one, and the step is solved again.
+    constexpr double stiffness = 300.0;
+    RodBodyDef lower{.spacing = 1e-3, .radius = 0.15e-3, .youngModulus = 1e7, .collision = RodCollision{}};
+    RodBodyDef upper = lower;
+    lower.points = {{-0.02, 0, 0}, {0.02, 0, 0}};
+    upper.points = {{0, 2e-3, -0.02}, {0, 2e-3, 0.02}};
+    upper.forces = {{.node = 20, .force = {0, -0.1, 0}}};
+    Stage stage;
+    stage.world.scene().gravity = {};
+    for (RodBodyDef* def : {&lower, &upper})
+        for (const std::size_t end : {0, 1})
+            def->attachments.push_back({.nodes = {end == 0 ? 0 : 40},
+                                        .stiffness = stiffness,
+                                        .to = stage.add(RigidBodyDef{.elements = {Pose{def->points[end]}}})});
+    for (const RodBodyDef* def : {&lower, &upper}) stage.add(*def);
+    double worst = 0.0, most = 0.0;
+    frame::Frame frame;
+    for (int i = 0; i < 20; ++i) {
+        stage.step(1e-3);
+        stage.world.capture(frame);
+        REQUIRE(frame.attachments.size() == 4);
+        for (std::size_t k = 0; k < 4; ++k) {
+            const Vec3 place = (k < 2 ? lower : upper).points[k % 2], end = stage.soft(k / 2).x[k % 2 == 0 ? 0 : 40];
+            worst = std::max(worst, length(frame.attachments[k].force - stiffness * (place - end)));
+            most = std::max(most, length(frame.attachments[k].force));
+        }
+    }
+    CHECK(heightAtCrossing(stage.soft(0).x, stage.soft(1).x) > 0.0);
+    verify("rod: springs of threads that would pass: error of their force, relative to the largest", worst / most,
+           1e-6);
+}
+
 } // namespace rod_test

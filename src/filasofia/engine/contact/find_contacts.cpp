@@ -35,6 +35,12 @@ constexpr double kLost = 10.0;
 // Lines that would have passed through each other are pressed together by forces that the usual penalty misses by half
 // a radius, and each new solve only by a quarter less. A stiffer one costs no iterations: the filter of rods is exact.
 constexpr double kLinePenalty = 100.0;
+// [-] Strands of a knot that is drawn tight slide on each other, and the usual penalty lets them into each other deeper
+// in each step, until they lie in one line: no direction leads out of that, steps took a thousand iterations, and the
+// knot stood still. Now the penalty grows with the depth, relative to the sum of the radii, by this factor, up to that
+// of lines which would have passed. As stiff from the start, loose threads fail to converge two to eight times as
+// often.
+constexpr double kDeepLinePenalty = 300.0;
 
 /// [m] the inset of a surface at the place of a proximity.
 double insetAt(const CollisionModel& collision, const Proximity& found, std::size_t side)
@@ -250,6 +256,13 @@ void writeContact(const Proximity& found, double gap, const std::array<const Sur
                        .skin = kSkin * proximity};
 }
 
+/// Factor on the penalty between two lines.
+double linePenalty(const std::array<const SurfaceOwner*, 2>& lines, double gap, const Scene& scene)
+{
+    const auto radius = [&](const SurfaceOwner* line) { return scene.soft[line->body].model.rod.radius; };
+    return std::clamp(-kDeepLinePenalty * gap / (radius(lines[0]) + radius(lines[1])), 1.0, kLinePenalty);
+}
+
 /// Adds the contact at a proximity, unless it must be left out.
 void addContact(const Proximity& found, const std::array<const SurfaceOwner*, 2>& sides, double dt, const Scene& scene,
                 Coupling& coupling)
@@ -261,7 +274,9 @@ void addContact(const Proximity& found, const std::array<const SurfaceOwner*, 2>
     const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
     const double gap = found.gap - insetAt(*sides[0]->collision, found, 0) - insetAt(*sides[1]->collision, found, 1);
     if (!(gap < proximity + comingNearer(coupling.detection.surfaces, found, dt))) return;
-    writeContact(found, gap, sides, scene, coupling, coupling.constraints.emplace_back());
+    Constraint& contact = coupling.constraints.emplace_back();
+    writeContact(found, gap, sides, scene, coupling, contact);
+    if (isLine(scene, *sides[0]) && isLine(scene, *sides[1])) contact.yielding = linePenalty(sides, gap, scene);
 }
 
 } // namespace
