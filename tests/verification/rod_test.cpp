@@ -100,6 +100,39 @@ TEST_CASE("a quarter of a ring, curved at rest, bends and twists under a load ac
            std::abs(found / exact - 1.0), 1e-3);
 }
 
+TEST_CASE("a helix that is curved at rest is as stiff along its axis as a helical spring")
+{
+    // Between clamps that are moved along the axis: 1 / k = L R^2 (cos^2 a / T + sin^2 a / B), for a pitch angle a that
+    // is small.
+    constexpr int turns = 4, edges = 480;
+    constexpr double radius = 0.01, pitch = 2e-4, way = 2e-5;
+    RodBodyDef def = clampedRod(radius, 10);
+    def.straight = false;
+    def.spacing = {};
+    def.radius = 0.4e-3;
+    def.points.clear();
+    for (int i = -1; i <= edges + 1; ++i) {
+        const double angle = 2.0 * kPi * turns * i / edges;
+        def.points.push_back({radius * std::cos(angle), radius * std::sin(angle), pitch * angle / (2.0 * kPi)});
+    }
+    Stage stage;
+    stage.world.scene().gravity = {};
+    const BodyId hand = stage.add(RigidBodyDef{.elements = {Pose{def.points.back()}}});
+    def.attachments.push_back({.nodes = {edges + 1, edges + 2}, .to = hand});
+    stage.add(def);
+    stage.step(0.0);
+    stage.post(SetPose{hand, 0, Pose{def.points.back() + Vec3{0, 0, way}}});
+    settle(stage, 1.0, 60);
+    frame::Frame frame;
+    stage.world.capture(frame);
+    REQUIRE(frame.attachments.size() == 2);
+    const double a = std::atan(pitch / (2.0 * kPi * radius)), length = 2.0 * kPi * radius * turns / std::cos(a);
+    const double compliance =
+        length * radius * radius * (std::pow(std::cos(a), 2) / twistOf(def) + std::pow(std::sin(a), 2) / bendOf(def));
+    verify("rod: helix, curved at rest, drawn along its axis: relative error of its stiffness",
+           std::abs(frame.attachments[1].force.z * compliance / way - 1.0), 5e-3);
+}
+
 TEST_CASE("twist spreads evenly between two clamps, and its moment is that of torsion")
 {
     constexpr double length = 0.2;
