@@ -170,3 +170,10 @@ def test_a_vector_of_them_has_the_hashes_of_single_ones(name):
         for k, action in enumerate(actions):
             assert env.step(action[i])[4]["state_hash"] == found[k + 1][i]
         env.close()
+
+
+@pytest.mark.parametrize("task", [gym.LigatingLoop, gym.Suture])
+def test_a_rate_at_which_threads_go_through_walls_is_an_error(task, monkeypatch):
+    monkeypatch.setattr(task, "rate", 500)
+    with pytest.raises(fs.Error, match=rf"{task.__name__}: rate must be a whole number in \[1000, 100000\], got 500"):
+        task()

@@ -41,6 +41,61 @@ TEST_CASE("the force on a needle rises to the puncture, falls, grows with its le
     CHECK(in.stage.world.scene().channels.empty());
 }
 
+TEST_CASE(
+    "force over depth of an insertion and a retraction is that of a rigid-plastic law, but where friction turns round")
+{
+    // Okamura, Simone and O'Leary 2004: cutting at the tip and friction per length; here without elastic parts.
+    Insertion in(0.02);
+    const double speed = 0.02;
+    while (in.frame.channels.empty() && in.height > -0.015) in.move(-speed * kNeedleStep);
+    for (int i = 0; i < 100; ++i) in.move(-speed * kNeedleStep);
+    std::vector<std::array<double, 2>> samples; // measured, by the law
+    for (int i = 0; i < 500; ++i) {
+        const double force = in.move(-speed * kNeedleStep);
+        samples.push_back({force, kSkin.cutting + kSkin.friction * in.frame.channels.at(0).length});
+    }
+    for (int i = 0; i < 500; ++i) {
+        const double force = in.move(speed * kNeedleStep);
+        samples.push_back({force, -kSkin.friction * in.frame.channels.at(0).length});
+    }
+    const auto rSquared = [](std::span<const std::array<double, 2>> all) {
+        double mean = 0.0, missed = 0.0, spread = 0.0;
+        for (const auto& [measured, exact] : all) mean += measured / static_cast<double>(all.size());
+        for (const auto& [measured, exact] : all) {
+            missed += (measured - exact) * (measured - exact);
+            spread += (measured - mean) * (measured - mean);
+        }
+        return 1.0 - missed / spread;
+    };
+    verifyWithin("needle: insertion and retraction, R2 of the rigid-plastic law", rSquared(samples), 0.85, 1.0);
+    samples.erase(samples.begin() + 500, samples.begin() + 650); // tissue goes with the needle
+    verifyWithin("needle: the same without the 3 mm in which friction turns round", rSquared(samples), 0.999, 1.0);
+}
+
+TEST_CASE("a hand that moves a needle to and fro in tissue at random never gets back more work than it has done")
+{
+    for (const unsigned seed : {1u, 2u, 3u}) {
+        Insertion in(0.02);
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<double> depth(-0.014, 1e-3), speed(5e-3, 0.1);
+        double work = 0.0, least = 0.0, moved = 0.0;
+        for (int stroke = 0; stroke < 25; ++stroke) {
+            const double target = depth(random), step = speed(random) * kNeedleStep;
+            for (int i = 0; i < 80 && std::abs(target - in.height) > step; ++i) {
+                const double way = std::copysign(step, target - in.height), given = -in.move(way) * way;
+                work += given;
+                moved += std::abs(given);
+                least = std::min(least, work);
+            }
+        }
+        verify(text("needle: seed ", seed,
+                    ": most work that a hand got back beyond what it had done, of all that it moved"),
+               -least / moved, 1e-6);
+        verifyWithin(text("needle: seed ", seed, ": work that tissue kept, of all that the hand moved"), work / moved,
+                     0.0, 1.0);
+    }
+}
+
 TEST_CASE("a needle comes out on the other side, and its thread follows through the channel with its own friction")
 {
     Stitch stitch;

@@ -41,6 +41,7 @@ class SurgicalEnv(gymnasium.Env):
 
     metadata: dict[str, typing.Any] = {"render_modes": ["rgb_array"], "render_fps": 50}
     rate = 500  #: [Hz], steps of physics
+    least_rate = 50  #: [Hz], below which the task is not what it should be
     levels = 3  #: difficulties
     eye, looks_at = (0.0, 0.1, 0.16), (0.0, 0.015, 0.0)  #: [m], of the camera
     lens = fs.CameraDef(vertical_field_of_view=0.7, near=0.001, exposure=10.2)
@@ -64,6 +65,7 @@ class SurgicalEnv(gymnasium.Env):
         self._check("render_mode", render_mode, (None, "rgb_array"))
         self._bound("difficulty", difficulty, 0, self.levels - 1)
         self._bound("max_steps", max_steps, 1, 10**9)
+        self._bound("rate", self.rate, self.least_rate, 100_000)
         frame_skip = self.rate // 50 if frame_skip is None else frame_skip  # actions of 20 ms
         self._bound("frame_skip", frame_skip, 1, 1000)
         sized = isinstance(image_size, (tuple, list)) and len(image_size) == 2

@@ -28,7 +28,7 @@ class LigatingLoop(ThreadEnv):
 
     eye, looks_at = (0.07, 0.12, 0.07), (0.0, 0.026, 0.004)
     lens = fs.CameraDef(vertical_field_of_view=0.55, near=0.001, exposure=10.8)
-    rate = 1000  # at 500 Hz a thread that is pulled tight may leave the pusher through its wall
+    rate = least_rate = 1000  # at 500 Hz a thread that is pulled tight may leave the pusher through its wall
     radius, layer = 0.006, 0.0025  # of the vessel, and of its elements
 
     def build(self) -> list[Tool]:
@@ -186,7 +186,7 @@ class Suture(ThreadEnv):
     success. Where a needle has several ways through an edge, the one nearest to the mark counts.
     """
 
-    rate = 1000  # at 500 Hz the tip may slip into the second edge without piercing it
+    rate = least_rate = 1000  # at 500 Hz the tip may slip into the second edge without piercing it
     eye, looks_at = (0.026, 0.06, 0.044), (0.0, 0.0, 0.0)
     lens = fs.CameraDef(vertical_field_of_view=0.62, near=0.001, exposure=9.8)
     gap, bite, radius, thick = 0.003, 0.0066, 0.008, 0.0004  # of the wound, the stitch, the needle

@@ -135,6 +135,8 @@ std::vector<SurfaceOwner> surfaceOwners(const Scene& scene)
     return owners;
 }
 
+bool isLine(const Scene& scene, const SurfaceOwner& owner) { return owner.soft && isRod(scene.soft[owner.body].model); }
+
 const std::string& nameOf(const Scene& scene, const SurfaceOwner& owner)
 {
     return owner.soft ? scene.soft[owner.body].model.name : scene.rigid[owner.body].model.name;

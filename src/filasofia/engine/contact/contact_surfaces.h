@@ -21,6 +21,8 @@ std::vector<SurfaceOwner> surfaceOwners(const Scene& scene);
 /// Whether constraints can move the owner.
 inline bool movable(const SurfaceOwner& owner, const RigidPlan& plan) { return owner.soft || plan[owner.plan].dynamic; }
 const std::string& nameOf(const Scene& scene, const SurfaceOwner& owner);
+/// Whether the surface is the centre line of a rod.
+bool isLine(const Scene& scene, const SurfaceOwner& owner);
 
 /// Updates every surface to its body's state, and warns of models that cannot work. Returns per surface whether it is
 /// new; empty if none is.

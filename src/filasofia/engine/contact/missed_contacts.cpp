@@ -23,8 +23,6 @@ bool apart(const SweptBox& a, const SweptBox& b)
 }
 SweptBox around(const SweptBox& a, const SweptBox& b) { return {min(a.low, b.low), max(a.high, b.high)}; }
 
-bool isLine(const SurfaceOwner& owner, const Scene& scene) { return owner.soft && isRod(scene.soft[owner.body].model); }
-
 /// A rod's line in the step.
 struct SweptLine {
     std::size_t body = 0;
@@ -118,7 +116,7 @@ std::vector<std::vector<Vec3>> fasterThanForeseen(double dt, const std::vector<S
     std::vector<std::vector<Vec3>> out(owners.size());
     for (std::size_t i = 0; i < owners.size(); ++i) {
         const SurfaceOwner& owner = owners[i];
-        if (!isLine(owner, scene)) continue;
+        if (!isLine(scene, owner)) continue;
         const std::vector<Vec3>&v = scene.soft[owner.body].state.v, &dv = scene.soft[owner.body].system.dv;
         bool faster = false;
         for (std::size_t n = 0; n < v.size() && !faster; ++n)
@@ -136,7 +134,7 @@ std::vector<MissedContact> findLinePasses(double dt, const Scene& scene, const C
     std::vector<SweptLine> lines;
     const std::vector<SurfaceOwner> owners = surfaceOwners(scene);
     for (std::size_t i = 0; i < owners.size(); ++i)
-        if (const SurfaceOwner& owner = owners[i]; isLine(owner, scene))
+        if (const SurfaceOwner& owner = owners[i]; isLine(scene, owner))
             lines.push_back(sweptLine(dt, scene.soft[owner.body], owner.body, static_cast<int>(i),
                                       *coupling.detection.surfaces[i].shape));
     std::vector<MissedContact> out;
@@ -171,7 +169,7 @@ std::vector<MissedContact> findUnforeseen(const StepContext& context, const Scen
     std::ranges::sort(known);
     for (const Proximity& each : found) {
         const auto one = static_cast<std::size_t>(each.surfaces[0]), two = static_cast<std::size_t>(each.surfaces[1]);
-        if (!(isFast(one) || isFast(two)) || (isLine(owners[one], scene) && isLine(owners[two], scene))) continue;
+        if (!(isFast(one) || isFast(two)) || (isLine(scene, owners[one]) && isLine(scene, owners[two]))) continue;
         const double radius = scene.soft[owners[isFast(one) ? one : two].body].model.rod.radius;
         if (!(context.dt * closingSpeed(detection.surfaces, each) > each.gap - radius)) continue;
         if (!std::ranges::binary_search(known, each.feature)) out.push_back({.at = each});

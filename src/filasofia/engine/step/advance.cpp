@@ -261,6 +261,9 @@ private:
              found = missed()) {
             addMissed(context_, found, scene_, coupling_);
             std::tie(coupling_.rigid, coupling_.articulations) = plan_;
+            // A spring's force is that of its length alone. From the last solve's it would grow with every new one.
+            for (Constraint& each : coupling_.constraints)
+                if (each.softness != 0.0) each.impulse = {};
             solveAll(unhurried);
         }
         std::vector<MissedContact> passes = findLinePasses(context_.dt, scene_, coupling_);
