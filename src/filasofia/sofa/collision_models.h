@@ -4,6 +4,8 @@
 
 #include <sofa/core/CollisionModel.h>
 
+#include <memory>
+
 namespace filasofia::sofaengine {
 
 /// What our rules of collision ask about a collision model of SOFA.
@@ -16,6 +18,9 @@ struct ModelTag {
     bool self = false;      ///< whether it meets its own body
     double friction = 0.0;  ///< [-] the body's
     double stiffness = 0.0; ///< [N/m] a contact's, if contacts are penalties
+    bool cuttable = false;  ///< blades of its group pass through
+    /// Whether a blade passes through what it could cut; null for all others. Its body changes it.
+    std::shared_ptr<const bool> passes = {};
 };
 /// Has a tag, whatever kind of model it is.
 class Tagged {
@@ -29,6 +34,7 @@ public:
 
 inline bool mayMeet(const ModelTag& a, const ModelTag& b)
 {
+    if ((a.passes && *a.passes && b.cuttable) || (b.passes && *b.passes && a.cuttable)) return false;
     if (a.group != b.group || !(a.moves || b.moves)) return false;
     if (a.body != b.body) return true;
     return a.self && b.self && (a.soft || a.element != b.element);

@@ -1,6 +1,7 @@
 #include "filasofia/sofa/collision_plan.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
 #include "filasofia/geometry/surface.h"
 
 namespace filasofia::sofaengine {
@@ -11,9 +12,9 @@ void checkModel(const physics::CollisionDef& def, const std::string& field)
     const physics::Primitives& p = def.primitives;
     if (!p.points && !p.lines && !p.triangles)
         fail(field, ".primitives must have points, lines or triangles, got none");
-    if (def.cutting) fail(field, ".cutting is not available with the engine 'sofa'");
-    // Surfaces at rest on each other must have a distance: its direction is the normal.
-    if (!(def.proximity > 0.0)) fail(field, ".proximity must be > 0 m with the engine 'sofa', got ", def.proximity);
+    // Surfaces at rest on each other must have a distance: its direction is the normal. A blade's edge has none.
+    if (!def.cutting && !(def.proximity > 0.0))
+        fail(field, ".proximity must be > 0 m with the engine 'sofa', got ", def.proximity);
 }
 
 } // namespace
@@ -24,9 +25,13 @@ std::vector<CollisionPlan> planCollision(const physics::SoftBodyDef& def, const 
     std::vector<CollisionPlan> plans;
     for (std::size_t i = 0; i < def.collision.size(); ++i) {
         const std::string field = text(object, ": collision[", i, "]");
+        if (def.collision[i].cutting) continue; // it names a group of blades: see mayBeCut()
         checkModel(def.collision[i], field);
         CollisionPlan& plan = plans.emplace_back(CollisionPlan{.def = def.collision[i]});
         if (const auto given = physics::loadMesh(plan.def.mesh, field + ".mesh")) {
+            if (def.dynamicTopology)
+                logWarning(field, ".mesh: deforms with the body but does not open if the body is cut or torn; without "
+                                  "a mesh the body's own surface is used, which does");
             plan.mesh = *given;
             const Pose pose = physics::unitPose(def.pose, object);
             for (Vec3& vertex : plan.mesh.vertices) vertex = transform(pose, vertex);

@@ -4,6 +4,7 @@
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/sofa/apply_commands.h"
+#include "filasofia/sofa/cut_bodies.h"
 #include "filasofia/sofa/intersections.h"
 #include "filasofia/sofa/make_tie.h"
 #include "filasofia/sofa/node_removal.h"
@@ -118,7 +119,7 @@ SofaWorld::~SofaWorld()
 
 physics::EngineInfo SofaWorld::info() const
 {
-    return {.name = "sofa", .version = FILASOFIA_SOFA_VERSION, .joints = true};
+    return {.name = "sofa", .version = FILASOFIA_SOFA_VERSION, .cuts = true, .joints = true};
 }
 
 std::unique_ptr<physics::BuiltBody> SofaWorld::build(const physics::BodyDef& def) const
@@ -146,6 +147,8 @@ physics::StepReport SofaWorld::step(const physics::StepInput& in)
     const Lock lock(sofaMutex());
     const std::int64_t begin = now();
     looksAgain_ = looksAgain_ || std::ranges::any_of(in.commands, changesBodies);
+    const bool changes = std::ranges::any_of(in.commands, physics::changesScene); // a command is moved from
+    removeLostPieces(scene_, report);
     applyCommands(in.commands, *this, scene_, report);
     const std::int64_t applied = now();
     report.times.commands = 1e-9 * static_cast<double>(applied - begin);
@@ -154,6 +157,7 @@ physics::StepReport SofaWorld::step(const physics::StepInput& in)
         ++steps_;
         time_ += in.dt;
     }
+    watch_.follow(changes, in.dt, scene_, report);
     report.times.advance = 1e-9 * static_cast<double>(now() - applied);
     report.step = steps_;
     report.time = time_;
@@ -163,6 +167,9 @@ physics::StepReport SofaWorld::step(const physics::StepInput& in)
 void SofaWorld::advance(double dt, physics::StepReport& report)
 {
     const SceneMotion before = motionOf(scene_);
+    findInverted(scene_, before, report);
+    findStrained(scene_, before, report);
+    followSheaths(scene_, report.topology);
     std::erase_if(scene_.ties, [](const auto& each) { return each->isBroken(); });
     const bool failed = !attempt("SOFA: a step ended with an exception", [&] { move(dt); });
     readConstraints(failed, dt, report);
@@ -179,6 +186,7 @@ void SofaWorld::advance(double dt, physics::StepReport& report)
         if (solve.atLimit) report.set(physics::StepFlag::NotConverged);
         report.solves.push_back({body->id(), solve.iterations, solve.residual, body->id()});
     }
+    if (!failed) ruptureBodies(before, dt, scene_, report);
 }
 
 void SofaWorld::move(double dt)
@@ -247,9 +255,11 @@ void SofaWorld::capture(frame::Frame& out) const
         frame::SoftBodyFrame& body = out.softBodies[b];
         SoftState state{std::move(body.positions), std::move(body.velocities)}; // reuses their memory
         scene_.soft[b]->read(state);
+        const SoftCuts* cuts = scene_.soft[b]->cuts();
         body = {.id = scene_.soft[b]->id(),
                 .positions = std::move(state.positions),
-                .velocities = std::move(state.velocities)};
+                .velocities = std::move(state.velocities),
+                .boundary = cuts ? cuts->boundary : nullptr};
     }
     out.rigidBodies.resize(scene_.rigid.size());
     for (std::size_t b = 0; b < scene_.rigid.size(); ++b) {

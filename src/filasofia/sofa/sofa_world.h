@@ -3,6 +3,7 @@
 #include "filasofia/sofa/graph_owner.h"
 #include "filasofia/sofa/scene_state.h"
 #include "filasofia/sofa/sofa_engine.h"
+#include "filasofia/sofa/step_flags.h"
 
 namespace filasofia::sofaengine {
 
@@ -37,6 +38,7 @@ private:
     SofaScene scene_;
     std::vector<physics::Intersection> intersections_; ///< the last answer
     bool looksAgain_ = true;                           ///< for intersections, in the next step
+    SceneWatch watch_;                                 ///< for bodies that never rest
     double time_ = 0.0;                                ///< [s]
     std::uint64_t steps_ = 0;
 };
