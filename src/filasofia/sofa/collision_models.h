@@ -1,12 +1,19 @@
 #pragma once
 
 #include "filasofia/core/body_id.h"
+#include "filasofia/geometry/box.h"
 
 #include <sofa/core/CollisionModel.h>
 
+#include <algorithm>
+#include <array>
+#include <map>
 #include <memory>
 
 namespace filasofia::sofaengine {
+
+/// Pairs of bodies that welds hold together, the one with the lower id first, each with a box around the points [m].
+using WeldedPairs = std::map<std::array<BodyId, 2>, geometry::Box>;
 
 /// What our rules of collision ask about a collision model of SOFA.
 struct ModelTag {
@@ -21,6 +28,7 @@ struct ModelTag {
     bool cuttable = false;  ///< blades of its group pass through
     /// Whether a blade passes through what it could cut; null for all others. Its body changes it.
     std::shared_ptr<const bool> passes = {};
+    std::shared_ptr<const WeldedPairs> welded = {}; ///< the scene's now
 };
 /// Has a tag, whatever kind of model it is.
 class Tagged {
@@ -31,6 +39,14 @@ public:
     Tagged& operator=(const Tagged&) = delete;
     ModelTag tag = {};
 };
+
+/// Where welds hold the bodies of two models together; null if none do.
+inline const geometry::Box* weldOf(const ModelTag& a, const ModelTag& b)
+{
+    if (!a.welded) return nullptr;
+    const auto found = a.welded->find({std::min(a.body, b.body), std::max(a.body, b.body)});
+    return found == a.welded->end() ? nullptr : &found->second;
+}
 
 inline bool mayMeet(const ModelTag& a, const ModelTag& b)
 {

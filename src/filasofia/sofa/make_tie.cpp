@@ -236,7 +236,8 @@ bool addTie(const physics::Grasp& grasp, SofaScene& scene)
     else
         side.points = embedded(*side.side.soft, most->second);
     side.places = most->second;
-    keep(grasp.id, side, other, {.stiffness = grasp.def.stiffness, .breakForce = grasp.def.breakForce}, scene);
+    keep(grasp.id, side, other, {.stiffness = grasp.def.stiffness, .breakForce = grasp.def.breakForce, .grasp = true},
+         scene);
     return true;
 }
 

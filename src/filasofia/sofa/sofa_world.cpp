@@ -77,6 +77,19 @@ std::vector<PointForce> forcesOn(const SofaScene& scene)
     return forces;
 }
 
+/// The contacts that a grasp began with go on: they are what it presses.
+WeldedPairs weldedPairs(const SofaScene& scene)
+{
+    WeldedPairs pairs;
+    for (const auto& tie : scene.ties) {
+        if (!tie->to() || tie->law().grasp || std::isfinite(tie->law().stiffness)) continue;
+        geometry::Box& box = pairs[{std::min(tie->body(), tie->to()), std::max(tie->body(), tie->to())}];
+        const std::vector<Vec3> places = tie->places();
+        box = merged(box, geometry::grown(geometry::boxAround(places), scene.contact.reach()));
+    }
+    return pairs;
+}
+
 double fastest(const SofaScene& scene)
 {
     double speed = 0.0;
@@ -143,7 +156,7 @@ void SofaWorld::check(const physics::Command& command, const physics::BodyDef* d
 physics::StepReport SofaWorld::step(const physics::StepInput& in)
 {
     physics::StepReport report{.dt = in.dt, .flags = in.flags};
-    const auto now = [&] { return in.budget && in.budget->now ? in.budget->now() : std::int64_t{0}; };
+    const Now now = [&] { return in.budget && in.budget->now ? in.budget->now() : std::int64_t{0}; };
     const Lock lock(sofaMutex());
     const std::int64_t begin = now();
     looksAgain_ = looksAgain_ || std::ranges::any_of(in.commands, changesBodies);
@@ -153,18 +166,18 @@ physics::StepReport SofaWorld::step(const physics::StepInput& in)
     const std::int64_t applied = now();
     report.times.commands = 1e-9 * static_cast<double>(applied - begin);
     if (in.dt > 0.0) {
-        advance(in.dt, report);
+        advance(in.dt, now, report);
         ++steps_;
         time_ += in.dt;
     }
     watch_.follow(changes, in.dt, scene_, report);
-    report.times.advance = 1e-9 * static_cast<double>(now() - applied);
+    report.times.advance = 1e-9 * static_cast<double>(now() - applied) - report.times.topology;
     report.step = steps_;
     report.time = time_;
     return report;
 }
 
-void SofaWorld::advance(double dt, physics::StepReport& report)
+void SofaWorld::advance(double dt, const Now& now, physics::StepReport& report)
 {
     const SceneMotion before = motionOf(scene_);
     findInverted(scene_, before, report);
@@ -186,7 +199,10 @@ void SofaWorld::advance(double dt, physics::StepReport& report)
         if (solve.atLimit) report.set(physics::StepFlag::NotConverged);
         report.solves.push_back({body->id(), solve.iterations, solve.residual, body->id()});
     }
-    if (!failed) ruptureBodies(before, dt, scene_, report);
+    if (failed) return;
+    const std::int64_t moved = now();
+    ruptureBodies(before, dt, scene_, report);
+    report.times.topology = 1e-9 * static_cast<double>(now() - moved);
 }
 
 void SofaWorld::move(double dt)
@@ -196,6 +212,7 @@ void SofaWorld::move(double dt)
     for (const auto& body : scene_.rigid)                       // a carrier comes before the bodies that follow it
         body->beginMove(dt, findBody(scene_.rigid, body->plan().def.articulation.to));
     if (scene_.contact.isOn()) {
+        scene_.contact.setWelded(weldedPairs(scene_));
         followBodies(*scene_.root);
         const auto window = [](double time) { return std::floor(time / kLookEvery + 1e-6); };
         if (std::exchange(looksAgain_, false) || window(time_) != window(time_ + dt))

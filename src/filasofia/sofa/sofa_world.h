@@ -29,7 +29,8 @@ public:
     [[nodiscard]] ::sofa::simulation::Node* nodeOf(BodyId id) const override;
 
 private:
-    void advance(double dt, physics::StepReport& report);
+    using Now = std::function<std::int64_t()>; ///< [ns]
+    void advance(double dt, const Now& now, physics::StepReport& report);
     void move(double dt); ///< throws what SOFA throws
     /// Returns bodies to where they were, at rest: all after a step that failed, else those whose numbers are none.
     bool putBack(bool failed, const SceneMotion& before);

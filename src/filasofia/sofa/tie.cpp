@@ -132,6 +132,13 @@ void Tie::finish(std::span<const double> impulses, double dt)
     report.broken = report.points == 0 || length(report.force) > state_.law.breakForce;
 }
 
+std::vector<Vec3> Tie::places() const
+{
+    std::vector<Vec3> places;
+    for (const TieRows::Pair& each : rows_->pairs) places.push_back(placeOf(0, each.first));
+    return places;
+}
+
 void Tie::cut(const std::function<bool(Vec3)>& parts)
 {
     const auto gone =

@@ -22,6 +22,7 @@ struct TieLaw {
     double breakForce = physics::kNever;      ///< [N]
     double pointBreakForce = physics::kNever; ///< [N]
     double cutDistance = 0.0;                 ///< [m] a blade that comes so near parts a point; 0: none does
+    bool grasp = false;                       ///< it holds what its contacts press
 };
 /// A whole tie, as plain data.
 struct TieState {
@@ -54,6 +55,8 @@ public:
     [[nodiscard]] const frame::Attachment& report() const { return state_.report; }
     [[nodiscard]] TieState state() const;
 
+    /// Where its points are on the body [m].
+    [[nodiscard]] std::vector<Vec3> places() const;
     void prepare(double dt) { rows_->draw(dt); }
     /// Reads the forces and lets go what they exceed. `impulses`: those by all constraints [N s].
     void finish(std::span<const double> impulses, double dt);
