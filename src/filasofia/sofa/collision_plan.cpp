@@ -17,6 +17,22 @@ void checkModel(const physics::CollisionDef& def, const std::string& field)
         fail(field, ".proximity must be > 0 m with the engine 'sofa', got ", def.proximity);
 }
 
+/// [m] by which surfaces of rigid bodies are drawn in: SOFA knows no side, and no normal, of surfaces that touch
+/// exactly, as those of bodies that were placed on each other do.
+constexpr double kInset = 1e-6;
+
+void drawIn(geometry::TriangleMesh& mesh)
+{
+    std::vector<Vec3> normals(mesh.vertices.size());
+    for (const auto& [a, b, c] : mesh.triangles) {
+        const auto vertex = [&](int i) { return mesh.vertices[static_cast<std::size_t>(i)]; };
+        const Vec3 area = cross(vertex(b) - vertex(a), vertex(c) - vertex(a));
+        for (const int each : {a, b, c}) normals[static_cast<std::size_t>(each)] += area;
+    }
+    for (std::size_t i = 0; i < normals.size(); ++i)
+        if (length(normals[i]) > 0.0) mesh.vertices[i] -= kInset * normalized(normals[i]);
+}
+
 } // namespace
 
 std::vector<CollisionPlan> planCollision(const physics::SoftBodyDef& def, const geometry::TetMesh& world,
@@ -55,6 +71,7 @@ std::vector<CollisionPlan> planCollision(const physics::RigidBodyDef& def, const
         if (!mesh) mesh = physics::loadMesh(def.mesh, object + ": mesh");
         if (!mesh) fail(field, ".mesh: no mesh is given, and the body has none");
         plan.mesh = *mesh;
+        if (!plan.def.cutting) drawIn(plan.mesh); // a blade cuts where it is
     }
     return plans;
 }

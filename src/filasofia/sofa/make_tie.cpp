@@ -236,8 +236,7 @@ bool addTie(const physics::Grasp& grasp, SofaScene& scene)
     else
         side.points = embedded(*side.side.soft, most->second);
     side.places = most->second;
-    keep(grasp.id, side, other, {.stiffness = grasp.def.stiffness, .breakForce = grasp.def.breakForce, .grasp = true},
-         scene);
+    keep(grasp.id, side, other, {.stiffness = grasp.def.stiffness, .breakForce = grasp.def.breakForce}, scene);
     return true;
 }
 

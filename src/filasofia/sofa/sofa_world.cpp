@@ -77,12 +77,11 @@ std::vector<PointForce> forcesOn(const SofaScene& scene)
     return forces;
 }
 
-/// The contacts that a grasp began with go on: they are what it presses.
 WeldedPairs weldedPairs(const SofaScene& scene)
 {
     WeldedPairs pairs;
     for (const auto& tie : scene.ties) {
-        if (!tie->to() || tie->law().grasp || std::isfinite(tie->law().stiffness)) continue;
+        if (!tie->to() || std::isfinite(tie->law().stiffness)) continue;
         geometry::Box& box = pairs[{std::min(tie->body(), tie->to()), std::max(tie->body(), tie->to())}];
         const std::vector<Vec3> places = tie->places();
         box = merged(box, geometry::grown(geometry::boxAround(places), scene.contact.reach()));

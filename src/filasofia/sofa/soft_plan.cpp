@@ -111,7 +111,7 @@ PinGroup pinsOf(const physics::AttachmentDef& def, const std::string& object, co
         if (node < 0 || node >= count) fail(object, ".nodes must be in [0, ", count, "), got ", node);
     if (def.box && geometry::isEmpty(*def.box)) fail(object, ".box: high must be >= low in every axis");
     PinGroup group{.nodes = nodesOf(def, rest), .stiffness = def.stiffness};
-    if (group.nodes.empty()) fail(object, ": must hold at least one node, got none");
+    if (group.nodes.empty() && !isTie(def)) fail(object, ": must hold at least one node, got none");
     for (const int node : group.nodes) group.places.push_back(rest[static_cast<std::size_t>(node)]);
     return group;
 }

@@ -22,7 +22,6 @@ struct TieLaw {
     double breakForce = physics::kNever;      ///< [N]
     double pointBreakForce = physics::kNever; ///< [N]
     double cutDistance = 0.0;                 ///< [m] a blade that comes so near parts a point; 0: none does
-    bool grasp = false;                       ///< it holds what its contacts press
 };
 /// A whole tie, as plain data.
 struct TieState {
