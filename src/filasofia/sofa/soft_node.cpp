@@ -284,10 +284,9 @@ void SoftNode::setCuts(std::unique_ptr<SoftCuts> cuts, std::shared_ptr<const Sof
     tissue_ = std::move(tissue);
 }
 
-/// A solver makes its system itself.
 bool SoftNode::isTuned() const
 {
-    std::size_t own = 6; // topology, state, mass, law, loads, integrator
+    std::size_t own = 6; // topology, state, mass, law, loads, integrator; a solver makes its system itself
     for (const auto& each : {solver_, correction_, fixed_}) own += each ? 1 : 0;
     own += node_->getNodeObjects<::sofa::core::behavior::BaseMatrixLinearSystem>().size();
     return node_->object.size() > own;
