@@ -57,7 +57,7 @@ def main():
     for colour, tets in zip(COLOURS, meshes):
         for name in names:
             cells = [c for c in data["cells"] if c["tets"] == tets and c["engine"] == name and c["solver"].startswith("cg")]
-            at = [(x(1e3 * c["step_s"]["median"]), y(c["error"])) for c in cells]
+            at = [(x(1e3 * c["step_cpu_s"]["median"]), y(c["error"])) for c in cells]
             out += [line(*a, *b, f'stroke="{colour}"') for a, b in zip(at, at[1:])]
             out += [mark(*point, colour, name == names[0]) for point in at]
         legend = TOP + 20 + 22 * meshes.index(tets)

@@ -4,7 +4,7 @@ from .markdown import ms, table
 
 def cells(data):
     def row(cell):
-        step = cell["step_s"]
+        step = cell["step_cpu_s"]
         return [str(cell["tets"]), cell["engine"], cell["solver"], ms(step["median"]), ms(step["p99"]),
                 f'{cell["iterations"]:.1f}', f'{cell["error"]:.1e}',
                 f'{cell["apart"]:.1e}', "yes" if cell["flags"] else ""]

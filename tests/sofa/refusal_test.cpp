@@ -32,8 +32,8 @@ TEST_CASE("what the engine says of itself")
 {
     const auto info = runtime::makeEngine("sofa", {})->info();
     CHECK((info.name == "sofa" && !info.version.empty()));
-    CHECK(info.joints);
-    CHECK_FALSE((info.repeatable || info.deadline || info.cuts));
+    CHECK((info.joints && info.cuts));
+    CHECK_FALSE((info.repeatable || info.deadline));
     CHECK_THROWS_WITH(runtime::makeEngine("sofa", {.period = 0.0}), Catch::Contains("period must be in (0, 10] s"));
 }
 
@@ -61,11 +61,6 @@ TEST_CASE("a soft body that asks for what SOFA lacks is refused when it is added
         material.yieldStress = 1e3;
         refuses(def, "material.yieldStress");
     }
-    SECTION("strain")
-    {
-        material.validStrain = 0.5;
-        refuses(def, "material.validStrain");
-    }
     SECTION("region")
     {
         material.regions = {{.where = Listed{{0}}, .restScale = 0.9}};
@@ -79,28 +74,14 @@ TEST_CASE("a soft body that asks for what SOFA lacks is refused when it is added
     }
     SECTION("collision")
     {
-        def.collision = {{.cutting = true}};
-        refuses(def, "collision[0].cutting");
         def.collision = {{.proximity = 0.0}};
         refuses(def, "collision[0].proximity must be > 0 m");
-    }
-    SECTION("cuts")
-    {
-        def.dynamicTopology = true;
-        refuses(def, "dynamicTopology");
     }
 }
 
 TEST_CASE("a rigid body or a rod that asks for what SOFA lacks is refused")
 {
     RigidBodyDef def{.name = "tool", .dynamic = true, .mass = GivenInertia{}};
-    SECTION("collision")
-    {
-        def.collision = {{.mesh = std::make_shared<const geometry::TriangleMesh>(
-                              geometry::TriangleMesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {}}),
-                          .cutting = true}};
-        refuses(def, "collision[0].cutting");
-    }
     SECTION("damping")
     {
         def.angularDamping = 1.0;
@@ -118,14 +99,11 @@ TEST_CASE("a command that SOFA cannot carry out is refused at its caller")
 {
     const auto server = serverWith("sofa");
     const BodyId body = server->add(tissue());
-    const BodyId tool = server->add(RigidBodyDef{.name = "tool"});
     const auto refused = [&](auto&& act, const std::string& says) {
         CHECK_THROWS_WITH(act(), Catch::Contains(says) && Catch::Contains("not available with the engine 'sofa'"));
     };
     refused([&] { server->setTissue(body, {.where = Listed{{0}}, .youngModulus = 1e3}); },
             "soft body 'tissue': SetTissue");
-    refused([&] { server->attach(body, AttachmentDef{.nodes = {0}, .to = tool, .cutDistance = 0.01}); },
-            "soft body 'tissue': attach.cutDistance");
     server->step(1e-3);
     CHECK(server->latest()->softBodies.size() == 1);
 }

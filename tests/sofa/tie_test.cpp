@@ -199,4 +199,37 @@ TEST_CASE("jaws grasp what they touch and lift it without friction")
     CHECK(length(all - Vec3{0, kCube, 0}) < 0.05 * kCube);
 }
 
+TEST_CASE("bodies whose surfaces touch exactly do not fly apart, welded there or not")
+{
+    const bool welded = GENERATE(true, false);
+    const auto server = serverWith("sofa");
+    SoftBodyDef wall{.name = "wall",
+                     .mesh = bar(4, 2, 4, {0.012, 0.006, 0.012}),
+                     .material = FemMaterial{.youngModulus = 30e3, .law = Corotational{}},
+                     .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1e-6, 1}}}},
+                     .collision = {{}}};
+    SoftBodyDef polyp{.name = "polyp",
+                      .mesh = bar(2, 2, 2, {0.004, 0.004, 0.004}),
+                      .pose = {{0.004, 0.006, 0.004}, {}},
+                      .material = FemMaterial{.youngModulus = 20e3, .law = Corotational{}},
+                      .collision = {{}},
+                      .friction = 0.8};
+    const BodyId below = server->add(wall);
+    if (welded) polyp.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 0.0061, 1}}, .to = below}};
+    const BodyId above = server->add(polyp);
+    for (int i = 0; i < 60; ++i) {
+        const StepReport report = server->step(1e-3);
+        REQUIRE_FALSE(report.has(StepFlag::Undone));
+        REQUIRE_FALSE(report.has(StepFlag::Intersecting));
+        if (welded) REQUIRE_FALSE(report.has(StepFlag::NotConverged));
+    }
+    for (const Vec3 each : server->latest()->softBody(above)->positions) {
+        CHECK(each.y > 0.0055);
+        CHECK(each.y < 0.0106);
+    }
+    if (!welded) return;
+    for (const frame::Attachment& each : server->latest()->attachments)
+        if (each.to == below) CHECK(each.force.y == Approx(6.4e-8 * 1000 * 9.81).epsilon(0.1)); // its weight
+}
+
 } // namespace tie_test

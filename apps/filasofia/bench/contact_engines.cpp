@@ -1,12 +1,12 @@
 #include "apps/filasofia/bench/bench.h"
 #include "apps/filasofia/bench/contact_run.h"
+#include "apps/filasofia/bench/load.h"
 
 #include "filasofia/runtime/engines.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 
 // Scenes of bench contact with several engines behind one interface, each body with the same Def.
 namespace filasofia::app {
@@ -37,14 +37,6 @@ std::vector<ContactScene> scenes(bool quick)
     return all;
 }
 
-/// [s] that the calling thread took, which makes the whole step: other programs count little.
-double processorTime()
-{
-    timespec now{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 TouchCell measure(const ContactScene& scene, const std::string& engine, bool quick)
 {
     TouchCell cell{.scene = scene, .engine = engine};
@@ -52,9 +44,9 @@ TouchCell measure(const ContactScene& scene, const std::string& engine, bool qui
     const int settle = static_cast<int>(std::lround(scene.settle / scene.step));
     const int counted = quick ? 50 : 100;
     for (int i = 0; i < settle + counted; ++i) {
-        const double begin = processorTime();
+        const double begin = secondsOf(CLOCK_THREAD_CPUTIME_ID);
         const physics::StepReport report = run.step();
-        const double cost = processorTime() - begin;
+        const double cost = secondsOf(CLOCK_THREAD_CPUTIME_ID) - begin;
         ++cell.steps;
         cell.flagged += report.flags != 0 ? 1 : 0;
         cell.penetration = std::max(cell.penetration, report.contacts.penetration);

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
+#include "filasofia/sofa/cut_bodies.h"
 #include "filasofia/sofa/make_tie.h"
 #include "filasofia/sofa/node_removal.h"
 #include "filasofia/sofa/scene_state.h"
@@ -28,7 +29,10 @@ struct ApplyCommand {
         if (auto* soft = dynamic_cast<PlannedSoft*>(body.get())) {
             for (PinGroup& group : soft->plan.pins) group.id.value += add.attachments.value;
             startContact(soft->plan.collision, scene);
-            scene.soft.push_back(std::make_unique<SoftNode>(add.id, std::move(soft->plan), *scene.root, scene.contact));
+            auto made = std::make_unique<SoftNode>(add.id, std::move(soft->plan), *scene.root, scene.contact);
+            if (made->plan().def.dynamicTopology)
+                made->setCuts(std::make_unique<SoftCuts>(made->plan()), made->settings().tissue);
+            scene.soft.push_back(std::move(made));
             tieAll(add, scene.soft.back()->plan().def.attachments);
         } else if (auto* rigid = dynamic_cast<PlannedRigid*>(body.get())) {
             startContact(rigid->plan.collision, scene);
@@ -69,7 +73,7 @@ struct ApplyCommand {
         if (!built) return;
         const SoftPlan& plan = built->plan;
         soft(set.id)->setTissue(std::make_shared<const SoftSettings::Tissue>(
-            SoftSettings::Tissue{plan.def.material, plan.youngModulus, plan.poissonRatio}));
+            SoftSettings::Tissue{plan.def.material, plan.youngModulus, plan.poissonRatio, plan.tearing}));
     }
     void operator()(const physics::SetForces& set) const { soft(set.id)->loads().forces = set.forces; }
     void operator()(const physics::SetPressure& set) const { soft(set.id)->loads().pressure = set.pressure; }
@@ -88,6 +92,8 @@ struct ApplyCommand {
         SoftState now;
         body.read(now);
         PinGroup group{.id = attach.id, .nodes = nodesOf(attach.def, now.positions), .stiffness = attach.def.stiffness};
+        const std::vector<char> gone = goneNodes(body.plan());
+        std::erase_if(group.nodes, [&](int node) { return gone[static_cast<std::size_t>(node)] != 0; });
         if (group.nodes.empty()) {
             nothingAttached(attach.body);
             return;
@@ -108,6 +114,17 @@ struct ApplyCommand {
         }
     }
     void operator()(const physics::Reset&) const { resetScene(scene); }
+    void operator()(const physics::SetCutting& set) const
+    {
+        RigidNode& tool = *rigid(set.id);
+        if (set.cutting == tool.isCutting()) return;
+        tool.setBlades(set.cutting, set.cutting ? 0 : elementsAtBlades(tool, scene));
+    }
+    void operator()(const physics::RemovePiece& remove) const
+    {
+        const bool removed = soft(remove.id)->cuts() && removePieceOf(remove.id, remove.piece, scene);
+        report.topology.noPiece += removed ? 0 : 1;
+    }
     void operator()(const physics::Pause&) const {} // the server steps with dt = 0
     void operator()(const physics::Tune& tune) const
     {
@@ -159,9 +176,7 @@ struct Missing {
     const char* operator()(const physics::SetFibreStress&) const { return "SetFibreStress"; }
     const char* operator()(const physics::SetCavity&) const { return "SetCavity"; }
     const char* operator()(const physics::SetCurvature&) const { return "SetCurvature"; }
-    const char* operator()(const physics::SetCutting&) const { return "SetCutting"; }
     const char* operator()(const physics::ApplyClip&) const { return "ApplyClip"; }
-    const char* operator()(const physics::RemovePiece&) const { return "RemovePiece"; }
     template <class Known> const char* operator()(const Known&) const { return nullptr; }
 };
 
@@ -187,8 +202,6 @@ void checkCommand(const Command& command, const physics::BodyDef* def)
     const std::string object = def ? describeBody(*def) : std::string("physics");
     if (const char* name = std::visit(Missing{}, command))
         fail(object, ": ", name, " is not available with the engine 'sofa'");
-    const auto* attach = std::get_if<physics::Attach>(&command);
-    if (attach && isTie(attach->def)) checkTie(attach->def, object + ": attach");
 }
 
 void applyCommands(std::span<Command> commands, physics::PhysicsEngine& self, SofaScene& scene,

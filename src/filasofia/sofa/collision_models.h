@@ -1,10 +1,19 @@
 #pragma once
 
 #include "filasofia/core/body_id.h"
+#include "filasofia/geometry/box.h"
 
 #include <sofa/core/CollisionModel.h>
 
+#include <algorithm>
+#include <array>
+#include <map>
+#include <memory>
+
 namespace filasofia::sofaengine {
+
+/// Pairs of bodies that welds hold together, the one with the lower id first, each with a box around the points [m].
+using WeldedPairs = std::map<std::array<BodyId, 2>, geometry::Box>;
 
 /// What our rules of collision ask about a collision model of SOFA.
 struct ModelTag {
@@ -16,6 +25,10 @@ struct ModelTag {
     bool self = false;      ///< whether it meets its own body
     double friction = 0.0;  ///< [-] the body's
     double stiffness = 0.0; ///< [N/m] a contact's, if contacts are penalties
+    bool cuttable = false;  ///< blades of its group pass through
+    /// Whether a blade passes through what it could cut; null for all others. Its body changes it.
+    std::shared_ptr<const bool> passes = {};
+    std::shared_ptr<const WeldedPairs> welded = {}; ///< the scene's now
 };
 /// Has a tag, whatever kind of model it is.
 class Tagged {
@@ -27,8 +40,17 @@ public:
     ModelTag tag = {};
 };
 
+/// Where welds hold the bodies of two models together; null if none do.
+inline const geometry::Box* weldOf(const ModelTag& a, const ModelTag& b)
+{
+    if (!a.welded) return nullptr;
+    const auto found = a.welded->find({std::min(a.body, b.body), std::max(a.body, b.body)});
+    return found == a.welded->end() ? nullptr : &found->second;
+}
+
 inline bool mayMeet(const ModelTag& a, const ModelTag& b)
 {
+    if ((a.passes && *a.passes && b.cuttable) || (b.passes && *b.passes && a.cuttable)) return false;
     if (a.group != b.group || !(a.moves || b.moves)) return false;
     if (a.body != b.body) return true;
     return a.self && b.self && (a.soft || a.element != b.element);

@@ -57,6 +57,8 @@ ModelTag addModels(const CollisionPlan& plan, ModelTag tag, const ContactStage& 
     tag.self = plan.def.self;
     tag.element = plan.def.element;
     tag.stiffness = contact.stiffness();
+    if (!plan.def.cutting) tag.passes.reset();
+    tag.welded = contact.welded();
     using namespace collision::geometry;
     if (plan.def.primitives.triangles) addModel<TriangleCollisionModel<Vec3Types>>(plan, tag, contact, to);
     if (plan.def.primitives.lines) addModel<LineCollisionModel<Vec3Types>>(plan, tag, contact, to);

@@ -47,13 +47,15 @@ class ContactRows final : public model::UnilateralLagrangianConstraint<Vec3Types
 public:
     SOFA_CLASS(ContactRows, SOFA_TEMPLATE(model::UnilateralLagrangianConstraint, Vec3Types));
     ContactRows(MechanicalState* first, MechanicalState* second) : UnilateralLagrangianConstraint(first, second) {}
+    std::array<ModelTag, 2> tags = {}; ///< of the models in contact
 
     [[nodiscard]] const auto& rows() const { return contacts; }
-    /// SOFA parts what overlaps at once, which throws bodies that were placed within their skins.
+    /// SOFA parts what overlaps at once, which throws bodies that were placed within their skins. Bodies that are
+    /// welded together are not parted: weld and contact would work against each other.
     void getPositionViolation(::sofa::linearalgebra::BaseVector* out) override
     {
         UnilateralLagrangianConstraint::getPositionViolation(out);
-        const double way = kParting * this->getContext()->getDt();
+        const double way = weldOf(tags[0], tags[1]) ? 0.0 : kParting * this->getContext()->getDt();
         for (const Contact& each : contacts) {
             const double gap = dot(each.P - each.Q, each.norm) - each.contactDistance;
             if (gap + way < 0.0) out->add(each.id, -(gap + way)); // as if the surfaces were that much farther in
@@ -111,9 +113,28 @@ public:
     {
         return {frictionOf(tagOf(this->model1), tagOf(this->model2))};
     }
+    /// What a weld holds has no contact, which would hold the same. Surfaces that touch exactly have no distance to
+    /// point along: faces have their normal, and others no contact there.
+    void setDetectionOutputs(::sofa::core::collision::DetectionOutputVector* outputs) override
+    {
+        Base::setDetectionOutputs(outputs);
+        const auto points = [](const auto* each) { return std::abs(each->normal.norm2() - 1.0) < 1e-3; }; // no NaN does
+        for (auto* each : this->contacts) {
+            if (points(each)) continue;
+            if constexpr (std::is_same_v<First, Triangles>)
+                each->normal = typename First::Element(each->elem.first).n();
+        }
+        const geometry::Box* weld = weldOf(tagOf(this->model1), tagOf(this->model2));
+        const auto isHeld = [&](const auto* each) {
+            return weld && geometry::squaredDistance(*weld, fromSofa(each->point[0])) == 0.0;
+        };
+        std::erase_if(this->contacts, [&](const auto* each) { return !points(each) || isHeld(each); });
+    }
     void setupConstraint(typename Base::MechanicalState1* first, typename Base::MechanicalState2* second) override
     {
-        this->m_constraint = New<ContactRows>(first, second);
+        const auto rows = New<ContactRows>(first, second);
+        rows->tags = {tagOf(this->model1), tagOf(this->model2)};
+        this->m_constraint = rows;
         freeMapper(this->mapper1); // both have just been made
         freeMapper(this->mapper2);
     }

@@ -38,6 +38,12 @@ public:
     /// Throws an Error that begins with `object` if bodies cannot be tied.
     void checkTies(const std::string& object) const;
 
+    /// [m] The largest distance at which two surfaces at rest touch.
+    [[nodiscard]] double reach() const { return 2.0 * proximity_; }
+    /// The pairs that welds hold together; models read them in a step.
+    [[nodiscard]] std::shared_ptr<const WeldedPairs> welded() const { return welded_; }
+    void setWelded(WeldedPairs pairs) { *welded_ = std::move(pairs); }
+
     void start(::sofa::simulation::Node& root);
     /// A body has come, with such collision models.
     void join(const std::vector<CollisionPlan>& models);
@@ -56,6 +62,7 @@ private:
     double proximity_ = 0.0; ///< [m] the largest
     bool joined_ = false;    ///< a body has come since the last step
     std::unique_ptr<Parts> parts_;
+    std::shared_ptr<WeldedPairs> welded_ = std::make_shared<WeldedPairs>();
     mutable std::atomic<bool> toldOfFriction_ = false;
 };
 

@@ -22,7 +22,7 @@ struct Placed {
     geometry::Bvh tree = {};
 };
 
-Vec3 at(const Placed& surface, int vertex) { return surface.x[static_cast<std::size_t>(vertex)]; }
+Vec3 vertexAt(const Placed& surface, int vertex) { return surface.x[static_cast<std::size_t>(vertex)]; }
 
 Placed placed(const CollisionSurface& surface)
 {
@@ -33,7 +33,7 @@ Placed placed(const CollisionSurface& surface)
     for (const Triangle& t : out.triangles) {
         geometry::Box& box = boxes.emplace_back();
         for (std::size_t i = 0; i < 3; ++i) {
-            box = geometry::merged(box, at(out, t[i]));
+            box = geometry::merged(box, vertexAt(out, t[i]));
             edges.insert({std::min(t[i], t[(i + 1) % 3]), std::max(t[i], t[(i + 1) % 3])});
         }
     }
@@ -54,7 +54,7 @@ std::vector<Crossing> crossingsOf(Vec3 a, Vec3 b, const Placed& faces, std::vect
     faces.tree.overlapping(geometry::merged(geometry::Box{a, a}, b), near);
     for (const int t : near) {
         const auto [i, j, k] = faces.triangles[static_cast<std::size_t>(t)];
-        const Vec3 p = at(faces, i), q = at(faces, j), r = at(faces, k);
+        const Vec3 p = vertexAt(faces, i), q = vertexAt(faces, j), r = vertexAt(faces, k);
         const double part = geometry::rayTriangle(a, b - a, p, q, r);
         if (part >= 0.0 && part <= 1.0) crossings.push_back({part, dot(cross(q - p, r - p), b - a) < 0.0});
     }
@@ -69,7 +69,7 @@ void addCrossings(const Placed& edges, const Placed& faces, Intersection& found)
     const NearSurface surface(faces.x, faces.triangles);
     std::vector<int> near;
     for (const auto& [first, second] : edges.edges) {
-        const Vec3 a = at(edges, first), b = at(edges, second);
+        const Vec3 a = vertexAt(edges, first), b = vertexAt(edges, second);
         const std::vector<Crossing> crossings = crossingsOf(a, b, faces, near);
         found.crossings += crossings.empty() ? 0 : 1;
         const auto measure = [&](double part, double through) {

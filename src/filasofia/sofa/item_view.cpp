@@ -12,8 +12,6 @@ using ::sofa::core::vec_id::read_access::velocity;
 
 std::array<double, 3> keyOf(Vec3 place) { return {place.x, place.y, place.z}; }
 
-std::size_t at(int index) { return static_cast<std::size_t>(index); }
-
 /// A face of one tetrahedron only, and the node behind it.
 struct OuterFace {
     geometry::Triangle nodes = {};

@@ -2,7 +2,6 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/geometry/embedding.h"
-#include "filasofia/sofa/lacks.h"
 #include "filasofia/sofa/near_surface.h"
 
 #include <algorithm>
@@ -163,11 +162,6 @@ void keep(AttachmentId id, const Half& body, const Half& other, const TieLaw& la
 
 bool isTie(const physics::AttachmentDef& def) { return def.to || std::isfinite(def.breakForce); }
 
-void checkTie(const physics::AttachmentDef& def, const std::string& object)
-{
-    if (def.cutDistance > 0.0) fail(object, ".cutDistance", kLacks);
-}
-
 std::unique_ptr<Tie> makeTie(const TieState& state, SofaScene& scene)
 {
     const std::array sides{sideOf(state.body.id, scene), sideOf(state.to.id, scene)};
@@ -200,7 +194,7 @@ bool addTie(AttachmentId id, BodyId body, const physics::AttachmentDef& def, Sof
     }
     if (side.places.empty()) return false;
     meet(side.places, &def, other);
-    keep(id, side, other, {def.stiffness, def.breakForce, def.pointBreakForce}, scene);
+    keep(id, side, other, {def.stiffness, def.breakForce, def.pointBreakForce, def.cutDistance}, scene);
     return true;
 }
 

@@ -10,9 +10,6 @@ namespace filasofia::sofaengine {
 /// Whether an attachment needs constraints: one to a body, or one that may break. All others are pins.
 bool isTie(const physics::AttachmentDef& def);
 
-/// Throws an Error that begins with `object` if this engine lacks what a tie asks for.
-void checkTie(const physics::AttachmentDef& def, const std::string& object);
-
 /// Ties nodes, or points of an element; false if there are none. Throws what SOFA throws.
 bool addTie(AttachmentId id, BodyId body, const physics::AttachmentDef& def, SofaScene& scene);
 bool addTie(AttachmentId id, BodyId body, const physics::RigidAttachmentDef& def, SofaScene& scene);

@@ -66,8 +66,9 @@ RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root, 
     }
     for (const CollisionPlan& each : plan_.collision) {
         for (const Vec3 vertex : each.mesh.vertices) reach_ = std::max(reach_, distance(vertex, plan_.inertia.centre));
-        surfaces_.push_back(addCollision(each, {.body = id, .moves = dynamic, .friction = plan_.def.friction}, contact,
-                                         *state_, plan_.inertia.centre));
+        surfaces_.push_back(
+            addCollision(each, {.body = id, .moves = dynamic, .friction = plan_.def.friction, .passes = passes_},
+                         contact, *state_, plan_.inertia.centre));
     }
     ::sofa::simulation::node::init(node_.get());
     if (contact.constrains()) joinConstraints();
@@ -248,11 +249,19 @@ void RigidNode::finishMove()
     write(now);
 }
 
+void RigidNode::setBlades(bool cutting, int sheath)
+{
+    cutting_ = cutting;
+    sheath_ = sheath;
+    *passes_ = cutting || sheath > 0;
+}
+
 void RigidNode::rewind()
 {
     write(start());
     targets_.assign(targets_.size(), std::nullopt);
     joints_.rewind();
+    setBlades(cutting_, 0);
 }
 
 RigidSettings RigidNode::settings() const
@@ -260,6 +269,8 @@ RigidSettings RigidNode::settings() const
     RigidSettings settings;
     settings.targets = targets_;
     settings.joints = joints_.state();
+    settings.cutting = cutting_;
+    settings.sheath = sheath_;
     if (!loads_) return settings;
     settings.wrenches = loads_->wrenches;
     settings.hands = loads_->hands;
@@ -270,6 +281,7 @@ void RigidNode::apply(const RigidSettings& settings)
 {
     targets_ = settings.targets;
     joints_.apply(settings.joints);
+    setBlades(settings.cutting, settings.sheath);
     if (!loads_) return;
     loads_->wrenches = settings.wrenches;
     loads_->hands = settings.hands;

@@ -29,6 +29,8 @@ struct RigidSettings {
     std::vector<std::optional<RigidLoads::Hand>> hands = {}; ///< empty if it is kinematic
     std::vector<std::optional<Pose>> targets = {}; ///< where a kinematic body will be at the end of the next step
     ToldJoints::State joints = {};
+    bool cutting = true; ///< its blades cut
+    int sheath = 0;      ///< [-] elements at its blades when they were switched off inside tissue; 0 once they are out
 };
 
 /// A rigid body in SOFA: a node with one frame per element at its centre of mass. A kinematic body has no solver.
@@ -67,6 +69,11 @@ public:
     /// the body that its base follows, which has begun; or null.
     void beginMove(double dt, const RigidNode* carrier);
     void finishMove();
+    /// Whether its blades cut, and how many elements they were in when they were switched off. They pass through what
+    /// they could cut in both cases.
+    void setBlades(bool cutting, int sheath);
+    [[nodiscard]] bool isCutting() const { return cutting_; }
+    [[nodiscard]] int sheath() const { return sheath_; }
     /// After a step: what forces on the body do to its joints.
     void loadJoints(std::span<const PointForce> forces);
     [[nodiscard]] const std::vector<frame::Joint>& joints() const { return joints_.state().joints; }
@@ -95,6 +102,9 @@ private:
     ElementMass::SPtr mass_; ///< null for a kinematic body
     std::vector<CollisionSurface> surfaces_;
     bool constrained_ = false;
+    bool cutting_ = true;
+    int sheath_ = 0;
+    std::shared_ptr<bool> passes_ = std::make_shared<bool>(true); ///< its blades, through what they could cut
     double reach_ = 0.0;                       ///< [m] from the centre of mass to the farthest vertex of its models
     std::vector<std::optional<Pose>> targets_; ///< where a kinematic body will be at the end of the step
 };

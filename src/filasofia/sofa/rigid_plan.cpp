@@ -1,6 +1,7 @@
 #include "filasofia/sofa/rigid_plan.h"
 
 #include "filasofia/core/validate.h"
+#include "filasofia/engine/rupture/stroke.h"
 #include "filasofia/sofa/lacks.h"
 
 namespace filasofia::sofaengine {
@@ -30,6 +31,8 @@ RigidPlan planRigid(const physics::RigidBodyDef& def)
              " and ", def.linearDamping);
     RigidPlan plan{.def = def, .inertia = inertiaOf(def), .collision = planCollision(def, object)};
     plan.def.elements = elementPoses(def);
+    for (const CollisionPlan& each : plan.collision)
+        plan.lines.push_back(each.def.cutting ? engine::cuttingEdges(each.mesh) : std::vector<std::array<int, 2>>{});
     return plan;
 }
 

@@ -9,6 +9,8 @@ struct RigidPlan {
     physics::RigidBodyDef def = {};
     physics::RigidInertia inertia = {};        ///< the same for each element; zero if the body is kinematic
     std::vector<CollisionPlan> collision = {}; ///< its collision models
+    /// Per collision model: the edges that cut, if it is a blade
+    std::vector<std::vector<std::array<int, 2>>> lines = {};
 };
 
 /// Throws an Error that names the body and the field if the Def is wrong, or if it asks for what this engine lacks.

@@ -1,6 +1,8 @@
 #include "filasofia/sofa/scene_state.h"
 
 #include "filasofia/sofa/make_tie.h"
+#include "filasofia/sofa/replace_body.h"
+#include "filasofia/sofa/sofa_process.h"
 
 #include <algorithm>
 #include <utility>
@@ -21,6 +23,7 @@ void addTo(Hasher& hash, const SoftSettings& body)
         hash.addAll(std::span<const Vec3>(&each.force, 1));
     }
     hash.add(body.pressure);
+    if (body.cut) hash.add(body.cut->cuts.history);
 }
 
 void addTo(Hasher& hash, const MotionState& hand)
@@ -30,8 +33,12 @@ void addTo(Hasher& hash, const MotionState& hand)
     hash.addAll(std::span<const Vec3>(both));
 }
 
+} // namespace
+
 void addTo(Hasher& hash, const RigidSettings& body)
 {
+    hash.add(static_cast<std::uint64_t>(body.cutting ? 1 : 0));
+    hash.add(static_cast<std::uint64_t>(body.sheath));
     for (const RigidLoads::Wrench& each : body.wrenches) {
         const Vec3 both[] = {each.force, each.torque};
         hash.addAll(std::span<const Vec3>(both));
@@ -52,8 +59,6 @@ void addTo(Hasher& hash, const RigidSettings& body)
     for (const auto& target : body.targets)
         if (target) hash.addAll(std::span<const Pose>(&*target, 1));
 }
-
-} // namespace
 
 SceneMotion motionOf(const SofaScene& scene)
 {
@@ -81,7 +86,29 @@ SceneState stateOf(const SofaScene& scene)
     return state;
 }
 
-void setState(const SceneState& state, SofaScene& scene)
+namespace {
+
+bool isSameMesh(const SoftSettings& settings, const SoftNode& body)
+{
+    return !settings.cut ||
+           (settings.cut->cuts.history == body.cuts()->history && settings.cut->cuts.revision == body.cuts()->revision);
+}
+
+/// Gives bodies the meshes of a state; ties that hold those that are made anew are gone.
+void setMeshes(const SceneState& state, SofaScene& scene)
+{
+    for (std::size_t b = 0; b < scene.soft.size(); ++b) {
+        const SoftSettings& settings = state.soft[b];
+        if (!settings.cut) continue;
+        if (isSameMesh(settings, *scene.soft[b]))
+            *scene.soft[b]->cuts() = settings.cut->cuts;
+        else
+            replaceBody({.plan = settings.cut->plan, .state = state.motion.soft[b], .settings = settings},
+                        std::make_unique<SoftCuts>(settings.cut->cuts), scene, scene.soft[b]->id());
+    }
+}
+
+void setBodies(const SceneState& state, SofaScene& scene)
 {
     const auto isCoupled = [](const SoftSettings& each) { return each.coupled; };
     if (!state.ties.empty() || std::ranges::any_of(state.soft, isCoupled)) startConstraints(scene);
@@ -101,6 +128,30 @@ void setState(const SceneState& state, SofaScene& scene)
     }
     scene.grasps = state.grasps;
     scene.contacts = state.contacts;
+}
+
+} // namespace
+
+void setState(const SceneState& state, SofaScene& scene)
+{
+    bool same = true;
+    for (std::size_t b = 0; b < scene.soft.size(); ++b) same = same && isSameMesh(state.soft[b], *scene.soft[b]);
+    if (same) {
+        setBodies(state, scene);
+        setMeshes(state, scene);
+        return;
+    }
+    const SceneState before = stateOf(scene);
+    try {
+        setMeshes(state, scene);
+        setBodies(state, scene);
+    } catch (...) {
+        attempt("restore", [&] {
+            setMeshes(before, scene);
+            setBodies(before, scene);
+        });
+        throw;
+    }
 }
 
 void addTo(Hasher& hash, const SceneState& state)
@@ -126,12 +177,14 @@ void resetScene(SofaScene& scene)
 {
     scene.contacts.clear();
     scene.contact.forget();
+    std::erase_if(scene.ties, [](const auto& each) { return each->isBroken(); });
+    for (std::size_t b = 0; b < scene.soft.size(); ++b)
+        if (scene.soft[b]->cuts()) mendBody(scene.soft[b]->id(), scene);
     for (const auto& body : scene.soft) {
         const std::vector<Vec3>& rest = body->plan().mesh.nodes;
         body->write({rest, std::vector<Vec3>(rest.size())});
     }
     for (const auto& body : scene.rigid) body->rewind();
-    std::erase_if(scene.ties, [](const auto& each) { return each->isBroken(); });
     for (const auto& tie : scene.ties) tie->rewind();
 }
 

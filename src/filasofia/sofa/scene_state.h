@@ -29,6 +29,7 @@ SceneState stateOf(const SofaScene& scene);
 /// then.
 void setState(const SceneState& state, SofaScene& scene);
 void addTo(Hasher& hash, const SceneState& state);
+void addTo(Hasher& hash, const RigidSettings& body);
 
 /// Puts every body where its Def says. Attachments, hands and forces stay, and hold from there.
 void resetScene(SofaScene& scene);

@@ -11,6 +11,9 @@ namespace filasofia::sofaengine {
 using Vec3Types = ::sofa::defaulttype::Vec3Types;
 using RigidTypes = ::sofa::defaulttype::Rigid3Types;
 
+/// An index of ours, into a list.
+constexpr std::size_t at(int index) { return static_cast<std::size_t>(index); }
+
 inline ::sofa::type::Vec3 toSofa(Vec3 v) { return {v.x, v.y, v.z}; }
 inline Vec3 fromSofa(const ::sofa::type::Vec3& v) { return {v[0], v[1], v[2]}; }
 inline ::sofa::type::Quat<SReal> toSofa(const Quat& q) { return {q.x, q.y, q.z, q.w}; }

@@ -4,6 +4,7 @@
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/sofa/apply_commands.h"
+#include "filasofia/sofa/cut_bodies.h"
 #include "filasofia/sofa/intersections.h"
 #include "filasofia/sofa/make_tie.h"
 #include "filasofia/sofa/node_removal.h"
@@ -76,6 +77,18 @@ std::vector<PointForce> forcesOn(const SofaScene& scene)
     return forces;
 }
 
+WeldedPairs weldedPairs(const SofaScene& scene)
+{
+    WeldedPairs pairs;
+    for (const auto& tie : scene.ties) {
+        if (!tie->to() || std::isfinite(tie->law().stiffness)) continue;
+        geometry::Box& box = pairs[{std::min(tie->body(), tie->to()), std::max(tie->body(), tie->to())}];
+        const std::vector<Vec3> places = tie->places();
+        box = merged(box, geometry::grown(geometry::boxAround(places), scene.contact.reach()));
+    }
+    return pairs;
+}
+
 double fastest(const SofaScene& scene)
 {
     double speed = 0.0;
@@ -118,7 +131,7 @@ SofaWorld::~SofaWorld()
 
 physics::EngineInfo SofaWorld::info() const
 {
-    return {.name = "sofa", .version = FILASOFIA_SOFA_VERSION, .joints = true};
+    return {.name = "sofa", .version = FILASOFIA_SOFA_VERSION, .cuts = true, .joints = true};
 }
 
 std::unique_ptr<physics::BuiltBody> SofaWorld::build(const physics::BodyDef& def) const
@@ -142,27 +155,33 @@ void SofaWorld::check(const physics::Command& command, const physics::BodyDef* d
 physics::StepReport SofaWorld::step(const physics::StepInput& in)
 {
     physics::StepReport report{.dt = in.dt, .flags = in.flags};
-    const auto now = [&] { return in.budget && in.budget->now ? in.budget->now() : std::int64_t{0}; };
+    const Now now = [&] { return in.budget && in.budget->now ? in.budget->now() : std::int64_t{0}; };
     const Lock lock(sofaMutex());
     const std::int64_t begin = now();
     looksAgain_ = looksAgain_ || std::ranges::any_of(in.commands, changesBodies);
+    const bool changes = std::ranges::any_of(in.commands, physics::changesScene); // a command is moved from
+    removeLostPieces(scene_, report);
     applyCommands(in.commands, *this, scene_, report);
     const std::int64_t applied = now();
     report.times.commands = 1e-9 * static_cast<double>(applied - begin);
     if (in.dt > 0.0) {
-        advance(in.dt, report);
+        advance(in.dt, now, report);
         ++steps_;
         time_ += in.dt;
     }
-    report.times.advance = 1e-9 * static_cast<double>(now() - applied);
+    watch_.follow(changes, in.dt, scene_, report);
+    report.times.advance = 1e-9 * static_cast<double>(now() - applied) - report.times.topology;
     report.step = steps_;
     report.time = time_;
     return report;
 }
 
-void SofaWorld::advance(double dt, physics::StepReport& report)
+void SofaWorld::advance(double dt, const Now& now, physics::StepReport& report)
 {
     const SceneMotion before = motionOf(scene_);
+    findInverted(scene_, before, report);
+    findStrained(scene_, before, report);
+    followSheaths(scene_, report.topology);
     std::erase_if(scene_.ties, [](const auto& each) { return each->isBroken(); });
     const bool failed = !attempt("SOFA: a step ended with an exception", [&] { move(dt); });
     readConstraints(failed, dt, report);
@@ -179,6 +198,10 @@ void SofaWorld::advance(double dt, physics::StepReport& report)
         if (solve.atLimit) report.set(physics::StepFlag::NotConverged);
         report.solves.push_back({body->id(), solve.iterations, solve.residual, body->id()});
     }
+    if (failed) return;
+    const std::int64_t moved = now();
+    ruptureBodies(before, dt, scene_, report);
+    report.times.topology = 1e-9 * static_cast<double>(now() - moved);
 }
 
 void SofaWorld::move(double dt)
@@ -188,6 +211,7 @@ void SofaWorld::move(double dt)
     for (const auto& body : scene_.rigid)                       // a carrier comes before the bodies that follow it
         body->beginMove(dt, findBody(scene_.rigid, body->plan().def.articulation.to));
     if (scene_.contact.isOn()) {
+        scene_.contact.setWelded(weldedPairs(scene_));
         followBodies(*scene_.root);
         const auto window = [](double time) { return std::floor(time / kLookEvery + 1e-6); };
         if (std::exchange(looksAgain_, false) || window(time_) != window(time_ + dt))
@@ -247,9 +271,11 @@ void SofaWorld::capture(frame::Frame& out) const
         frame::SoftBodyFrame& body = out.softBodies[b];
         SoftState state{std::move(body.positions), std::move(body.velocities)}; // reuses their memory
         scene_.soft[b]->read(state);
+        const SoftCuts* cuts = scene_.soft[b]->cuts();
         body = {.id = scene_.soft[b]->id(),
                 .positions = std::move(state.positions),
-                .velocities = std::move(state.velocities)};
+                .velocities = std::move(state.velocities),
+                .boundary = cuts ? cuts->boundary : nullptr};
     }
     out.rigidBodies.resize(scene_.rigid.size());
     for (std::size_t b = 0; b < scene_.rigid.size(); ++b) {

@@ -3,6 +3,7 @@
 #include "filasofia/sofa/graph_owner.h"
 #include "filasofia/sofa/scene_state.h"
 #include "filasofia/sofa/sofa_engine.h"
+#include "filasofia/sofa/step_flags.h"
 
 namespace filasofia::sofaengine {
 
@@ -28,7 +29,8 @@ public:
     [[nodiscard]] ::sofa::simulation::Node* nodeOf(BodyId id) const override;
 
 private:
-    void advance(double dt, physics::StepReport& report);
+    using Now = std::function<std::int64_t()>; ///< [ns]
+    void advance(double dt, const Now& now, physics::StepReport& report);
     void move(double dt); ///< throws what SOFA throws
     /// Returns bodies to where they were, at rest: all after a step that failed, else those whose numbers are none.
     bool putBack(bool failed, const SceneMotion& before);
@@ -37,6 +39,7 @@ private:
     SofaScene scene_;
     std::vector<physics::Intersection> intersections_; ///< the last answer
     bool looksAgain_ = true;                           ///< for intersections, in the next step
+    SceneWatch watch_;                                 ///< for bodies that never rest
     double time_ = 0.0;                                ///< [s]
     std::uint64_t steps_ = 0;
 };

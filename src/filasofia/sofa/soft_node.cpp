@@ -143,7 +143,7 @@ template <class Gradients> SolveOutcome outcomeOf(const Gradients& solver)
 
 SoftNode::SoftNode(BodyId id, SoftPlan plan)
     : id_(id), plan_(std::move(plan)), tissue_(std::make_shared<const SoftSettings::Tissue>(SoftSettings::Tissue{
-                                           plan_.def.material, plan_.youngModulus, plan_.poissonRatio}))
+                                           plan_.def.material, plan_.youngModulus, plan_.poissonRatio, plan_.tearing}))
 {
 }
 
@@ -174,8 +174,10 @@ SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root, con
     if (!plan_.def.gravity) loads_->weightless = plan_.masses;
     node_->addObject(loads_);
     for (const CollisionPlan& each : plan_.collision)
-        surfaces_.push_back(
-            addCollision(each, {.body = id, .soft = true, .friction = plan_.def.friction}, contact, *state_));
+        surfaces_.push_back(addCollision(
+            each,
+            {.body = id, .soft = true, .friction = plan_.def.friction, .cuttable = mayBeCut(plan_.def, each.def.group)},
+            contact, *state_));
     ::sofa::simulation::node::init(node_.get());
     if (contact.constrains()) joinConstraints();
     setPins(plan_.pins);
@@ -263,8 +265,31 @@ void SoftNode::remakeSolver()
 
 SoftSettings SoftNode::settings() const
 {
-    return {
-        .tissue = tissue_, .pins = pins_, .forces = loads_->forces, .pressure = loads_->pressure, .coupled = coupled_};
+    return {.tissue = tissue_,
+            .pins = pins_,
+            .forces = loads_->forces,
+            .pressure = loads_->pressure,
+            .coupled = coupled_,
+            .cut = cuts_ ? std::make_shared<const CutState>(CutState{plan_, *cuts_}) : nullptr};
+}
+
+bool SoftNode::isHeld(const geometry::Tetrahedron& nodes) const
+{
+    return std::ranges::all_of(nodes, [&](int node) { return held_[static_cast<std::size_t>(node)] != 0; });
+}
+
+void SoftNode::setCuts(std::unique_ptr<SoftCuts> cuts, std::shared_ptr<const SoftSettings::Tissue> tissue)
+{
+    cuts_ = std::move(cuts);
+    tissue_ = std::move(tissue);
+}
+
+bool SoftNode::isTuned() const
+{
+    std::size_t own = 6; // topology, state, mass, law, loads, integrator; a solver makes its system itself
+    for (const auto& each : {solver_, correction_, fixed_}) own += each ? 1 : 0;
+    own += node_->getNodeObjects<::sofa::core::behavior::BaseMatrixLinearSystem>().size();
+    return node_->object.size() > own;
 }
 
 void SoftNode::apply(const SoftSettings& settings)
@@ -317,6 +342,9 @@ void SoftNode::setPins(std::vector<PinGroup> pins)
     pins_ = std::move(pins);
     std::vector<int> hard;
     loads_->springs.clear();
+    held_ = goneNodes(plan_);
+    for (std::size_t i = 0; i < held_.size(); ++i)
+        if (held_[i] != 0) hard.push_back(static_cast<int>(i));
     for (const PinGroup& group : pins_)
         for (std::size_t i = 0; i < group.nodes.size(); ++i)
             if (group.stiffness == physics::kHard)
@@ -331,7 +359,10 @@ void SoftNode::setPins(std::vector<PinGroup> pins)
     if (hard.empty()) return;
     // The constraint cancels changes of velocity only: a node that moved when it was attached would go on.
     ::sofa::helper::WriteAccessor velocities(state_->v);
-    for (const int each : hard) velocities[static_cast<std::size_t>(each)].clear();
+    for (const int each : hard) {
+        velocities[static_cast<std::size_t>(each)].clear();
+        held_[static_cast<std::size_t>(each)] = 1;
+    }
     auto fixed = New<Fixed>();
     fixed->setName("pins");
     ::sofa::type::vector<::sofa::Index> indices;
@@ -346,8 +377,16 @@ void SoftNode::setTissue(std::shared_ptr<const SoftSettings::Tissue> tissue)
 {
     tissue_ = std::move(tissue);
     plan_.def.material = tissue_->material;
-    plan_.youngModulus = tissue_->youngModulus;
-    plan_.poissonRatio = tissue_->poissonRatio;
+    if (cuts_) {
+        cuts_->start.def.material = tissue_->material;
+        cuts_->start.youngModulus = tissue_->youngModulus;
+        cuts_->start.poissonRatio = tissue_->poissonRatio;
+        cuts_->start.tearing = tissue_->tearing;
+        inheritTissue(*cuts_, plan_);
+    } else {
+        plan_.youngModulus = tissue_->youngModulus;
+        plan_.poissonRatio = tissue_->poissonRatio;
+    }
     // An assembled system keeps what it made for the old law, and with it the law, until it begins anew: a change of
     // this value, even to the same, makes it.
     for (auto* system : node_->getNodeObjects<linearsystem::MatrixLinearSystem<Blocks, Assembled>>())

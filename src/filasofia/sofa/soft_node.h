@@ -3,6 +3,7 @@
 #include "filasofia/sofa/body_loads.h"
 #include "filasofia/sofa/collision_surface.h"
 #include "filasofia/sofa/contact_stage.h"
+#include "filasofia/sofa/soft_cuts.h"
 
 #include "filasofia/frame/frame.h"
 #include "filasofia/physics/step.h"
@@ -32,13 +33,15 @@ struct SoftSettings {
     /// Its tissue: the object is another one after each SetMaterial.
     struct Tissue {
         physics::SoftMaterial material = {};
-        std::vector<double> youngModulus = {}, poissonRatio = {}; ///< as in its plan
+        std::vector<double> youngModulus = {}, poissonRatio = {}, tearing = {}; ///< as in its plan before any edit
     };
     std::shared_ptr<const Tissue> tissue = {};
     std::vector<PinGroup> pins = {};
     std::vector<physics::NodalForce> forces = {};
     double pressure = 0.0; ///< [Pa]
     bool coupled = false;  ///< constraints act on it
+    /// Its mesh, if it may be cut
+    std::shared_ptr<const CutState> cut = {};
 };
 
 /// A soft body in SOFA: a node with its state, mass, law, loads, pins and solvers.
@@ -74,6 +77,16 @@ public:
     [[nodiscard]] SoftSettings settings() const;
     void apply(const SoftSettings& settings);
 
+    /// Its mesh as blades and stress edit it; null if it may not be cut.
+    [[nodiscard]] SoftCuts* cuts() const { return cuts_.get(); }
+    /// Gives it that mesh, and the tissue of which its plan has the parts.
+    void setCuts(std::unique_ptr<SoftCuts> cuts, std::shared_ptr<const SoftSettings::Tissue> tissue);
+    /// Per node, 1 if it is pinned hard, or of a piece that was removed.
+    [[nodiscard]] const std::vector<char>& held() const { return held_; }
+    [[nodiscard]] bool isHeld(const geometry::Tetrahedron& nodes) const; ///< all of them
+    /// Whether a user has added components to its node.
+    [[nodiscard]] bool isTuned() const;
+
     [[nodiscard]] const std::vector<CollisionSurface>& surfaces() const { return surfaces_; }
     /// Attachments to space.
     [[nodiscard]] const std::vector<PinGroup>& pins() const { return pins_; }
@@ -99,6 +112,8 @@ private:
     std::vector<CollisionSurface> surfaces_;
     ::sofa::core::objectmodel::BaseObject::SPtr law_, fixed_, euler_, solver_, correction_;
     bool coupled_ = false; ///< constraints act on it
+    std::unique_ptr<SoftCuts> cuts_;
+    std::vector<char> held_;
 };
 
 } // namespace filasofia::sofaengine

@@ -1,6 +1,7 @@
 #include "filasofia/sofa/soft_plan.h"
 
 #include "filasofia/core/validate.h"
+#include "filasofia/engine/rupture/check_topology.h"
 #include "filasofia/geometry/surface.h"
 #include "filasofia/sofa/lacks.h"
 #include "filasofia/sofa/make_tie.h"
@@ -34,13 +35,9 @@ void checkMaterial(const FemMaterial& material, const std::string& object)
     if (!material.fibres.empty()) fail(object, ".fibres", kLacks);
     if (!material.relaxation.empty()) fail(object, ".relaxation", kLacks);
     if (std::isfinite(material.yieldStress)) fail(object, ".yieldStress", kLacks);
-    if (std::isfinite(material.validStrain)) fail(object, ".validStrain", kLacks);
     for (std::size_t i = 0; i < material.regions.size(); ++i) {
         const TissueRegion& region = material.regions[i];
-        const char* field = region.tearingThreshold ? "tearingThreshold"
-                            : region.restScale      ? "restScale"
-                            : region.yieldStress    ? "yieldStress"
-                                                    : nullptr;
+        const char* field = region.restScale ? "restScale" : region.yieldStress ? "yieldStress" : nullptr;
         if (field) fail(object, ".regions[", i, "].", field, kLacks);
     }
     if (!std::holds_alternative<physics::Corotational>(material.law) && !isUniform(material))
@@ -51,7 +48,6 @@ void checkMaterial(const FemMaterial& material, const std::string& object)
 void checkBody(const SoftBodyDef& def, const std::string& object)
 {
     if (std::holds_alternative<physics::ShellMaterial>(def.material)) fail(object, ": material: a shell", kLacks);
-    if (def.dynamicTopology) fail(object, ": dynamicTopology", kLacks);
     if (def.puncture) fail(object, ": puncture", kLacks);
     if (!def.cavities.empty()) fail(object, ": cavities", kLacks);
 }
@@ -64,13 +60,14 @@ double densityOf(const SoftBodyDef& def, const geometry::TetMesh& mesh)
     return std::get<physics::TotalMass>(def.mass).value / volume;
 }
 
-/// Stiffness per tetrahedron, with what regions say, and their densities: the last of several regions counts.
-void addTissue(const FemMaterial& material, const std::string& object, std::vector<double>& density, SoftPlan& plan)
+/// Stiffness per tetrahedron, with what regions say, their strengths and densities: the last of several regions counts.
+void addTissue(const FemMaterial& material, const std::string& object, SoftPlan& plan)
 {
     physics::check(material, plan.mesh, object);
     checkMaterial(material, object);
-    plan.youngModulus.assign(density.size(), material.youngModulus);
-    plan.poissonRatio.assign(density.size(), material.poissonRatio);
+    plan.youngModulus.assign(plan.density.size(), material.youngModulus);
+    plan.poissonRatio.assign(plan.density.size(), material.poissonRatio);
+    plan.tearing.assign(plan.density.size(), material.tearingThreshold);
     const geometry::TetMesh atRest = *loadMesh(plan.def); // regions are in the coordinates of the mesh
     for (std::size_t i = 0; i < material.regions.size(); ++i) {
         const TissueRegion& region = material.regions[i];
@@ -78,7 +75,8 @@ void addTissue(const FemMaterial& material, const std::string& object, std::vect
             const auto at = static_cast<std::size_t>(t);
             plan.youngModulus[at] = region.youngModulus.value_or(plan.youngModulus[at]);
             plan.poissonRatio[at] = region.poissonRatio.value_or(plan.poissonRatio[at]);
-            density[at] = region.density.value_or(density[at]);
+            plan.tearing[at] = region.tearingThreshold.value_or(plan.tearing[at]);
+            plan.density[at] = region.density.value_or(plan.density[at]);
         }
     }
     for (std::size_t t = 0; t < material.stiffnessField.size(); ++t) plan.youngModulus[t] *= material.stiffnessField[t];
@@ -86,6 +84,7 @@ void addTissue(const FemMaterial& material, const std::string& object, std::vect
 
 void addSprings(SoftPlan& plan)
 {
+    plan.edges.clear();
     for (const geometry::Tetrahedron& t : plan.mesh.tetrahedra)
         for (int i = 0; i < 4; ++i)
             for (int j = i + 1; j < 4; ++j) plan.edges.push_back({std::min(t[i], t[j]), std::max(t[i], t[j])});
@@ -93,19 +92,16 @@ void addSprings(SoftPlan& plan)
     plan.edges.erase(std::ranges::unique(plan.edges).begin(), plan.edges.end());
 }
 
-/// The material, and a quarter of each tetrahedron's mass at each of its corners.
+/// What the mesh is made of.
 void addMaterial(const std::string& object, SoftPlan& plan)
 {
-    std::vector<double> density(plan.mesh.tetrahedra.size(), densityOf(plan.def, plan.mesh));
+    plan.density.assign(plan.mesh.tetrahedra.size(), densityOf(plan.def, plan.mesh));
     if (const auto* tissue = std::get_if<FemMaterial>(&plan.def.material))
-        addTissue(*tissue, object, density, plan);
+        addTissue(*tissue, object, plan);
     else
-        addSprings(plan);
-    plan.masses.assign(plan.mesh.nodes.size(), 0.0);
-    for (std::size_t t = 0; t < density.size(); ++t)
-        for (const int node : plan.mesh.tetrahedra[t])
-            plan.masses[static_cast<std::size_t>(node)] +=
-                density[t] * signedVolume(plan.mesh, static_cast<int>(t)) / 4.0;
+        plan.tearing.assign(plan.density.size(),
+                            std::get<physics::MassSpringMaterial>(plan.def.material).tearingThreshold);
+    if (std::ranges::none_of(plan.tearing, [](double each) { return std::isfinite(each); })) plan.tearing.clear();
 }
 
 PinGroup pinsOf(const physics::AttachmentDef& def, const std::string& object, const std::vector<Vec3>& rest)
@@ -115,7 +111,7 @@ PinGroup pinsOf(const physics::AttachmentDef& def, const std::string& object, co
         if (node < 0 || node >= count) fail(object, ".nodes must be in [0, ", count, "), got ", node);
     if (def.box && geometry::isEmpty(*def.box)) fail(object, ".box: high must be >= low in every axis");
     PinGroup group{.nodes = nodesOf(def, rest), .stiffness = def.stiffness};
-    if (group.nodes.empty()) fail(object, ": must hold at least one node, got none");
+    if (group.nodes.empty() && !isTie(def)) fail(object, ": must hold at least one node, got none");
     for (const int node : group.nodes) group.places.push_back(rest[static_cast<std::size_t>(node)]);
     return group;
 }
@@ -135,6 +131,41 @@ std::vector<int> nodesOf(const physics::AttachmentDef& def, const std::vector<Ve
     return nodes;
 }
 
+/// A quarter of each tetrahedron's mass is at each of its corners.
+void shapePlan(SoftPlan& plan)
+{
+    if (std::holds_alternative<physics::MassSpringMaterial>(plan.def.material)) addSprings(plan);
+    plan.masses.assign(plan.mesh.nodes.size(), 0.0);
+    geometry::TetMesh left{plan.mesh.nodes, {}};
+    for (std::size_t t = 0; t < plan.density.size(); ++t) {
+        for (const int node : plan.mesh.tetrahedra[t])
+            plan.masses[static_cast<std::size_t>(node)] +=
+                plan.density[t] * signedVolume(plan.mesh, static_cast<int>(t)) / 4.0;
+        if (plan.gone.empty() || plan.gone[t] == 0) left.tetrahedra.push_back(plan.mesh.tetrahedra[t]);
+    }
+    const geometry::Surface surface = geometry::extractSurface(left);
+    plan.surface.clear();
+    for (const geometry::Triangle& each : surface.mesh.triangles) {
+        const auto node = [&](int corner) { return surface.nodes[static_cast<std::size_t>(each[corner])]; };
+        plan.surface.push_back({node(0), node(1), node(2)});
+    }
+    for (CollisionPlan& each : plan.collision) {
+        if (each.nodes.empty()) continue;
+        each.mesh = surface.mesh;
+        each.nodes = surface.nodes;
+    }
+}
+
+bool mayBeCut(const SoftBodyDef& def, int group)
+{
+    if (!def.dynamicTopology) return false;
+    const auto ofGroup = [&](const physics::CollisionDef& each) { return each.group == group; };
+    const auto forBlades = [](const physics::CollisionDef& each) { return each.cutting; };
+    if (std::ranges::any_of(def.collision, forBlades))
+        return std::ranges::any_of(def.collision, [&](const auto& each) { return forBlades(each) && ofGroup(each); });
+    return def.collision.empty() ? group == 0 : std::ranges::any_of(def.collision, ofGroup);
+}
+
 SoftPlan planSoft(const SoftBodyDef& def)
 {
     const std::string object = describeBody(physics::BodyDef{def});
@@ -144,23 +175,17 @@ SoftPlan planSoft(const SoftBodyDef& def)
     SoftPlan plan{.def = def, .mesh = worldMesh(def)};
     addMaterial(object + ": material", plan);
     plan.collision = planCollision(def, plan.mesh, object);
+    shapePlan(plan);
+    if (def.dynamicTopology) engine::checkForCuts(object, engine::EditableMesh(plan.mesh));
     for (std::size_t i = 0; i < def.attachments.size(); ++i) {
         const std::string field = text(object, ": attachments[", i, "]");
         PinGroup pins = pinsOf(def.attachments[i], field, plan.mesh.nodes);
         pins.id = {static_cast<std::uint32_t>(i)};
-        if (isTie(def.attachments[i]))
-            checkTie(def.attachments[i], field);
-        else
-            plan.pins.push_back(std::move(pins));
+        if (!isTie(def.attachments[i])) plan.pins.push_back(std::move(pins));
     }
     for (const physics::NodalForce& each : def.forces)
         if (static_cast<std::size_t>(each.node) >= plan.mesh.nodes.size())
             fail(object, ": forces: node must be in [0, ", plan.mesh.nodes.size(), "), got ", each.node);
-    const geometry::Surface surface = geometry::extractSurface(plan.mesh);
-    for (const geometry::Triangle& each : surface.mesh.triangles) {
-        const auto node = [&](int corner) { return surface.nodes[static_cast<std::size_t>(each[corner])]; };
-        plan.surface.push_back({node(0), node(1), node(2)});
-    }
     return plan;
 }
 

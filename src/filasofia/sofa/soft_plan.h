@@ -22,18 +22,29 @@ struct PinGroup {
 /// A soft body as its node in SOFA is made: checked, plain data of ours, made on any thread.
 struct SoftPlan {
     physics::SoftBodyDef def = {};
-    geometry::TetMesh mesh = {};                  ///< in the world, at rest
-    std::vector<double> masses = {};              ///< [kg] per node
-    std::vector<double> youngModulus = {};        ///< [Pa] per tetrahedron; empty if the material is of springs
-    std::vector<double> poissonRatio = {};        ///< [-] per tetrahedron; empty if the material is of springs
+    geometry::TetMesh mesh = {};           ///< in the world, at rest
+    std::vector<double> density = {};      ///< [kg/m^3] per tetrahedron
+    std::vector<double> masses = {};       ///< [kg] per node
+    std::vector<double> youngModulus = {}; ///< [Pa] per tetrahedron; empty if the material is of springs
+    std::vector<double> poissonRatio = {}; ///< [-] per tetrahedron; empty if the material is of springs
+    /// [Pa] per tetrahedron, the stress that tears it; empty if none does
+    std::vector<double> tearing = {};
     std::vector<std::array<int, 2>> edges = {};   ///< those of the mesh, once each; empty unless it is of springs
     std::vector<PinGroup> pins = {};              ///< those of the Def; ids count its attachments from 0
     std::vector<CollisionPlan> collision = {};    ///< its collision models
     std::vector<std::array<int, 3>> surface = {}; ///< faces of one tetrahedron, counter-clockwise from outside
+    std::vector<char> gone = {}; ///< per tetrahedron, 1: of a piece that was removed; empty if none was
 };
 
 /// Throws an Error that names the body and the field if the Def is wrong, or if it asks for what this engine lacks.
 SoftPlan planSoft(const physics::SoftBodyDef& def);
+
+/// Finds what follows from mesh, densities and removed pieces: masses, edges, the surface and the collision models that
+/// are it.
+void shapePlan(SoftPlan& plan);
+
+/// Whether blades of a collision group cut the body.
+bool mayBeCut(const physics::SoftBodyDef& def, int group);
 
 /// Nodes that an attachment selects, ascending. `at`: where they are now.
 std::vector<int> nodesOf(const physics::AttachmentDef& def, const std::vector<Vec3>& at);

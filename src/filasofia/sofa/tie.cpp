@@ -33,7 +33,8 @@ void addTo(Hasher& hash, const TieState& tie)
         hash.add(static_cast<std::uint64_t>(end->element));
         hash.addAll(std::span<const Vec3>(end->points));
     }
-    for (const double each : {tie.law.stiffness, tie.law.breakForce, tie.law.pointBreakForce}) hash.add(each);
+    for (const double each : {tie.law.stiffness, tie.law.breakForce, tie.law.pointBreakForce, tie.law.cutDistance})
+        hash.add(each);
     for (const TieRows::Pair& pair : tie.pairs) {
         addPoint(hash, pair.first);
         addPoint(hash, pair.second);
@@ -129,6 +130,24 @@ void Tie::finish(std::span<const double> impulses, double dt)
         rows_->pairs, [&](const TieRows::Pair& each) { return length(each.force) > state_.law.pointBreakForce; }));
     report.points = static_cast<int>(rows_->pairs.size());
     report.broken = report.points == 0 || length(report.force) > state_.law.breakForce;
+}
+
+std::vector<Vec3> Tie::places() const
+{
+    std::vector<Vec3> places;
+    for (const TieRows::Pair& each : rows_->pairs) places.push_back(placeOf(0, each.first));
+    return places;
+}
+
+void Tie::cut(const std::function<bool(Vec3)>& parts)
+{
+    const auto gone =
+        std::erase_if(rows_->pairs, [&](const TieRows::Pair& each) { return parts(placeOf(0, each.first)); });
+    if (gone == 0) return;
+    frame::Attachment& report = state_.report;
+    report.parted += static_cast<int>(gone);
+    report.points = static_cast<int>(rows_->pairs.size());
+    report.broken = report.broken || report.points == 0;
 }
 
 void Tie::addForces(std::vector<PointForce>& out) const

@@ -5,6 +5,7 @@
 #include "filasofia/sofa/soft_node.h"
 #include "filasofia/sofa/tie_rows.h"
 
+#include <functional>
 #include <span>
 
 namespace filasofia::sofaengine {
@@ -20,6 +21,7 @@ struct TieLaw {
     double stiffness = physics::kHard;        ///< [N/m] a point's; infinite: a weld
     double breakForce = physics::kNever;      ///< [N]
     double pointBreakForce = physics::kNever; ///< [N]
+    double cutDistance = 0.0;                 ///< [m] a blade that comes so near parts a point; 0: none does
 };
 /// A whole tie, as plain data.
 struct TieState {
@@ -52,9 +54,16 @@ public:
     [[nodiscard]] const frame::Attachment& report() const { return state_.report; }
     [[nodiscard]] TieState state() const;
 
+    /// Where its points are on the body [m].
+    [[nodiscard]] std::vector<Vec3> places() const;
     void prepare(double dt) { rows_->draw(dt); }
     /// Reads the forces and lets go what they exceed. `impulses`: those by all constraints [N s].
     void finish(std::span<const double> impulses, double dt);
+    /// Lets go the points of the body that blades have parted. `parts` is asked with each point's place.
+    void cut(const std::function<bool(Vec3)>& parts);
+    [[nodiscard]] const TieLaw& law() const { return state_.law; }
+    [[nodiscard]] BodyId body() const { return state_.body.id; }
+    [[nodiscard]] BodyId to() const { return state_.to.id; }
     /// Adds the forces on its sides.
     void addForces(std::vector<PointForce>& out) const;
     /// Begins anew where its bodies are now: all of its points hold, and welds are drawn together from there.

@@ -1,6 +1,7 @@
 #include "engine/stage.h"
 
 #include "filasofia/engine/contact/sheathed_blades.h"
+#include "filasofia/engine/rupture/elements_at.h"
 #include "filasofia/geometry/shapes.h"
 
 #include <array>

@@ -3,25 +3,14 @@
 #include "filasofia/core/copied_ptr.h"
 #include "filasofia/engine/body/attachment.h"
 #include "filasofia/engine/body/soft_model.h"
-#include "filasofia/engine/rupture/cut.h"
 #include "filasofia/engine/rupture/pieces.h"
+#include "filasofia/engine/rupture/stroke.h"
 #include "filasofia/engine/rupture/tear.h"
 #include "filasofia/frame/boundary.h"
 #include "filasofia/geometry/box.h"
 #include "filasofia/physics/step.h"
 
 namespace filasofia::engine {
-
-/// The stroke of a rigid body's blades through a soft body.
-struct Stroke {
-    BodyId tool;
-    BladeStroke stroke;
-    bool arrived = false;       ///< part of the mesh has been near the blades
-    bool hasCut = false;        ///< the stroke has crossed an edge of the mesh
-    double sinceCrossing = 0.0; ///< [m] way of the blades since they last crossed an edge
-    bool leaving = false;       ///< the stroke finishes its pending work and is then over
-    bool over = false;
-};
 
 /// A box around a body that is reused for some steps: `slack` bounds how far a node can have moved since it was built.
 struct MovingBounds {

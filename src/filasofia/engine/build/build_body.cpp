@@ -86,32 +86,6 @@ void addPins(const physics::AttachmentDef& def, const std::string& object, SoftM
     }
 }
 
-/// Checks the mesh of a body that may be cut: cuts keep the surface a manifold and the elements good only if they are
-/// so at the start.
-void checkForCuts(const std::string& object, const EditableMesh& mesh)
-{
-    if (mesh.isSheet()) { // the rest of what a sheet must be was checked with its Def
-        const auto faults = checkSheetTopology(mesh.data(), {.volume = mesh.startVolume(), .maxViolations = 1});
-        if (!faults.empty())
-            fail(object, ": dynamicTopology needs a mesh with one fan of triangles around each vertex, got: ",
-                 name(faults.front().fault), " at ", faults.front().where);
-        return;
-    }
-    const std::vector<TopologyViolation> faults =
-        checkTopology(mesh.data(), {.volume = mesh.startVolume(), .maxViolations = 1});
-    if (!faults.empty())
-        fail(object,
-             ": dynamicTopology needs a mesh whose surface is a manifold (each edge between two triangles, one "
-             "fan of triangles around each node), got: ",
-             faults.front().where);
-    constexpr double kPoor = 0.05;
-    double worst = 1.0;
-    for (int t = 0; t < mesh.tetrahedra(); ++t) worst = std::min(worst, restQuality(mesh.data(), t));
-    if (worst < kPoor)
-        logWarning(object, ": the worst of its tetrahedra has quality ", worst,
-                   " (1: regular); near such elements cuts follow existing faces");
-}
-
 /// Warns if a body is very large. Most organ meshes are in millimetres; if one is read as metres, nothing fails, but
 /// the body is as large as a bridge and sags like one. `remedy`: what to do if the coordinates are millimetres.
 void warnOfSize(const std::string& object, const char* remedy, const std::vector<Vec3>& nodes)

@@ -14,10 +14,6 @@ namespace filasofia::engine {
 /// [-] How many elements of bodies that its blades could cut a rigid body's blades are in, or touch from within a cut.
 int elementsAtBlades(const Scene& scene, const RigidBody& body);
 
-/// Whether two convex bodies are nearer to each other than `margin` [m], up to corners, which count as round: a
-/// triangle, and an element of three or four corners.
-bool isNear(std::span<const Vec3> triangle, std::span<const Vec3> element, double margin);
-
 /// Draws blades that are out of the tissue, and counts those that were pushed on into it
 /// (physics::TopologyReport::bladeOff).
 void followSheaths(Scene& scene, physics::TopologyReport& report);

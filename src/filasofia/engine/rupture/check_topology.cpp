@@ -1,6 +1,8 @@
 #include "filasofia/engine/rupture/check_topology.h"
 
+#include "filasofia/core/error.h"
 #include "filasofia/core/hash.h"
+#include "filasofia/core/log.h"
 #include "filasofia/core/text.h"
 #include "filasofia/engine/rupture/tet_shape.h"
 
@@ -288,6 +290,30 @@ std::uint64_t hashOf(const MeshTopology& mesh)
         add(label.sheet), add(label.sequence), addPoint(label.point), addPoint(label.normal);
     }
     return hash.value();
+}
+
+void checkForCuts(const std::string& object, const EditableMesh& mesh)
+{
+    if (mesh.isSheet()) { // the rest of what a sheet must be was checked with its Def
+        const auto faults = checkSheetTopology(mesh.data(), {.volume = mesh.startVolume(), .maxViolations = 1});
+        if (!faults.empty())
+            fail(object, ": dynamicTopology needs a mesh with one fan of triangles around each vertex, got: ",
+                 name(faults.front().fault), " at ", faults.front().where);
+        return;
+    }
+    const std::vector<TopologyViolation> faults =
+        checkTopology(mesh.data(), {.volume = mesh.startVolume(), .maxViolations = 1});
+    if (!faults.empty())
+        fail(object,
+             ": dynamicTopology needs a mesh whose surface is a manifold (each edge between two triangles, one "
+             "fan of triangles around each node), got: ",
+             faults.front().where);
+    constexpr double kPoor = 0.05;
+    double worst = 1.0;
+    for (int t = 0; t < mesh.tetrahedra(); ++t) worst = std::min(worst, restQuality(mesh.data(), t));
+    if (worst < kPoor)
+        logWarning(object, ": the worst of its tetrahedra has quality ", worst,
+                   " (1: regular); near such elements cuts follow existing faces");
 }
 
 } // namespace filasofia::engine

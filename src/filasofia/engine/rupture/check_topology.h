@@ -50,6 +50,10 @@ std::vector<TopologyViolation> checkSheetTopology(const MeshTopology& mesh, cons
 std::vector<TopologyViolation> checkMirror(const MeshTopology& mesh, const frame::TopologyMirror& mirror,
                                            const std::vector<Vec3>& positions);
 
+/// Checks the mesh of a body that may be cut: cuts keep the surface a manifold and the elements good only if they are
+/// so at the start. Throws an Error that begins with `object`; warns of bad elements.
+void checkForCuts(const std::string& object, const EditableMesh& mesh);
+
 /// Hash of all numbers of the mesh.
 std::uint64_t hashOf(const MeshTopology& mesh);
 

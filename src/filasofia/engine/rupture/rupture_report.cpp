@@ -18,4 +18,26 @@ RuptureReport& RuptureReport::operator+=(const RuptureReport& b)
     return *this;
 }
 
+void add(const RuptureReport& from, physics::TopologyReport& to)
+{
+    const auto refused = [&](RuptureRefusal why) { return static_cast<int>(from.refused[static_cast<int>(why)]); };
+    to.bladeNotFinite += refused(RuptureRefusal::BladeNotFinite);
+    to.bladeNoLength += refused(RuptureRefusal::BladeNoLength);
+    to.bladeJump += refused(RuptureRefusal::BladeJump);
+    to.edgeGone += refused(RuptureRefusal::EdgeGone);
+    to.tearClosed += refused(RuptureRefusal::TearClosed);
+    to.putOff += static_cast<int>(from.repairDeferred);
+    to.pending += static_cast<int>(from.pending);
+}
+
+void moveRupture(physics::Rupture::Kind kind, BodyId body, RuptureReport& opened, physics::TopologyReport& to)
+{
+    if (opened.openedArea > 0.0)
+        to.ruptures.push_back({.kind = kind,
+                               .body = body,
+                               .place = 1.0 / opened.openedArea * opened.openedMoment,
+                               .area = opened.openedArea});
+    opened = {};
+}
+
 } // namespace filasofia::engine

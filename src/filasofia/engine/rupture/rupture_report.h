@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/math/vec3.h"
+#include "filasofia/physics/step.h"
 
 namespace filasofia::engine {
 
@@ -50,5 +50,10 @@ struct RuptureReport {
 
     RuptureReport& operator+=(const RuptureReport& b);
 };
+
+/// Adds the counts of refused, deferred and pending requests.
+void add(const RuptureReport& from, physics::TopologyReport& to);
+/// Adds what was opened, if anything was, and empties the report.
+void moveRupture(physics::Rupture::Kind kind, BodyId body, RuptureReport& opened, physics::TopologyReport& to);
 
 } // namespace filasofia::engine

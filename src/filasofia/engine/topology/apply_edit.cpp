@@ -272,18 +272,6 @@ void followSystem(const MeshEdit& edit, double period, const SoftModel& model, S
 
 } // namespace
 
-void add(const RuptureReport& from, physics::TopologyReport& to)
-{
-    const auto refused = [&](RuptureRefusal why) { return static_cast<int>(from.refused[static_cast<int>(why)]); };
-    to.bladeNotFinite += refused(RuptureRefusal::BladeNotFinite);
-    to.bladeNoLength += refused(RuptureRefusal::BladeNoLength);
-    to.bladeJump += refused(RuptureRefusal::BladeJump);
-    to.edgeGone += refused(RuptureRefusal::EdgeGone);
-    to.tearClosed += refused(RuptureRefusal::TearClosed);
-    to.putOff += static_cast<int>(from.repairDeferred);
-    to.pending += static_cast<int>(from.pending);
-}
-
 OwnSurfaceEdit applyEdit(const TopologyEdit& edit, double period, SoftBody& body)
 {
     auto& [model, state, system, topology] = body;

@@ -5,9 +5,6 @@
 
 namespace filasofia::engine {
 
-/// Adds the counts of refused, deferred and pending requests.
-void add(const RuptureReport& from, physics::TopologyReport& to);
-
 /// Brings everything that the engine keeps about a body in line with one edit of its mesh: nodes, elements, masses,
 /// pins, surface, state and solver. Momentum is conserved. Each edit must be applied once. Attachments and contacts are
 /// updated elsewhere; the returned edit of the surface is what they need.

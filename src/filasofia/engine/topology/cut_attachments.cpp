@@ -2,28 +2,11 @@
 
 #include "filasofia/engine/contact/attachments.h"
 #include "filasofia/engine/scene/find_body.h"
-#include "filasofia/geometry/distance.h"
 
 #include <algorithm>
-#include <limits>
 
 namespace filasofia::engine {
 namespace {
-
-/// How near the path of a blade's edges came to a point [m].
-double distanceTo(const Blade& blade, Vec3 point)
-{
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const auto& [from, to] : blade.lines) {
-        const auto a = static_cast<std::size_t>(from), b = static_cast<std::size_t>(to);
-        const Vec3 corners[] = {blade.before[a], blade.before[b], blade.now[b], blade.now[a]};
-        for (int half : {1, 2}) {
-            const Vec3 found = geometry::nearestOnTriangle(point, corners[0], corners[half], corners[half + 1]).point;
-            nearest = std::min(nearest, distance(point, found));
-        }
-    }
-    return nearest;
-}
 
 /// Whether a blade may cut the soft body; other bodies are not cut.
 bool mayCut(const Blade& blade, const Scene& scene, BodyId id)
@@ -46,7 +29,8 @@ void cutAttachments(std::span<const Blade> blades, Scene& scene)
             const geometry::Box around = geometry::grown(blade.swept, each.cutDistance);
             for (std::size_t p = 0; p < gone.size(); ++p) {
                 const Vec3 place = meanOf(each.pairs[p][0].nodes, body.state.x);
-                if (!gone[p] && overlap(around, {place, place})) gone[p] = distanceTo(blade, place) <= each.cutDistance;
+                if (!gone[p] && overlap(around, {place, place}))
+                    gone[p] = distanceTo({blade.lines, blade.before, blade.now}, place) <= each.cutDistance;
             }
         }
         if (std::ranges::count(gone, true) > 0) each.parted += erasePairs(a, gone, scene);

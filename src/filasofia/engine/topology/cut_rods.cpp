@@ -137,7 +137,7 @@ std::vector<physics::LoosePiece> findRodPieces(SoftModel& model)
     return loose;
 }
 
-std::uint64_t historyWith(const RodCut& cut, std::uint64_t before)
+std::uint64_t rodHistoryWith(const RodCut& cut, std::uint64_t before)
 {
     Hasher hash;
     hash.add(before);
@@ -164,7 +164,7 @@ void applyCuts(Rupture::Kind kind, std::vector<RodCut>& cuts, SoftBody& body, Sc
         rupture.place += 1.0 / static_cast<double>(cuts.size()) * (a + cut.s * (b - a));
         rupture.area += std::numbers::pi * rod.radius * rod.radius;
         ++topology.revision;
-        topology.history = historyWith(cut, topology.history);
+        topology.history = rodHistoryWith(cut, topology.history);
         for (Attachment& each : scene.attachments)
             for (auto& pair : each.pairs) {
                 if (each.body == model.id) follow(rod, cut, pair[0].nodes);

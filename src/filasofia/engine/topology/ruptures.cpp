@@ -1,6 +1,5 @@
 #include "filasofia/engine/topology/ruptures.h"
 
-#include "filasofia/core/hash.h"
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/contact/clip_holds.h"
 #include "filasofia/engine/topology/apply_edit.h"
@@ -20,24 +19,9 @@ namespace {
 
 using physics::Rupture;
 
-/// The edges of a blade that cut: boundary edges, those with at most one triangle. If a mesh has none (it is closed),
-/// the edges sharper than a right angle cut; if it has none of these either, all edges do.
 std::vector<std::array<int, 2>> linesOf(const CollisionShape& shape)
 {
-    const auto normalOf = [&](int triangle) {
-        const auto [a, b, c] = shape.triangles[static_cast<std::size_t>(triangle)];
-        const auto at = [&](int vertex) { return shape.rest[static_cast<std::size_t>(vertex)]; };
-        return normalized(cross(at(b) - at(a), at(c) - at(a)));
-    };
-    std::vector<std::array<int, 2>> open, sharp;
-    for (std::size_t e = 0; e < shape.edges.size(); ++e) {
-        const auto beside = shape.edgeTriangles[e];
-        if (beside.size() < 2)
-            open.push_back(shape.edges[e]);
-        else if (dot(normalOf(beside[0]), normalOf(beside[1])) < 1e-9)
-            sharp.push_back(shape.edges[e]);
-    }
-    return !open.empty() ? open : !sharp.empty() ? sharp : shape.edges;
+    return cuttingEdges({shape.rest, shape.triangles, {}}, shape.edges, shape.edgeTriangles);
 }
 
 /// Updates the current and previous positions of every blade. A blade that jumped has no path and cuts nothing.
@@ -70,13 +54,6 @@ void moveBlades(const RigidPlan& rigid, const Scene& scene, std::vector<Blade>& 
         }
     blades = std::move(next);
 }
-
-/// All blades of one rigid body near a soft body: both jaws of scissors cut one surface.
-struct Tool {
-    BodyId body;
-    std::vector<BladeSegment> segments;
-    double way = 0.0; ///< [m] longest path of a vertex in the step
-};
 
 /// Bounding box of the remaining pieces. Removed pieces have no surface.
 geometry::Box boxOf(const SoftModel& model, const SoftState& state)
@@ -111,40 +88,12 @@ std::vector<Tool> toolsNear(SoftBody& body, const std::vector<Blade>& blades, ph
         if (blade.jumped && overlap(blade.swept, box)) ++report.bladeTooFast;
         if (!isNear(blade.now) && !isNear(blade.before)) continue;
         if (tools.empty() || tools.back().body != blade.name.body) tools.push_back({blade.name.body, {}});
-        Tool& tool = tools.back();
-        for (const auto& [a, b] : blade.lines) {
-            const auto from = static_cast<std::size_t>(a), to = static_cast<std::size_t>(b);
-            tool.segments.push_back({blade.now[from], blade.now[to], blade.before[from], blade.before[to]});
-        }
-        for (std::size_t i = 0; i < blade.now.size(); ++i)
-            tool.way = std::max(tool.way, distance(blade.now[i], blade.before[i]));
+        addBlade({blade.lines, blade.before, blade.now}, tools.back());
     }
     return tools;
 }
 
-/// Performs one step of a stroke. `tool` is null if the tool is no longer near the body.
-RuptureReport continueStroke(EditableMesh& mesh, const Tool* tool, Stroke& stroke)
-{
-    RuptureReport done;
-    const CutParameters parameters = parametersFor(mesh);
-    if (!stroke.leaving && tool) {
-        done = stroke.stroke.step(mesh, tool->segments, parameters);
-        stroke.sinceCrossing = done.crossings > 0 ? 0.0 : stroke.sinceCrossing + tool->way;
-        stroke.hasCut = stroke.hasCut || done.crossings > 0;
-        if (!stroke.arrived && !stroke.stroke.away()) { // a returning blade continues the surface that it finds
-            stroke.arrived = true;
-            const int sheet = stroke.hasCut ? 0 : sheetAt(mesh, tool->segments);
-            if (sheet > 0) stroke.stroke = BladeStroke(sheet);
-        }
-    }
-    const bool through = stroke.hasCut && (stroke.stroke.away() || stroke.sinceCrossing > 2.0 * mesh.meanEdge());
-    stroke.leaving = stroke.leaving || !tool || through;
-    if (stroke.leaving) stroke.over = stroke.stroke.finish(mesh, parameters, done);
-    return done;
-}
-
-/// Lets every tool near a body cut it. A stroke ends after its blades have moved two mean edges without crossing
-/// anything, or are away from the body. What they cut later is a new cut.
+/// Lets every tool near a body cut it.
 void cutBody(SoftBody& body, const std::vector<Blade>& blades, physics::TopologyReport& report)
 {
     const SoftState& state = body.state;
@@ -152,38 +101,17 @@ void cutBody(SoftBody& body, const std::vector<Blade>& blades, physics::Topology
     EditableMesh& mesh = *topology.mesh;
     std::vector<Stroke>& strokes = topology.strokes;
     const std::vector<Tool> tools = toolsNear(body, blades, report);
-    for (const Tool& tool : tools) {
-        const auto isItsOwn = [&](const Stroke& stroke) { return stroke.tool == tool.body && !stroke.leaving; };
-        if (std::ranges::none_of(strokes, isItsOwn)) strokes.push_back({tool.body, BladeStroke(mesh.newSheet())});
-    }
+    beginStrokes(tools, mesh, strokes);
     const bool followed = std::exchange(topology.followed, !strokes.empty());
     if (strokes.empty()) return;
     if (followed)
         mesh.moveTo(state.x);
     else
         mesh.placeAt(state.x);
-    for (Stroke& stroke : strokes) {
-        const auto tool = std::ranges::find(tools, stroke.tool, &Tool::body);
-        const RuptureReport done = continueStroke(mesh, tool == tools.end() ? nullptr : &*tool, stroke);
+    for (const RuptureReport& done : cutWith(tools, mesh, strokes)) {
         topology.cut += done;
         add(done, report);
     }
-    std::erase_if(strokes, [](const Stroke& stroke) { return stroke.over; });
-}
-
-/// Hash of all edits so far: if two histories are equal, the meshes are equal.
-std::uint64_t historyWith(const frame::TopologyEdit& edit, std::uint64_t before)
-{
-    Hasher hash;
-    hash.add(before);
-    static_assert(sizeof(frame::TetNodes) == 5 * sizeof(int)); // no padding: all bytes are numbers
-    hash.addAll(std::span<const frame::TetNodes>(edit.changed));
-    for (const frame::TopologyOp& op : edit.ops)
-        if (const auto* made = std::get_if<frame::NewNode>(&op))
-            hash.add(made->s);
-        else if (const auto* moved = std::get_if<frame::NodeMove>(&op))
-            for (double each : {moved->newRest.x, moved->newRest.y, moved->newRest.z}) hash.add(each);
-    return hash.value();
 }
 
 std::vector<physics::LoosePiece> loosePieces(const frame::TopologyEdit& edit, BodyTopology& topology)
@@ -192,16 +120,6 @@ std::vector<physics::LoosePiece> loosePieces(const frame::TopologyEdit& edit, Bo
     for (DetachedPiece& piece : topology.pieces->update(topology.mesh->data(), edit))
         loose.push_back({piece.id, std::move(piece.tetrahedra)});
     return loose;
-}
-
-void reportRupture(Rupture::Kind kind, BodyId body, RuptureReport& opened, std::vector<Rupture>& ruptures)
-{
-    if (opened.openedArea > 0.0)
-        ruptures.push_back({.kind = kind,
-                            .body = body,
-                            .place = 1.0 / opened.openedArea * opened.openedMoment,
-                            .area = opened.openedArea});
-    opened = {};
 }
 
 constexpr double kLostDistance = 10.0; // [m] displacement at which a piece counts as having fallen out of the scene
@@ -273,8 +191,8 @@ void applyEditsOf(SoftBody& body, double period, Scene& scene, physics::Topology
 
     std::vector<Rupture>& reported = report.ruptures;
     const std::size_t before = reported.size();
-    reportRupture(Rupture::Kind::Cut, model.id, topology.cut, reported);
-    reportRupture(Rupture::Kind::Tear, model.id, topology.torn, reported);
+    moveRupture(Rupture::Kind::Cut, model.id, topology.cut, report);
+    moveRupture(Rupture::Kind::Tear, model.id, topology.torn, report);
     if (reported.size() == before) return;
     reported[before].nodes = edit.nodes - nodes;
     reported[before].elements = edit.tetrahedra - elements;

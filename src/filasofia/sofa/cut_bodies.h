@@ -1,0 +1,24 @@
+#pragma once
+
+#include "filasofia/sofa/scene_state.h"
+
+#include "filasofia/physics/step.h"
+
+namespace filasofia::sofaengine {
+
+/// Cuts bodies along the paths of the blades in the step just made, tears what stress tears, and parts the points of
+/// attachments that blades came near to. The edits are those of the native engine's room rupture; bodies that are
+/// edited are made anew. `before`: where bodies were at the start of the step of dt [s].
+void ruptureBodies(const SceneMotion& before, double dt, SofaScene& scene, physics::StepReport& report);
+
+/// Removes a piece; false if there is no such piece, or if it is all that is left. Attachments that hold its nodes go.
+bool removePieceOf(BodyId body, int piece, SofaScene& scene);
+/// Removes pieces that have fallen out of the scene. They would fall for ever.
+void removeLostPieces(SofaScene& scene, physics::StepReport& report);
+
+/// [-] How many elements of bodies that its blades could cut a rigid body's blades are in, or touch from within a cut.
+int elementsAtBlades(const RigidNode& tool, const SofaScene& scene);
+/// Draws blades that are switched off once they are out of tissue, and counts those that were pushed on into it.
+void followSheaths(SofaScene& scene, physics::TopologyReport& report);
+
+} // namespace filasofia::sofaengine
