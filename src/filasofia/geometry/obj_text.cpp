@@ -19,7 +19,7 @@ struct Kind {
 constexpr std::array<Kind, 3> kKinds = {Kind{"v", "vertices", 3, 6}, Kind{"vt", "texture coordinates", 1, 3},
                                         Kind{"vn", "normals", 3, 3}};
 
-using Numbers = std::array<std::int64_t, 3>; ///< one for each kind; of a corner, 0 for what it does not name
+using Numbers = std::array<std::int64_t, 3>; ///< one for each kind; a corner has 0 for what it does not name
 
 class ObjText {
 public:
@@ -49,7 +49,7 @@ private:
     Numbers cornerIn(const NumberSource& words, std::string_view word);
 
     std::string_view rest_, name_;
-    std::size_t line_ = 0; ///< of the file, in which the words begin
+    std::size_t line_ = 0; ///< in which the words begin
     std::size_t lines_ = 0;
     std::string joined_; ///< the line, if a \ at its end makes it go on
     std::string out_;
