@@ -49,7 +49,7 @@ TEST_CASE("scenes: the motions of a body end when it is removed")
     CHECK(report.steps == 40);
     const RunReport jointed = ran(R"({"time": "20 ms", "type": "RemoveBody", "id": "arm"})", 40, R"(,
 {"type": "RigidBodyDef", "name": "arm", "elements": ["0 9 0 cm", "0 9 0 cm"], "articulation": {"joints": [{"parent": 0, "child": 1, "kind": "revolute"}]},
- "jointMotions": [{"joint": 0, "keys": [{"time": 0, "command": {"type": "JointPosition", "position": 0}}, {"time": "30 ms", "command": {"type": "JointPosition", "position": 1}}]}]})");
+ "jointMotions": [{"joint": 0, "keys": [{"time": 0, "command": {"type": "JointPosition", "value": 0}}, {"time": "30 ms", "command": {"type": "JointPosition", "value": 1}}]}]})");
     CHECK(jointed.complete());
 }
 

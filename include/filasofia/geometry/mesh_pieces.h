@@ -16,7 +16,7 @@ struct MeshPieces {
 /// [m] Nodes nearer than this lie at one place: 1e-4 of the shortest edge.
 double placeDistance(const TetMesh& mesh);
 
-/// Counts the pieces of a mesh, and its doubled nodes. Takes n log n of its nodes; at 100,000 of them, 0.03 s.
+/// Counts the pieces of a mesh, and its doubled nodes. Takes n log n of its nodes: 0.5 ms at 3,400, 0.15 s at 100,000.
 MeshPieces piecesOf(const TetMesh& mesh);
 
 /// The mesh with one node at each place, that of the smallest number; nodes keep their order. Throws an Error naming

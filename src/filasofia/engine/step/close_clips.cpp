@@ -188,7 +188,7 @@ void applyClip(const physics::ApplyClip& command, Scene& scene, physics::StepRep
     if (clip.partial) {
         ++report.clips.partial;
         logWarning(describe(tissue.model), ": clip '", scene.rigid[*rigid].model.name,
-                   "' is too small: tissue goes on beyond its legs, and is not shut there");
+                   "' is too small: tissue goes on beyond its legs, and may stay open there");
     }
     clip.gap = command.def.opening;
     addAttachment(holdOf(command, holdPoints(pose, tissue.state, clip)), {}, scene);
