@@ -80,6 +80,10 @@ class Words(Program):
             for command in ("mesh", "scene"):
                 self.refused(command, "new", FILASOFIA_PYTHON=str(bare), says=[f"{command} needs the Python package", "pip install"])
                 self.refused(command, FILASOFIA_PYTHON=folder + "/none", says=[command, "cannot be started", "none"])
+                for python in (str(bare), folder + "/none"):
+                    done = run(command, "--help", FILASOFIA_PYTHON=python)
+                    self.assertEqual((done.returncode, done.stderr), (0, ""))
+                    self.assertIn(f"filasofia {command} ", done.stdout)
 
     def test_an_unknown_command_is_named_with_the_nearest_one(self):
         self.refused("docotr", says=["'docotr'", "did you mean 'doctor'?"])

@@ -241,9 +241,10 @@ TEST_CASE("a broken surface file gives an Error that names it")
         CHECK_THAT(errorFor(name, std::string(200, '\0')), Contains(name));
     }
     CHECK_THAT(errorFor("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n"), Contains("b.obj"));
-    CHECK_THAT(errorFor("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"), Contains("b.obj"));
+    CHECK_THAT(errorFor("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"),
+               Contains("b.obj:4: a face names number 9 of the vertices; the file has 3"));
     CHECK_THAT(errorFor("b.obj", "v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n"),
-               Contains("b.obj: vertex ") && Contains("must be finite"));
+               Contains("b.obj:3: ") && Contains("must be finite, got 'nan'"));
     CHECK_THAT(errorFor("b.obj", "v 0 0 0\nv 1 0 0\nv 1e99 1 0\nf 1 2 3\n"),
                Contains("b.obj: vertex ") && Contains("must be finite"));
     CHECK_THAT(errorFor("b.obj", "v 0 0 0\nv 1 0 0\nv 1 0 0\nf 1 2 3\n"),
@@ -261,6 +262,40 @@ TEST_CASE("a broken surface file gives an Error that names it")
     CHECK_THAT(errorFor("b.gltf", gltf(R"({"mesh":0})", "4", R"(,"uri":"nowhere.bin")")), Contains("b.gltf"));
     CHECK_THAT(errorFor("b.gltf", gltf(R"({"mesh":0,"children":[0]})")), Contains("b.gltf"));
     CHECK_THAT(errorFor("b.stl", binaryStl(surface, 4).substr(0, 200)), Contains("b.stl"));
+}
+
+TEST_CASE("a number in a text file of triangles is read whole, or refused with its line")
+{
+    const LogTrap quiet;
+    const auto file = [](std::string_view extension, std::string_view x) {
+        if (extension == "obj") return text("v 0 0 0\nv ", x, " 3 0\nv 0 -3 0\nf 1 2 3\n");
+        if (extension == "stl")
+            return text("solid vertex\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex ", x,
+                        " 3 0\nvertex 0 -3 0\nendloop\nendfacet\nendsolid vertex\n");
+        if (extension == "vtk")
+            return text("# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\nPOINTS 3 double\n0 0 0\n", x,
+                        " 3 0\n0 -3 0\nPOLYGONS 1 4\n3 0 1 2\n");
+        return text("ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\nproperty double "
+                    "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n",
+                    x, " 3 0\n0 -3 0\n3 0 1 2\n");
+    };
+    const std::pair<const char*, double> right[] = {{".5", 0.5},     {"-.5", -0.5},   {"+.5", 0.5}, {"+1", 1.0},
+                                                    {"1e-3", 0.001}, {"1E-3", 0.001}, {"1.", 1.0},  {".25e1", 2.5}};
+    for (const std::string extension : {"obj", "stl", "vtk", "ply"}) {
+        const std::string name = "number." + extension;
+        for (const auto& [word, value] : right)
+            for (const bool windows : {false, true}) {
+                std::string bytes = file(extension, word);
+                for (std::size_t at = 0; windows && (at = bytes.find('\n', at)) != std::string::npos; at += 2)
+                    bytes.insert(at, 1, '\r');
+                const TriangleMesh mesh = meshFrom(name, bytes);
+                REQUIRE(mesh.vertices.size() == 3);
+                CHECK(mesh.vertices[1].x == Approx(value));
+            }
+        for (const char* word : {"1,5", "1d0", "0x10", "1e", "1.2.3", "--1", "1_0", "1.5f", "nan", "inf", "a"})
+            CHECK_THAT(errorFor(name, file(extension, word)),
+                       Contains(name + ":") && Contains(text("got '", word, "'")));
+    }
 }
 
 TEST_CASE("what would make assimp end the process gives an Error")

@@ -134,8 +134,9 @@ TEST_CASE("commands of other threads for a body that the stepping thread has jus
         server.step(0.1);
     }
     setLogSink({});
-    CHECK(logged == text("physics: a command came too late: soft body 'late': attachments[0].to: body ", ball.value,
-                         ": no such body (it was removed, or never added)"));
+    CHECK(logged ==
+          text("physics: a command came too late: soft body 'late': attachments[0].to: rigid body 'ball' (body ",
+               ball.value, "): no such body any more: it was removed"));
     CHECK(calls.commands.size() == before + 1); // the removal
     CHECK_THROWS_WITH(server.setPressure(late, 1.0), Catch::Contains("no such body"));
     server.setWrench(other, {}, {});

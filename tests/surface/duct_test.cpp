@@ -200,6 +200,28 @@ TEST_CASE("a tube that is squeezed shut, or inside out, has no flow")
     }
 }
 
+TEST_CASE("walls that pass through each other beside an open lumen do not shut it")
+{
+    // A clip that is too small presses the sides through each other and leaves the middle: the areas of the three lobes
+    // cancel, but through the middle one flows what its size lets through.
+    const Tube tube;
+    Duct duct = tube.duct({.inletPressure = 1e3});
+    const frame::Clip clip{.place = {0.02, 0, 0}};
+    const auto step = [&](double middle, double sides) {
+        std::vector<Vec3> x = tube.mesh->nodes;
+        for (Vec3& each : x)
+            if (std::abs(each.x - 0.02) <= 1e-3) each.y *= std::abs(each.z) < 0.6e-3 ? middle : sides;
+        duct.step({.positions = x, .clips = {&clip, 1}}, 1e-3);
+        return duct.balance();
+    };
+    CHECK(step(0.5, -0.9).narrowest > 0.02);
+    CHECK(step(0.5, -0.9).state == DuctState::Open);
+    CHECK(step(0.5, -0.9).flow > 0.0);
+    CHECK(step(0.5, -0.9).narrowest < step(0.5, 0.0).narrowest * 1.5);
+    CHECK(step(-0.5, -0.9).state == DuctState::Clipped);
+    CHECK(step(-0.5, -0.9).flow == 0.0);
+}
+
 TEST_CASE("a tube that something else squeezes shut is not clipped")
 {
     const Tube tube;

@@ -70,7 +70,14 @@ void bindEvents(nb::module_& module)
                      [](const runtime::IntersectionEvent& self) {
                          return self.kind == runtime::IntersectionEvent::Kind::Begin ? "begin" : "end";
                      })
-        .def_ro("intersection", &runtime::IntersectionEvent::intersection);
+        .def_ro("intersection", &runtime::IntersectionEvent::intersection)
+        .def("__repr__", [](const runtime::IntersectionEvent& self) {
+            const physics::Intersection& now = self.intersection;
+            return text("IntersectionEvent(kind='",
+                        self.kind == runtime::IntersectionEvent::Kind::Begin ? "begin" : "end",
+                        "', first=", now.first.value, ", second=", now.second.value, ", crossings=", now.crossings,
+                        ", depth=", now.depth, ")");
+        });
     eventClass<runtime::BleedingEvent>(module, "BleedingEvent", "How much blood a body has lost.")
         .def_prop_ro(
             "body", [](const runtime::BleedingEvent& self) { return Convert<BodyId>::make(self.body); },

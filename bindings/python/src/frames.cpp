@@ -172,6 +172,9 @@ void bindSoft(nb::module_& module)
         nb::for_getter(nb::sig("def rest(self) -> numpy.typing.NDArray[numpy.float64] | None")),
         "(n, 3) [m] where the nodes are at rest, those that cuts have made too, or None if its mesh was never "
         "changed.");
+    soft.def("__repr__", [](const SoftPart& self) {
+        return text("SoftBodyFrame(id=", self.body->id.value, ", ", self.body->positions.size(), " nodes)");
+    });
 }
 
 void bindRigid(nb::module_& module)
@@ -190,6 +193,10 @@ void bindRigid(nb::module_& module)
         "joints", [](const RigidPart& self) { return recordsOf(self.body->joints, jointType(), self.frame); },
         nb::for_getter(nb::sig("def joints(self) -> numpy.typing.NDArray[numpy.void]")),
         "One row per joint: position, velocity, force, load, stop.");
+    rigid.def("__repr__", [](const RigidPart& self) {
+        return text("RigidBodyFrame(id=", self.body->id.value, ", ", self.body->poses.size(), " elements, ",
+                    self.body->joints.size(), " joints)");
+    });
 }
 
 void bindFrame(nb::module_& module)

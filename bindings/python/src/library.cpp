@@ -71,7 +71,11 @@ void bindReplay(nb::module_& module)
                 return self.difference ? nb::object(nb::int_(self.difference->step)) : nb::none();
             },
             nb::for_getter(nb::sig("def different_step(self) -> int | None")),
-            "The first step with another hash than the recorded one, if they were compared.");
+            "The first step with another hash than the recorded one, if they were compared.")
+        .def("__repr__", [](const ReplayReport& self) {
+            return text("ReplayReport(made=", self.made, ", step=", self.step, ", time=", self.time, ", damage='",
+                        self.damage, "', different_step=", self.difference ? text(self.difference->step) : "None", ")");
+        });
     module.def(
         "replay",
         [](nb::handle def) {

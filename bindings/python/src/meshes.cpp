@@ -5,6 +5,7 @@
 
 #include "filasofia/core/hash.h"
 #include "filasofia/geometry/mesh_file.h"
+#include "filasofia/geometry/mesh_pieces.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/runtime/assets.h"
 
@@ -299,13 +300,16 @@ void bindFiles(nb::module_& module)
 {
     module.def(
         "load_tet_mesh",
-        [](nb::handle file, double scale) {
-            return Tetrahedra{std::make_shared<const TetMesh>(
-                geometry::loadTetMesh(readArgument<std::string>(file, "load_tet_mesh", "file"), scale))};
+        [](nb::handle file, double scale, bool join) {
+            const auto name = readArgument<std::string>(file, "load_tet_mesh", "file");
+            TetMesh mesh = geometry::loadTetMesh(name, scale);
+            if (join) mesh = geometry::withJoinedNodes(mesh, name);
+            return Tetrahedra{std::make_shared<const TetMesh>(std::move(mesh))};
         },
-        nb::arg("file").none(), nb::arg("scale") = 1.0,
-        nb::sig("def load_tet_mesh(file: str | os.PathLike[str], scale: float = 1.0) -> TetMesh"),
-        "Reads a .msh, .vtk, .vtu or .node/.ele file; `scale` [m] is the length of one unit of it.");
+        nb::arg("file").none(), nb::arg("scale") = 1.0, nb::arg("join") = false,
+        nb::sig("def load_tet_mesh(file: str | os.PathLike[str], scale: float = 1.0, join: bool = False) -> TetMesh"),
+        "Reads a .msh, .vtk, .vtu or .node/.ele file; `scale` [m] is the length of one unit of it. With `join`, nodes "
+        "that lie on each other become one.");
     module.def(
         "load_triangle_mesh",
         [](nb::handle file, double scale) {

@@ -243,12 +243,19 @@ void bindRun(nb::module_& module)
             "cut_area", [](const RunReport& self) { return self.opened.cut; }, "[m^2], one side, at rest")
         .def_prop_ro(
             "torn_area", [](const RunReport& self) { return self.opened.torn; }, "[m^2], one side, at rest")
+        .def_ro("nothing_held", &RunReport::nothingHeld, "lines: attachments and grasps that held nothing")
         .def_ro("blunt_blades", &RunReport::bluntBlades)
         .def_ro("callback_problems", &RunReport::callbackProblems)
         .def_ro("file_problems", &RunReport::fileProblems)
         .def_ro("finished", &RunReport::finished)
         .def_prop_ro(
             "wall_seconds", [](const RunReport& self) { return self.timing.wallSeconds; }, "[s] in steps")
+        .def("__repr__",
+             [](const RunReport& self) {
+                 return text("RunReport(steps=", self.steps, ", time=", self.time, ", undone=", self.undone,
+                             ", not_converged=", self.notConverged, ", inverted=", self.inverted,
+                             ", intersecting=", self.intersecting, ", finished='", self.finished, "')");
+             })
         .def("__str__", [](const RunReport& self) { return runtime::summary(self); });
 }
 

@@ -21,7 +21,8 @@ TetMesh loadTetMesh(const std::filesystem::path& file, double scale = 1.0);
 /// triangles use them; polygons are triangulated. Coordinates pass through single precision. If a merged vertex has
 /// several texture coordinates, the first one counts, and a part without any gets (0, 0). Triangles that name a vertex
 /// twice after merging are dropped; a warning in the log counts what was dropped. `scale` [m], > 0, is the length of
-/// one unit of the file. Throws an Error naming the file and what is wrong with it.
+/// one unit of the file. A number must be a whole word (.5, +1 and 1e-3 are; 1,5 and 0x10 are not), and a face must
+/// name what is there. Throws an Error naming the file, for text the line, and what is wrong with it.
 TriangleMesh loadTriangleMesh(const std::filesystem::path& file, double scale = 1.0);
 
 } // namespace filasofia::geometry

@@ -7,11 +7,15 @@
 
 namespace filasofia::physics {
 
+/// [kg/m^3] A soft body may not be lighter than this, a thousandth of air. With the stiffest tissue a step of 1 ms then
+/// loses 0.3 % of a fall to rounding, and the more the lighter a body is: at 1e-30 kg/m^3 none falls.
+inline constexpr double kLeastDensity = 1e-3;
+
 struct Density {
-    double value = 1000.0; ///< [kg/m^3], > 0
+    double value = 1000.0; ///< [kg/m^3], > 0; of a soft body >= kLeastDensity
 };
 struct TotalMass {
-    double value = 1.0; ///< [kg], > 0, distributed by volume
+    double value = 1.0; ///< [kg], > 0, distributed by volume; a soft body's density is then >= kLeastDensity
 };
 using Mass = std::variant<Density, TotalMass>;
 

@@ -108,6 +108,8 @@ public:
     [[nodiscard]] std::vector<BodyId> bodies() const;
     /// Whether the body was added and not removed. Any thread.
     [[nodiscard]] bool has(BodyId id) const;
+    /// The name of a body, also of one that was removed; "body 7" if there never was one. Any thread.
+    [[nodiscard]] std::string nameOf(BodyId id) const;
     /// For its type, its info() and its build(). Any thread.
     [[nodiscard]] const PhysicsEngine& engine() const;
     /// Replaces the engine before the first step, for a program whose user chooses it: bodies that were added are built
@@ -163,6 +165,7 @@ public:
     void keepLog(bool on);
 
 private:
+    friend class CommandTrial;
     friend class RegistryHold; // tests
     struct Impl;
     std::unique_ptr<Impl> impl_;

@@ -34,7 +34,7 @@ struct RodBodyDef {
     double radius = 0.15e-3;   ///< [m], > 0
     double youngModulus = 1e9; ///< [Pa], > 0
     double poissonRatio = 0.4; ///< [-], in [0, 0.5]; the shear modulus follows from it
-    double density = 1000.0;   ///< [kg/m^3], > 0
+    double density = 1000.0;   ///< [kg/m^3], >= kLeastDensity
     bool straight = true;      ///< at rest it is straight; otherwise, it is at rest as its points lie
     /// [rad] by how much it is twisted at the start, evenly from its first edge to its last; a ring is twisted by this
     /// before its ends are joined

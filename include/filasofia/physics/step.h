@@ -167,6 +167,14 @@ struct ClipChange {
     bool partial = false; ///< tissue went on beyond its legs when it was applied: it does not close all of it
 };
 
+/// An attachment or a grasp that was asked for and holds nothing: no node, or no contact, is where it should hold.
+struct NothingHeld {
+    AttachmentId id = {};
+    BodyId body = {};   ///< the attached body; of a grasp, the one that grasps
+    BodyId to = {};     ///< to what it is attached, none for space; of a grasp, what is grasped
+    bool grasp = false; ///< a grasp, and no attachment
+};
+
 /// The time budget of a step. It affects only where the solvers stop.
 struct StepBudget {
     std::function<std::int64_t()> now =
@@ -196,6 +204,8 @@ struct StepReport {
     TopologyReport topology = {};
     ClipReport clips = {};
     std::vector<ClipChange> clipChanges = {}; ///< what `clips` counts, in the order in which it happened
+    /// Attachments and grasps that began in this step and hold nothing (NothingAttached), ascending in each group.
+    std::vector<NothingHeld> nothingHeld = {};
     StageTimes times = {};
 
     void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }

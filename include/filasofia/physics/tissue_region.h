@@ -56,7 +56,7 @@ struct TissueRegion {
     std::optional<double> youngModulus = {};     ///< [Pa], > 0
     std::optional<double> poissonRatio = {};     ///< [-], in [0, 0.5)
     std::optional<double> tearingThreshold = {}; ///< [Pa], > 0 or infinite; needs dynamicTopology
-    std::optional<double> density = {};          ///< [kg/m^3], > 0; needs a body whose mass is a Density
+    std::optional<double> density = {};          ///< [kg/m^3], >= kLeastDensity; needs a body whose mass is a Density
     /// [-], in [0.5, 2]: lengths at rest, relative to those of the mesh: less than 1 for tissue that heat has shrunk,
     /// more for tissue that is swollen. The mass stays.
     std::optional<double> restScale = {};

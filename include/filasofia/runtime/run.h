@@ -151,6 +151,7 @@ struct RunReport {
     std::vector<EnergyReport> energy;        ///< one per electrode, in the order in which they were added
     std::vector<DuctReport> ducts;           ///< one per duct, in the order in which they were added
     physics::ClipReport clips = {};          ///< in all steps
+    std::vector<std::string> nothingHeld;    ///< one line per attachment or grasp that held nothing; after 12 a count
     std::vector<std::string> bluntBlades;    ///< one line per blade that touched a soft body without dynamicTopology
     /// why functions of everyStep() are no longer called, in this run or an earlier one: scripts that ended early
     std::vector<std::string> callbackProblems;

@@ -64,8 +64,8 @@ struct SceneBody {
     std::optional<surface::BurningDef> burning = {};   ///< how a soft body burns where it is heated; none: it does not
     std::vector<surface::ElectrodeDef> electrodes = {}; ///< parts of a rigid body that heat what they touch
     std::vector<surface::DuctDef> ducts = {};           ///< tubes in a soft body in which something flows
-    std::vector<ElementMotion> motions = {};            ///< a kinematic rigid body's elements
-    std::vector<JointMotion> jointMotions = {};         ///< an articulated body's joints
+    std::vector<ElementMotion> motions = {};            ///< a kinematic rigid body's elements, until it is removed
+    std::vector<JointMotion> jointMotions = {};         ///< an articulated body's joints, until it is removed
     Places places = {}; ///< where it stands, by the empty path, and its members by theirs
 };
 constexpr auto fields(const SceneBody*)

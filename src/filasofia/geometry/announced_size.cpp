@@ -1,6 +1,7 @@
 #include "filasofia/geometry/announced_size.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/geometry/number_source.h"
 #include "filasofia/geometry/ply_walk.h"
 
 #include <charconv>
@@ -8,6 +9,18 @@
 
 namespace filasofia::geometry {
 namespace {
+
+// A line "solid NAME" begins a part; behind "vertex" stand three numbers.
+void checkStlText(std::string_view bytes, std::string_view name)
+{
+    NumberSource in(bytes, name);
+    for (std::string_view word = in.word(); !word.empty(); word = in.word()) {
+        const std::string keyword = lowered(word);
+        if (keyword == "solid" || keyword == "endsolid") in.restOfLine();
+        if (keyword != "vertex") continue;
+        for (int axis = 0; axis < 3; ++axis) in.real("a vertex's coordinate");
+    }
+}
 
 // A binary STL has a header of 80 bytes, the number of triangles, and 50 bytes per triangle. A text file begins with
 // "solid" and ends with "endsolid", but some binary files begin with "solid" too: then the size decides.
@@ -24,7 +37,7 @@ void checkStl(std::string_view bytes, std::string_view name)
         const std::size_t end = bytes.rfind("endsolid"), lastFacet = bytes.rfind("endfacet");
         if (end == std::string_view::npos || (lastFacet != std::string_view::npos && end < lastFacet))
             fail(name, ": the file ends before endsolid");
-        return;
+        return checkStlText(bytes, name);
     }
     const std::uint64_t max = (bytes.size() - kHeader) / kTriangle;
     if (count > max)

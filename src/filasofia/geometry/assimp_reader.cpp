@@ -6,6 +6,7 @@
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -151,9 +152,11 @@ TriangleMesh joined(const Soup& soup, Dropped& dropped)
 }
 
 // A mesh file names other files (materials, buffers). What assimp opens must be regular: a pipe would wait for its
-// writer.
+// writer. The mesh file itself may have another content.
 class RegularFiles : public Assimp::DefaultIOSystem {
 public:
+    RegularFiles(std::string mesh, const std::optional<std::string>& text) : mesh_(std::move(mesh)), text_(text) {}
+
     [[nodiscard]] bool Exists(const char* file) const override // assimp's own version opens the file
     {
         std::error_code problem;
@@ -161,19 +164,25 @@ public:
     }
     Assimp::IOStream* Open(const char* file, const char* mode) override
     {
+        if (text_ && mesh_ == file)
+            return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(text_->data()), text_->size());
         if (!Exists(file)) return nullptr;
         checkRegularFile(file, file);
         return Assimp::DefaultIOSystem::Open(file, mode);
     }
+
+private:
+    std::string mesh_;
+    const std::optional<std::string>& text_;
 };
 
-Soup readSoup(const std::filesystem::path& file)
+Soup readSoup(const std::filesystem::path& file, const std::optional<std::string>& text)
 {
     const std::string name = file.string();
     Soup soup;
     try {
         Assimp::Importer importer;
-        importer.SetIOHandler(new RegularFiles); // the importer owns it
+        importer.SetIOHandler(new RegularFiles(name, text)); // the importer owns it
         const aiScene* scene = importer.ReadFile(name, 0);
         if (scene == nullptr) fail(name, ": cannot be read: ", std::string_view(importer.GetErrorString()));
         if (scene->mRootNode == nullptr || (scene->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0)
@@ -192,10 +201,10 @@ Soup readSoup(const std::filesystem::path& file)
 
 } // namespace
 
-TriangleMesh readWithAssimp(const std::filesystem::path& file)
+TriangleMesh readWithAssimp(const std::filesystem::path& file, const std::optional<std::string>& text)
 {
     const std::string name = file.string();
-    const Soup soup = readSoup(file);
+    const Soup soup = readSoup(file, text);
     if (soup.mesh.triangles.empty()) fail(name, ": must have at least 1 triangle, got 0");
     Dropped dropped;
     TriangleMesh mesh = joined(soup, dropped);

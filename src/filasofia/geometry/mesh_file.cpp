@@ -6,6 +6,7 @@
 #include "filasofia/geometry/assimp_reader.h"
 #include "filasofia/geometry/gmsh_reader.h"
 #include "filasofia/geometry/number_source.h"
+#include "filasofia/geometry/obj_text.h"
 #include "filasofia/geometry/tetgen_reader.h"
 #include "filasofia/geometry/vtk_reader.h"
 #include "filasofia/geometry/vtu_reader.h"
@@ -53,7 +54,9 @@ TriangleMesh readTriangleMesh(const std::filesystem::path& file)
     if (std::ranges::find(kExtensions, extension) == std::end(kExtensions))
         fail(file.string(), ": a triangle mesh must be an .obj, .stl, .ply, .gltf, .glb or .vtk file, got '", extension,
              "'");
-    checkAnnouncedSizes(file, extension, bytesOf(file));
+    const std::string bytes = bytesOf(file);
+    if (extension == ".obj") return readWithAssimp(file, checkedObj(bytes, file.string()));
+    checkAnnouncedSizes(file, extension, bytes);
     return readWithAssimp(file);
 }
 

@@ -175,8 +175,7 @@ void checkBase(const Registry& registry, const RigidBodyDef& def)
     const ArticulationDef& articulation = def.articulation;
     if (!articulation.to) return;
     const std::string field = text("rigid body '", def.name, "': articulation");
-    if (!registry.has(articulation.to))
-        fail(field, ".to: body ", articulation.to.value, ": no such body (it was removed, or never added)");
+    if (!registry.has(articulation.to)) registry.failMissing(articulation.to, field + ".to: ");
     const Registry::Body& other = registry.find(articulation.to);
     const auto* rigid = std::get_if<RigidBodyDef>(other.def.get());
     if (!rigid || rigid->dynamic) fail(field, ".to must be a kinematic rigid body, got ", describeBody(*other.def));

@@ -10,7 +10,7 @@ namespace {
 const Registry::Body& targetOf(const Registry& registry, const Attaching& body, BodyId to, const std::string& object)
 {
     if (to == body.id) fail(object, ".to must name another body, got body ", to.value, " itself");
-    if (!registry.has(to)) fail(object, ".to: body ", to.value, ": no such body (it was removed, or never added)");
+    if (!registry.has(to)) registry.failMissing(to, object + ".to: ");
     return registry.find(to);
 }
 

@@ -1,5 +1,6 @@
 #include "filasofia/physics/defs.h"
 
+#include "filasofia/core/check_name.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/geometry/mass_properties.h"
 #include "filasofia/geometry/mesh_file.h"
@@ -23,6 +24,23 @@ void load(std::vector<CollisionDef>& collision, const std::string& object)
 {
     for (std::size_t i = 0; i < collision.size(); ++i)
         load(collision[i].mesh, text(object, ": collision[", i, "].mesh"));
+}
+
+} // namespace
+
+namespace {
+
+std::string_view kindOf(const BodyDef& def)
+{
+    if (std::holds_alternative<SoftBodyDef>(def)) return "soft body";
+    return std::holds_alternative<RodBodyDef>(def) ? "rod" : "rigid body";
+}
+
+/// Lighter bodies hardly fall. What is not positive is refused as such.
+void checkDensity(double density, const std::string& field)
+{
+    if (density > 0.0 && density < kLeastDensity)
+        fail(field, " must be >= ", kLeastDensity, " kg/m^3, which the arithmetic bears, got ", density);
 }
 
 } // namespace
@@ -120,6 +138,7 @@ void check(const SoftBodyDef& def)
 {
     const std::string object = text("soft body '", def.name, "'");
     checkKind(def, object);
+    if (const auto* density = std::get_if<Density>(&def.mass)) checkDensity(density->value, object + ": mass.value");
     if (def.puncture) check(*def.puncture, def, object);
     checkCavities(def, object);
     for (std::size_t i = 0; i < def.collision.size(); ++i)
@@ -140,6 +159,7 @@ void check(const SoftBodyDef& def)
         const TissueRegion& region = fem->regions[i];
         const std::string name = text(object, ": material.regions[", i, "]");
         checkTearing(region.tearingThreshold.value_or(kNever), def.dynamicTopology, name);
+        if (region.density) checkDensity(*region.density, name + ".density");
         if (region.density && !std::holds_alternative<Density>(def.mass))
             fail(name, ".density needs a mass of the body that is a Density, got a TotalMass");
     }
@@ -181,6 +201,7 @@ void check(const RodBodyDef& def)
 {
     const std::string object = text("rod '", def.name, "'");
     validate(def, object);
+    checkDensity(def.density, object + ": density");
     if (def.breakForce < kNever && !def.dynamicTopology)
         fail(object, ": breakForce must be infinite without dynamicTopology, got ", def.breakForce, " N");
     if (def.needle && def.closed) fail(object, ": needle must be false if closed: a ring has no tip");
@@ -192,9 +213,7 @@ void check(const RodBodyDef& def)
 
 std::string describeBody(const BodyDef& def)
 {
-    if (const auto* soft = std::get_if<SoftBodyDef>(&def)) return text("soft body '", soft->name, "'");
-    if (const auto* rod = std::get_if<RodBodyDef>(&def)) return text("rod '", rod->name, "'");
-    return text("rigid body '", std::get<RigidBodyDef>(def).name, "'");
+    return std::visit([&](const auto& each) { return text(kindOf(def), " '", each.name, "'"); }, def);
 }
 
 Pose unitPose(const Pose& pose, std::string_view object)
@@ -221,7 +240,12 @@ template <class Mesh, class Read> std::shared_ptr<const Mesh> meshOf(const SoftB
     checkKind(def, object);
     if (const auto* file = std::get_if<std::string>(&def.mesh)) {
         if (file->empty()) fail(object, ": mesh must name a file or be a mesh, got nothing");
-        return std::make_shared<const Mesh>(read(*file));
+        try {
+            return std::make_shared<const Mesh>(read(*file));
+        } catch (const Error& error) { // the material decides how a file is read
+            fail(object,
+                 isShell(def) ? ": mesh must have triangles, for its ShellMaterial: " : ": mesh: ", error.what());
+        }
     }
     const auto& given = std::get<std::shared_ptr<const Mesh>>(def.mesh);
     if (!given) fail(object, ": mesh must name a file or be a mesh, got nothing");
@@ -308,6 +332,7 @@ RigidBodyDef loaded(RigidBodyDef def)
 
 void check(const BodyDef& def)
 {
+    checkName(std::visit([](const auto& each) -> std::string_view { return each.name; }, def), kindOf(def));
     std::visit([](const auto& each) { check(each); }, def);
 }
 

@@ -5,6 +5,8 @@
 #include "filasofia/core/mpsc_queue.h"
 #include "filasofia/core/spsc_ring.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/physics/command_trial.h"
+#include "filasofia/physics/mesh_warnings.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/physics/registry.h"
 #include "filasofia/physics/registry_hold.h"
@@ -55,6 +57,13 @@ BodyId subjectOf(const Command& command)
                 return {};
         },
         command);
+}
+
+/// The Def of a soft body with another material, in which names of labels are numbers.
+BodyDef withMaterial(BodyDef def, const SoftMaterial& material)
+{
+    std::get<SoftBodyDef>(def).material = material;
+    return loaded(std::get<SoftBodyDef>(std::move(def)));
 }
 
 /// Marks a step in progress. A second one at the same time, from another thread or from within a step, is refused
@@ -130,6 +139,7 @@ struct PhysicsServer::Impl {
         AddBody add{.def = std::make_shared<const BodyDef>(std::move(def))};
         add.body = engine->build(*add.def);
         const auto kept = Registry::bodyOf(add);
+        warnOfMesh(*add.def);
         const std::lock_guard lock(registryMutex); // so that bodies arrive in the order of their ids
         add.id = {registry.lastAdded().value + 1};
         const BodyId id = add.id;
@@ -161,10 +171,8 @@ struct PhysicsServer::Impl {
                 for (; auto* body = spent.beginRead(); spent.release()) ends.push_back(std::move(*body));
             return *bodies.find(id).def;
         });
-        std::get<SoftBodyDef>(def).material = material;
-        def = loaded(std::get<SoftBodyDef>(std::move(def))); // names of labels become numbers
-        const SoftMaterial& numbered = std::get<SoftBodyDef>(def).material;
-        post(SetMaterial{id, numbered, engine->build(def)});
+        def = withMaterial(std::move(def), material);
+        post(SetMaterial{id, std::get<SoftBodyDef>(def).material, engine->build(def)});
     }
 
     /// Looks for the tetrahedra here, unless they depend on where the body is in the step.
@@ -210,17 +218,23 @@ struct PhysicsServer::Impl {
         return made;
     }
 
-    /// Ids are assigned after the check: an invalid command takes none.
     AttachmentId checkAndNumber(Registry& bodies, Command& command)
     {
-        bodies.knowAttachments({lastAttachment.load()});
+        const AttachmentIds ids = checkNumbered(bodies, {lastAttachment.load()}, command);
+        if (ids.count == 0) return {};
+        return *ids.first = {lastAttachment.fetch_add(ids.count) + 1};
+    }
+
+    /// Ids are assigned after the check: an invalid command takes none.
+    AttachmentIds checkNumbered(Registry& bodies, AttachmentId last, Command& command) const
+    {
+        bodies.knowAttachments(last);
         const AttachmentIds ids = attachmentIdsOf(command);
-        if (ids.count > 0) *ids.first = {lastAttachment.load() + 1};
+        if (ids.count > 0) *ids.first = {last.value + 1};
         bodies.check(command);
         const BodyId subject = subjectOf(command);
         engine->check(command, subject == BodyId{} ? nullptr : bodies.find(subject).def.get());
-        if (ids.count == 0) return {};
-        return *ids.first = {lastAttachment.fetch_add(ids.count) + 1};
+        return ids;
     }
 
     /// Called under the lock.
@@ -547,6 +561,11 @@ bool PhysicsServer::has(BodyId id) const
     return impl_->ask([&](const Registry& bodies) { return bodies.has(id); });
 }
 
+std::string PhysicsServer::nameOf(BodyId id) const
+{
+    return impl_->ask([&](const Registry& bodies) { return bodies.bodyName(id); });
+}
+
 const PhysicsEngine& PhysicsServer::engine() const { return *impl_->engine; }
 
 void PhysicsServer::useEngine(std::unique_ptr<PhysicsEngine> engine)
@@ -575,5 +594,34 @@ frame::FrameRef PhysicsServer::latest() { return impl_->frames.latest(); }
 StepRecord* PhysicsServer::nextRecord() { return impl_->log.beginRead(); }
 void PhysicsServer::popRecord() { impl_->log.release(); }
 void PhysicsServer::keepLog(bool on) { impl_->logging.store(on, std::memory_order_relaxed); }
+
+struct CommandTrial::Impl {
+    const PhysicsServer::Impl* server = nullptr;
+    Registry bodies = {};
+    AttachmentId last = {};
+};
+
+CommandTrial::CommandTrial(const PhysicsServer& server) : impl_(std::make_unique<Impl>())
+{
+    impl_->server = server.impl_.get();
+    impl_->bodies = server.impl_->ask([](const Registry& bodies) { return bodies; });
+    impl_->last = {server.impl_->lastAttachment.load()};
+}
+CommandTrial::~CommandTrial() = default;
+
+void CommandTrial::mustBeThere(BodyId id) const { static_cast<void>(impl_->bodies.find(id)); }
+
+AttachmentId CommandTrial::give(Command command)
+{
+    Registry& bodies = impl_->bodies;
+    if (auto* set = std::get_if<SetMaterial>(&command)) {
+        bodies.checkMaterial(set->id, set->material);
+        set->material = std::get<SoftBodyDef>(withMaterial(*bodies.find(set->id).def, set->material)).material;
+    }
+    const AttachmentIds ids = impl_->server->checkNumbered(bodies, impl_->last, command);
+    bodies.note(command);
+    if (ids.count > 0) impl_->last = *ids.first;
+    return ids.count > 0 ? *ids.first : AttachmentId{};
+}
 
 } // namespace filasofia::physics

@@ -374,7 +374,10 @@ void Registry::note(const Command& command, std::shared_ptr<const Body> added)
     } else if (const auto* set = std::get_if<SetMaterial>(&command)) {
         noteFamilies(set->id, familiesOf(set->material));
     } else if (const auto* remove = std::get_if<RemoveBody>(&command)) {
-        bodies_.erase(remove->id);
+        if (const auto found = bodies_.find(remove->id); found != bodies_.end()) {
+            gone_[remove->id] = {bodyName(remove->id), describeBody(*found->second->def)};
+            bodies_.erase(found);
+        }
     } else if (const auto* attach = std::get_if<Attach>(&command)) {
         noteAttachments(attach->id, 1);
     } else if (const auto* rigid = std::get_if<AttachRigid>(&command)) {
@@ -401,8 +404,23 @@ std::uint32_t attachmentCount(const BodyDef& def)
 const Registry::Body& Registry::find(BodyId id) const
 {
     const auto found = bodies_.find(id);
-    if (found == bodies_.end()) fail("body ", id.value, ": no such body (it was removed, or never added)");
+    if (found == bodies_.end()) failMissing(id);
     return *found->second;
+}
+
+void Registry::failMissing(BodyId id, std::string_view before) const
+{
+    if (const auto gone = gone_.find(id); gone != gone_.end())
+        fail(before, gone->second.described, " (body ", id.value, "): no such body any more: it was removed");
+    fail(before, "body ", id.value, ": no such body (it was never added)");
+}
+
+std::string Registry::bodyName(BodyId id) const
+{
+    if (const auto found = bodies_.find(id); found != bodies_.end())
+        return std::visit([](const auto& each) { return each.name; }, *found->second->def);
+    const auto gone = gone_.find(id);
+    return gone != gone_.end() ? gone->second.name : text("body ", id.value);
 }
 
 std::vector<BodyId> Registry::bodies() const

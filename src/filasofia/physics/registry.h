@@ -46,6 +46,10 @@ public:
     /// Throws an Error if there is none.
     [[nodiscard]] const Body& find(BodyId id) const;
     [[nodiscard]] bool has(BodyId id) const { return bodies_.contains(id); }
+    /// Throws the Error of a body that is not there; `object` and what follows it come before.
+    [[noreturn]] void failMissing(BodyId id, std::string_view before = {}) const;
+    /// Its name, also if it was removed; "body 7" if there never was one.
+    [[nodiscard]] std::string bodyName(BodyId id) const;
     [[nodiscard]] std::vector<BodyId> bodies() const; ///< ascending
     /// What differs between the bodies of both: their ids, kinds, names or sizes. Empty: nothing.
     [[nodiscard]] std::string differenceFrom(const Registry& saved) const;
@@ -59,7 +63,12 @@ private:
     [[nodiscard]] bool areFree(AttachmentId first, std::uint32_t count) const;
     void noteAttachments(AttachmentId first, std::uint32_t count);
 
+    struct Gone {
+        std::string name, described; ///< "tool", "rigid body 'tool'"
+    };
+
     std::map<BodyId, std::shared_ptr<const Body>> bodies_;
+    std::map<BodyId, Gone> gone_; ///< what was removed, for messages
     BodyId last_ = {};
     AttachmentId lastAttachment_ = {}, known_ = {};
     /// Unused ids below the last one, as ranges from first to last: commands of two threads that attach at the same

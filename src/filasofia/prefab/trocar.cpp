@@ -107,6 +107,9 @@ void checkTrocar(const TrocarDef& trocar, const TrocarHandleDef& hand, const Tro
 {
     validate(trocar, text(object, ": trocar"));
     validate(hand, text(object, ": hand"));
+    for (const auto& [field, v] : {std::pair{"axis", trocar.axis}, {"up", trocar.up}})
+        if (!(length(v) > 0.0))
+            fail(object, ": trocar.", field, " must have a length > 0, got ", v.x, " ", v.y, " ", v.z);
     if (length(cross(trocar.axis, trocar.up)) <= 1e-6 * length(trocar.axis) * length(trocar.up))
         fail(object, ": trocar.up must not be parallel to its axis");
     if (trocar.mostInsertion < trocar.leastInsertion)

@@ -9,12 +9,8 @@ namespace filasofia::runtime {
 
 std::string nameOf(BodyId id, const physics::PhysicsServer& physics)
 {
-    try {
-        const auto def = physics.def(id);
-        return std::visit([](const auto& each) { return each.name; }, *def);
-    } catch (const Error&) {
-        return text("body ", id.value, " (removed)");
-    }
+    const std::string name = physics.nameOf(id);
+    return physics.has(id) ? name : name + " (removed)";
 }
 
 std::optional<event::MergeKey> ContactEvent::mergeKey() const

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/physics/step.h"
+#include "filasofia/runtime/nothing_held.h"
 #include "filasofia/runtime/run.h"
 
 #include <cstdint>
@@ -22,6 +22,7 @@ public:
         opened_ = {};
         refused_ = {};
         clips_ = {};
+        nothing_.begin();
     }
     void count(const physics::StepReport& report)
     {
@@ -53,6 +54,7 @@ public:
         clips_.missed += report.clips.missed;
         clips_.slipped += report.clips.slipped;
         clips_.partial += report.clips.partial;
+        nothing_.count(report);
         const physics::TopologyReport& blades = report.topology;
         refused_.steps += blades.bladesRefused() > 0;
         refused_.jumped += blades.bladeJump + blades.bladeTooFast > 0;
@@ -60,6 +62,7 @@ public:
     }
     /// The steps of all runs, paused ones included.
     [[nodiscard]] std::uint64_t stepsEver() const { return stepsEver_; }
+    [[nodiscard]] const NothingWatch& nothing() const { return nothing_; }
     void fill(RunReport& report) const
     {
         report.undone = undone_;
@@ -91,6 +94,7 @@ private:
     OpenedSurfaces opened_;
     RefusedBlades refused_;
     physics::ClipReport clips_;
+    NothingWatch nothing_;
     physics::Unrest unrest_; ///< in the step with the fastest body
 };
 

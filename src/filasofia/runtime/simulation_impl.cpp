@@ -305,6 +305,7 @@ void Simulation::Impl::fill(RunReport& report) const
     burnings.fill(report);
     electrodes.fill(report, burnings);
     ducts.fill(report);
+    report.nothingHeld = counters.nothing().lines(physics);
     report.bluntBlades = blades.lines();
     report.callbackProblems = everyStep.problems();
     files.fill(report);

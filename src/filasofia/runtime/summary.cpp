@@ -189,6 +189,7 @@ std::string summary(const RunReport& report)
     for (const EnergyReport& energy : report.energy) out += energyLine(energy);
     if (report.clips.applied + report.clips.missed > 0) out += clipsLine(report.clips);
     for (const DuctReport& duct : report.ducts) out += ductLine(duct);
+    for (const std::string& nothing : report.nothingHeld) out += nothing + "\n";
     for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
         out += line("pictures drawn %ld", report.visual.framesDrawn);

@@ -1,6 +1,7 @@
 #include "filasofia/scene/commands.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/physics/command_trial.h"
 #include "filasofia/physics/give.h"
 #include "filasofia/scene/pedals.h"
 #include "filasofia/scene/remember_past.h"
@@ -95,6 +96,43 @@ private:
     Past past_;
 };
 
+/// Tries what the commands ask for, one after the other, so that none fails in the run that can be seen to fail now.
+class CommandCheck {
+public:
+    CommandCheck(runtime::Simulation& simulation, const std::vector<BodyId>& ids,
+                 std::map<AttachmentId, AttachmentId> attachments)
+        : trial_(simulation.physics()), ids_(ids), attachments_(std::move(attachments))
+    {
+    }
+
+    void give(const TimedCommand& command)
+    {
+        try {
+            std::visit([this](auto each) { give(std::move(each)); }, command.command);
+        } catch (const Error& error) {
+            fail(command.place, ": ", error.what());
+        }
+    }
+
+private:
+    template <class Command> void give(Command command)
+    {
+        AttachmentId number;
+        if constexpr (requires { command.def; }) number = command.id;
+        SceneNumbers(ids_, &attachments_).replaceIn(command);
+        if constexpr (std::is_same_v<Command, SetMaterial>)
+            trial_.give(physics::SetMaterial{command.id, std::move(command.material), {}});
+        else if constexpr (std::is_same_v<Command, Treat> || std::is_same_v<Command, Activate>)
+            trial_.mustBeThere(command.id);
+        else if (const AttachmentId made = trial_.give(std::move(command)))
+            attachments_[number] = made;
+    }
+
+    physics::CommandTrial trial_;
+    const std::vector<BodyId>& ids_;
+    std::map<AttachmentId, AttachmentId> attachments_; ///< by their numbers in the scene
+};
+
 } // namespace
 
 void followCommands(runtime::Simulation& simulation, std::vector<TimedCommand> commands, const std::vector<BodyId>& ids)
@@ -116,6 +154,8 @@ void followCommands(runtime::Simulation& simulation, std::vector<TimedCommand> c
         for (const AttachmentId each : server.attachments(id))
             attachments.emplace(AttachmentId{static_cast<std::uint32_t>(attachments.size()) + 1}, each);
     std::ranges::stable_sort(commands, {}, &TimedCommand::time);
+    CommandCheck check(simulation, ids, attachments);
+    for (const TimedCommand& each : commands) check.give(each);
     const auto follower =
         std::make_shared<CommandFollower>(simulation, std::move(commands), ids, std::move(attachments));
     simulation.everyStep([follower](double time) { follower->give(time); });

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/fields.h"
 #include "filasofia/geometry/mesh_file.h"
+#include "filasofia/geometry/mesh_pieces.h"
 #include "filasofia/geometry/shapes.h"
 
 #include <array>
@@ -88,9 +89,11 @@ struct ScaledSurface {
 struct ScaledTetrahedra {
     std::string file = {};
     double scale = 1.0;
+    bool join = false;
     [[nodiscard]] TetPtr make() const
     {
-        return std::make_shared<const geometry::TetMesh>(geometry::loadTetMesh(file, scale));
+        const geometry::TetMesh mesh = geometry::loadTetMesh(file, scale);
+        return std::make_shared<const geometry::TetMesh>(join ? geometry::withJoinedNodes(mesh, file) : mesh);
     }
 };
 
@@ -177,7 +180,8 @@ constexpr auto fields(const ScaledTetrahedra*)
 {
     using T = ScaledTetrahedra;
     return describe("tetrahedra", field("file", &T::file, "a mesh file"),
-                    field("scale", &T::scale, "-", positive(), "metres per unit of the file"));
+                    field("scale", &T::scale, "-", positive(), "metres per unit of the file"),
+                    field("join", &T::join, "nodes that lie on each other become one"));
 }
 
 } // namespace filasofia::scene

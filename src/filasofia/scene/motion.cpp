@@ -49,6 +49,7 @@ public:
 
     void give(physics::PhysicsServer& server, double time)
     {
+        if (!server.has(id_)) return; // removed: its motions have ended
         for (std::size_t i = 0; i < motions_.size(); ++i) {
             const std::size_t key = keyAt(motions_[i], time);
             if (key == kNone || key == given_[i]) continue;
@@ -139,6 +140,7 @@ void followMotions(runtime::Simulation& simulation, BodyId id, const SceneBody& 
         for (const ElementMotion& each : body.motions)
             motions.push_back(withFirstKey(each, start.at(static_cast<std::size_t>(each.element))));
         simulation.everyStep([&simulation, id, motions](double time) {
+            if (!simulation.physics().has(id)) return; // removed: its motions have ended
             for (const ElementMotion& each : motions)
                 simulation.physics().setPose(id, poseAt(each, time), each.element);
         });

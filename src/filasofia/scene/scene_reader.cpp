@@ -9,7 +9,7 @@
 namespace filasofia::scene {
 namespace {
 
-constexpr std::size_t kMaxHinted = 40; // bytes of a wrong word for which the nearest right one is looked for
+constexpr std::size_t kMaxHinted = 40; // bytes of a wrong word that gets a hint; a list is shown up to twice that
 constexpr std::string_view kAsset = "asset:";
 constexpr int kClassRank = 1000; // classes have ranks below it, one for each level of nesting; defaults above it
 
@@ -21,8 +21,8 @@ std::string hintFor(std::string_view word, const std::vector<std::string>& known
 std::string shown(const Json& json)
 {
     if (json.is_object()) return "an object";
-    if (json.is_array()) return text("a list of length ", json.size());
-    return shortened(json.dump(-1, ' ', true, Json::error_handler_t::replace));
+    const std::string all = json.dump(-1, ' ', true, Json::error_handler_t::replace);
+    return json.is_array() && all.size() > 2 * kMaxHinted ? text("a list of length ", json.size()) : shortened(all);
 }
 
 } // namespace
@@ -197,7 +197,9 @@ double SceneReader::number(const Json& json, const Place& place, const Bound& bo
 std::int64_t SceneReader::whole(const Json& json, const Place& place, const Bound& bound, double low, double high) const
 {
     const double value = json.is_number() ? json.get<double>() : 0.5;
-    if (value != std::floor(value)) refuse(json, place, "must be a whole number");
+    const bool named = json.is_string() && place.name == "label"; // of a region
+    if (value != std::floor(value))
+        refuse(json, place, "must be a whole number", named ? " (the name of a label goes into the field 'name')" : "");
     if (value < low || value > high) refuse(json, place, text("must be in [", low, ", ", high, "]"));
     if (!bound.range.contains(value)) refuse(json, place, bound.range.text(bound.unit));
     return static_cast<std::int64_t>(value);

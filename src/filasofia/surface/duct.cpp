@@ -2,6 +2,7 @@
 
 #include "filasofia/core/disjoint_sets.h"
 #include "filasofia/core/error.h"
+#include "filasofia/surface/outline.h"
 
 #include <algorithm>
 #include <cmath>
@@ -23,6 +24,7 @@ constexpr double kSharpest = -0.75;    // [-] cosine of the sharpest bend
 constexpr double kLeastStride = 0.45;  // [-] times the spacing: from one station to that behind the next
 constexpr double kOutOfBody = 0.5;     // [-] times its radius: how far the tube may lie off the tissue around it
 constexpr double kBetweenNodes = 0.75; // [-] times an edge of the mesh: as far is a point between nodes from them
+constexpr double kMayCross = 0.25;     // [-] a ring that is more open than that has not been pressed through itself
 constexpr double kPi = std::numbers::pi;
 
 /// [Pa s/m^3] The resistance between two open stations.
@@ -79,8 +81,30 @@ Line stationsOf(const std::vector<Vec3>& path, double radius, const std::string&
     return line;
 }
 
+/// [-] The flow per pressure of an ellipse with these half axes over that of a circle.
+double conductanceOf(double a, double b, double radius)
+{
+    return 2.0 * a * a * a * b * b * b / ((a * a + b * b) * radius * radius * radius * radius);
+}
+
+/// [-] The openness of a ring that may cross itself: where a clip is too short or does not open far enough, walls pass
+/// through each other beside a lumen that stays. Lobes that are turned inside out are shut, through the others flows
+/// what flows through ellipses of their areas and second moments.
+double opennessOfLobes(const Outline& ring, double radius)
+{
+    double open = 0.0;
+    for (const Outline& lobe : lobesOf(ring)) {
+        const auto [area, xx, yy, xy] = momentsOf(lobe);
+        if (!(area > 0.0)) continue;
+        const double mean = 2.0 * (xx + yy) / area, spread = 2.0 * std::hypot(xx - yy, 2.0 * xy) / area;
+        const double a = std::sqrt(mean + spread); // an ellipse has the moments a^2 / 4 and b^2 / 4 times its area
+        if (a > 0.0) open += conductanceOf(a, std::min(a, area / (kPi * a)), radius);
+    }
+    return open;
+}
+
 /// [-] The flow per pressure of an ellipse over that of a circle of this radius. The ring of points goes around
-/// `along`. A ring that is turned inside out is shut.
+/// `along`.
 double opennessOf(std::span<const Vec3> ring, Vec3 middle, Vec3 along, double radius)
 {
     const Vec3 u = acrossOf(along), v = cross(along, u);
@@ -95,9 +119,11 @@ double opennessOf(std::span<const Vec3> ring, Vec3 middle, Vec3 along, double ra
     const double mean = (xx + yy) / n, spread = std::hypot((xx - yy) / n, 2.0 * xy / n);
     const double a = std::sqrt(mean + spread); // a ring of an ellipse has the moments a^2 / 2 and b^2 / 2
     const double area = 0.5 * twice * 2.0 * kPi / (n * std::sin(2.0 * kPi / n)); // the ellipse around the corners
-    if (!(area > 0.0) || !(a > 0.0)) return 0.0;
-    const double b = std::min(a, area / (kPi * a));
-    return 2.0 * a * a * a * b * b * b / ((a * a + b * b) * radius * radius * radius * radius);
+    const double open = area > 0.0 && a > 0.0 ? conductanceOf(a, std::min(a, area / (kPi * a)), radius) : 0.0;
+    if (open > kMayCross) return open;
+    Outline outline;
+    for (const Vec3 each : ring) outline.push_back({dot(each - middle, u), dot(each - middle, v)});
+    return crossesItself(outline) ? opennessOfLobes(outline, radius) : open;
 }
 
 } // namespace

@@ -406,7 +406,7 @@ TEST_CASE("what a clip cannot be put on is one clear Error")
     CHECK(problem(rigid, soft, {.opening = 0.3e-3}) ==
           "rigid body 'clip': clip.opening must be > gap, 4e-04 m, got 3e-04");
     CHECK(problem(rigid, soft, {.closingForce = 0.0}).find("closingForce must be in (0, 10000]") != std::string::npos);
-    CHECK(problem(rigid, BodyId{99}, {}) == "body 99: no such body (it was removed, or never added)");
+    CHECK(problem(rigid, BodyId{99}, {}) == "body 99: no such body (it was never added)");
     CHECK(problem(rigid, soft, {}) == "none");
 }
 

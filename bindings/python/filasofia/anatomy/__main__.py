@@ -15,6 +15,8 @@ from filasofia import anatomy as _anatomy
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> typing.NoReturn:
+        if "-o/--output" in message:
+            message += ", for example: filasofia mesh liver.stl -o liver.msh"
         raise fs.Error(": ".join(filter(None, (self.prog.removeprefix("filasofia").strip(), message))))
 
 

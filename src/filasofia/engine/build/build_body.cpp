@@ -35,14 +35,23 @@ void addElements(const TetMesh& mesh, SoftModel& model)
     }
 }
 
-/// [kg/m^3] where no region says another.
-double densityOf(const physics::SoftBodyDef& def, const TetMesh& mesh)
+/// [kg/m^3] that a mass has on average in a volume [m^3]. Throws an Error if it is so low that nothing would fall.
+double densityIn(double volume, const physics::Mass& mass, const std::string& object)
 {
-    if (const auto* density = std::get_if<physics::Density>(&def.mass)) return density->value;
+    if (const auto* density = std::get_if<physics::Density>(&mass)) return density->value; // the Def was checked
+    const double total = std::get<physics::TotalMass>(mass).value;
+    if (!(total / volume >= physics::kLeastDensity))
+        fail(object, ": mass.value must be >= ", physics::kLeastDensity * volume, " kg, ", physics::kLeastDensity,
+             " kg/m^3 in its ", volume, " m^3, got ", total);
+    return total / volume;
+}
+
+double volumeOf(const TetMesh& mesh)
+{
     double volume = 0.0;
     for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t)
         volume += geometry::signedVolume(mesh, static_cast<int>(t));
-    return std::get<physics::TotalMass>(def.mass).value / volume;
+    return volume;
 }
 
 /// Gives nodes their masses and elements their densities.
@@ -86,17 +95,6 @@ void addPins(const physics::AttachmentDef& def, const std::string& object, SoftM
     }
 }
 
-/// Warns if a body is very large. Most organ meshes are in millimetres; if one is read as metres, nothing fails, but
-/// the body is as large as a bridge and sags like one. `remedy`: what to do if the coordinates are millimetres.
-void warnOfSize(const std::string& object, const char* remedy, const std::vector<Vec3>& nodes)
-{
-    constexpr double kLargest = 10.0; // [m]
-    const geometry::Box box = geometry::boxAround(nodes);
-    const double size = length(box.high - box.low);
-    if (size > kLargest)
-        logWarning(object, ": is ", size, " m large; if its coordinates are millimetres, use ", remedy);
-}
-
 PunctureModel punctureOf(const physics::SoftBodyDef& def)
 {
     const physics::PunctureDef& from = *def.puncture;
@@ -113,10 +111,9 @@ void makeSolid(const physics::SoftBodyDef& def, const std::string& object, SoftM
 {
     const TetMesh mesh = physics::worldMesh(def);
     if (!usable(mesh.nodes)) fail(object, ": nodes must lie within ", physics::kFarthest, " m of the origin");
-    warnOfSize(object, "loadTetMesh(file, 1e-3)", mesh.nodes);
     model.rest = mesh.nodes;
     model.collision = buildCollision(def, mesh);
-    model.density = densityOf(def, mesh);
+    model.density = densityIn(volumeOf(mesh), def.mass, object); // where no region says another
     if (std::holds_alternative<physics::FemMaterial>(def.material)) {
         model.mesh = physics::loadMesh(def);
         model.orientation = physics::unitPose(def.pose, object).orientation;
@@ -138,7 +135,6 @@ void makeSheet(const physics::SoftBodyDef& def, const std::string& object, SoftM
 {
     const geometry::TriangleMesh mesh = physics::worldShell(def);
     if (!usable(mesh.vertices)) fail(object, ": nodes must lie within ", physics::kFarthest, " m of the origin");
-    warnOfSize(object, "loadTriangleMesh(file, 1e-3)", mesh.vertices);
     model.rest = mesh.vertices;
     model.surface = mesh.triangles;
     model.collision = buildCollision(def, mesh);
@@ -146,9 +142,8 @@ void makeSheet(const physics::SoftBodyDef& def, const std::string& object, SoftM
 
     double area = 0.0;
     for (const MembraneElement& each : model.shell.membranes) area += each.area;
-    const auto* total = std::get_if<physics::TotalMass>(&def.mass);
     const double thickness = model.shell.material.thickness;
-    model.density = total ? total->value / (area * thickness) : std::get<physics::Density>(def.mass).value;
+    model.density = densityIn(area * thickness, def.mass, object);
     model.masses.assign(mesh.vertices.size(), 0.0);
     for (const MembraneElement& each : model.shell.membranes)
         for (int node : each.nodes) model.masses[node] += model.density * thickness * each.area / 3.0;
@@ -182,7 +177,6 @@ std::unique_ptr<physics::BuiltBody> buildRod(const physics::RodBodyDef& def, dou
     model.density = def.density;
     model.dynamicTopology = def.dynamicTopology;
     model.rest = physics::centreLine(def);
-    warnOfSize(object, "metres", model.rest);
     model.rod = makeRod(def, model.rest);
     model.masses.assign(model.rest.size(), 0.0);
     const double perLength = def.density * std::numbers::pi * def.radius * def.radius;

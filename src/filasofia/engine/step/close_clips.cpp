@@ -2,9 +2,9 @@
 
 #include "filasofia/core/assert.h"
 #include "filasofia/core/log.h"
-#include "filasofia/engine/contact/attachments.h"
 #include "filasofia/engine/contact/clip_holds.h"
 #include "filasofia/engine/scene/find_body.h"
+#include "filasofia/engine/step/nothing_held.h"
 
 #include <algorithm>
 #include <cmath>
@@ -156,11 +156,6 @@ void closeLegs(double dt, const SoftState& state, std::vector<double>& lengths, 
     clip.force = pressAt(clip.gap, k, lengths);
 }
 
-bool hasAttachment(const Scene& scene, AttachmentId id)
-{
-    return std::ranges::binary_search(scene.attachments, id, {}, &Attachment::id);
-}
-
 } // namespace
 
 void applyClip(const physics::ApplyClip& command, Scene& scene, physics::StepReport& report)
@@ -193,7 +188,7 @@ void applyClip(const physics::ApplyClip& command, Scene& scene, physics::StepRep
     if (clip.partial) {
         ++report.clips.partial;
         logWarning(describe(tissue.model), ": clip '", scene.rigid[*rigid].model.name,
-                   "' is too small: tissue goes on beyond its legs, and is not shut there");
+                   "' is too small: tissue goes on beyond its legs, and may stay open there");
     }
     clip.gap = command.def.opening;
     addAttachment(holdOf(command, holdPoints(pose, tissue.state, clip)), {}, scene);

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "filasofia/physics/defs.h"
+
+namespace filasofia::physics {
+
+/// Warns if the mesh of a soft body, which loaded() has read, or the line of a rod can hardly be what was meant: if it
+/// is very large, or in pieces, or open along doubled nodes.
+void warnOfMesh(const BodyDef& def);
+
+} // namespace filasofia::physics

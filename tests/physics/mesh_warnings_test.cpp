@@ -1,0 +1,119 @@
+#include "filasofia/core/log.h"
+#include "filasofia/geometry/shapes.h"
+#include "physics/fake_engine.h"
+
+namespace mesh_warnings_test {
+
+using namespace filasofia;
+using namespace filasofia::physics;
+using Catch::Contains;
+
+namespace {
+
+/// The log of adding a body.
+template <class Def> std::string logOf(Def def)
+{
+    std::string lines;
+    setLogSink([&](LogLevel, std::string_view line) { lines += text(line, "\n"); });
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
+    server.add(std::move(def));
+    setLogSink({});
+    return lines;
+}
+
+SoftBodyDef soft(geometry::TetMesh mesh)
+{
+    return {.name = "organ", .mesh = std::make_shared<const geometry::TetMesh>(std::move(mesh))};
+}
+
+/// Two blocks of 1 cm that touch at a face, each with its own nodes; `apart` [m] between them.
+geometry::TetMesh twoBlocks(double apart)
+{
+    geometry::TetMesh mesh = *geometry::shapes::block({0.01, 0.01, 0.01}, {2, 2, 2}), all = mesh;
+    for (const Vec3 p : mesh.nodes) all.nodes.push_back(p + Vec3{0.01 + apart, 0.0, 0.0});
+    for (geometry::Tetrahedron t : mesh.tetrahedra) {
+        for (int& node : t) node += static_cast<int>(mesh.nodes.size());
+        all.tetrahedra.push_back(t);
+    }
+    return all;
+}
+
+} // namespace
+
+TEST_CASE("a mesh in pieces, or with doubled nodes, is told once, with its numbers and what to do")
+{
+    CHECK(logOf(soft(*geometry::shapes::block({0.01, 0.01, 0.01}, {2, 2, 2}))).empty());
+    std::string log = logOf(soft(twoBlocks(0.0)));
+    CHECK_THAT(log, Contains("soft body 'organ': the mesh has 2 pieces that share no node, and move apart; 9 of its 54 "
+                             "nodes lie on others; to join them, read it with join"));
+    CHECK(std::ranges::count(log, '\n') == 1);
+    log = logOf(soft(twoBlocks(0.001)));
+    CHECK_THAT(log, Contains("soft body 'organ': the mesh has 2 pieces that share no node, and move apart; make a body "
+                             "of each"));
+    geometry::TetMesh seam = twoBlocks(0.0); // joined at one edge of the face only
+    const auto nodes = static_cast<int>(seam.nodes.size());
+    for (int a = 0; a < nodes / 2; ++a)
+        for (int b = nodes / 2; b < nodes; ++b)
+            if (distance(seam.nodes[a], seam.nodes[b]) < 1e-9 && seam.nodes[a].y < -0.004) {
+                for (geometry::Tetrahedron& t : seam.tetrahedra)
+                    for (int& node : t)
+                        if (node == b) node = a;
+            }
+    std::vector<int> numbers(seam.nodes.size(), -1);
+    geometry::TetMesh used{.nodes = {}, .tetrahedra = seam.tetrahedra};
+    for (geometry::Tetrahedron& t : used.tetrahedra)
+        for (int& node : t) {
+            if (numbers[node] < 0)
+                numbers[node] = static_cast<int>(used.nodes.size()), used.nodes.push_back(seam.nodes[node]);
+            node = numbers[node];
+        }
+    CHECK_THAT(logOf(soft(used)),
+               Contains("soft body 'organ': the mesh is open along a seam: 6 of its 51 nodes lie on others"));
+}
+
+TEST_CASE("a body as large as a bridge is told how millimetres are read, wherever it comes from")
+{
+    const std::string log = logOf(soft(*geometry::shapes::block({20.0, 10.0, 10.0}, {2, 2, 2})));
+    CHECK_THAT(log,
+               Contains("soft body 'organ': is 24.495 m large; if its coordinates are millimetres, give it a scale of "
+                        "0.001 (in a scene \"mesh\": {\"type\": \"tetrahedra\", \"file\": ..., \"scale\": 0.001}; in "
+                        "C++ loadTetMesh(file, 1e-3); in Python load_tet_mesh(file, 1e-3))"));
+    CHECK_THAT(logOf(SoftBodyDef{.mesh = geometry::shapes::sheet(20.0, 20.0, {2, 2}), .material = ShellMaterial{}}),
+               Contains("\"surface\"") && Contains("load_triangle_mesh(file, 1e-3)"));
+    CHECK_THAT(logOf(RodBodyDef{.name = "r", .points = {{0, 0, 0}, {20, 0, 0}}, .spacing = 1.0, .radius = 0.1}),
+               Contains("rod 'r': is 20 m large; if its coordinates are millimetres, use metres"));
+}
+
+TEST_CASE("a body so light that it would not fall, and a name that cannot be read, are refused")
+{
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
+    SoftBodyDef def{.name = "a", .mesh = oneTetrahedron(), .mass = Density{1e-30}};
+    checkError([&] { server.add(def); },
+               {"soft body 'a': mass.value must be >= 0.001 kg/m^3, which the arithmetic bears, got 1e-30"});
+    def.mass = Density{kLeastDensity};
+    server.add(def);
+    checkError(
+        [&] {
+            server.add(RodBodyDef{.name = "r", .points = {{0, 0, 0}, {0.1, 0, 0}}, .density = 1e-4});
+        },
+        {"rod 'r': density must be >= 0.001 kg/m^3"});
+    def.material = FemMaterial{.regions = {{.where = Listed{{0}}, .density = 1e-9}}};
+    checkError([&] { server.add(def); }, {"soft body 'a': material.regions[0].density must be >= 0.001 kg/m^3"});
+    checkError([&] { server.add(SoftBodyDef{.name = "", .mesh = oneTetrahedron()}); },
+               {"soft body: name must have a visible letter"});
+    checkError([&] { server.add(RigidBodyDef{.name = "a\tb"}); }, {"rigid body: name must have no control characters"});
+    checkError(
+        [&] {
+            server.add(RodBodyDef{.name = "\xe2\x80\xae", .points = {{0, 0, 0}, {0.1, 0, 0}}});
+        },
+        {"rod: name must have no marks that turn"});
+    const BodyId first = server.add(RigidBodyDef{.name = "twin"}), second = server.add(RigidBodyDef{.name = "twin"});
+    CHECK(first != second); // ids tell bodies apart: equal names are legal here, as those of Defs without a name are
+    server.remove(first);
+    CHECK(server.nameOf(first) == "twin");
+    CHECK(server.nameOf(BodyId{77}) == "body 77");
+}
+
+} // namespace mesh_warnings_test
