@@ -244,7 +244,7 @@ TEST_CASE("a wrong trocar, start or motion is refused in one line that says the 
                    def.trocar.up = {0, 0, 3};
                }),
                Contains("'left': trocar.up must not be parallel to its axis"));
-    CHECK_THAT(refused([](Def& def) { def.trocar.axis = {}; }), Contains("trocar.up must not be parallel"));
+    CHECK_THAT(refused([](Def& def) { def.trocar.axis = {}; }), Contains("trocar.axis must have a length > 0"));
     CHECK_THAT(refused([](Def& def) { def.trocar.mostInsertion = 0.5; }),
                Contains("trocar.mostInsertion must be < hand.length (0.36 m), got 0.5 m"));
     CHECK_THAT(refused([](Def& def) { def.start.insertion = 0.3; }),

@@ -140,7 +140,7 @@ TEST_CASE("pins, material, loads and ties follow a cut")
     const AttachmentId tie =
         cut.server->attach(cut.body, {.box = geometry::Box{{0.0199, 0.0099, -1}, {0.0234, 1, 1}}, .to = holder});
     cut.step();
-    const auto force = [&] { // of the tie, which holds the piece beside the springs
+    const auto force = [&] { // the tie's, which holds the piece beside the springs
         for (const frame::Attachment& each : cut.server->latest()->attachments)
             if (each.id == tie) return each.force;
         return Vec3{};

@@ -18,7 +18,7 @@ TEST_CASE("a blade cuts a bar of SOFA's into the same pieces as one of ours")
         CHECK(sofa.ruptures[i].area == Approx(native.ruptures[i].area).epsilon(1e-4)); // ours multiplies in float
         CHECK(length(sofa.ruptures[i].place - native.ruptures[i].place) < 1e-7);
     }
-    CHECK(sofa.area() == Approx(1e-4).epsilon(0.05)); // of the bar's cross-section
+    CHECK(sofa.area() == Approx(1e-4).epsilon(0.05)); // the bar's cross-section
     const auto loose = sofa.detached(), theirs = native.detached();
     REQUIRE(loose.size() == 1);
     REQUIRE(theirs.size() == 1);

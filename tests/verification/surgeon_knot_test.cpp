@@ -13,8 +13,8 @@ using namespace filasofia::physics;
 namespace {
 
 constexpr double kRadius = 0.15e-3, kEdge = 2.0 * kRadius; ///< [m]
-constexpr double kSpring = 300.0;                          ///< [N/m] of a hand
-constexpr double kSpeed = 0.05;                            ///< [m/s] of a hand, at most
+constexpr double kSpring = 300.0;                          ///< [N/m] a hand
+constexpr double kSpeed = 0.05;                            ///< [m/s] a hand, at most
 constexpr double kDt = 1e-3;                               ///< [s]
 constexpr double kTied = 1.0, kLoad = 1.2;                 ///< [N] all four ends are drawn with; both standing ends
 

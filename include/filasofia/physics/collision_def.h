@@ -34,9 +34,10 @@ struct CollisionDef {
     /// that have it with each other. Models of one rigid element never meet, nor do those of two links with a joint
     /// between them, which overlap there.
     bool self = false;
-    /// Whether a solid soft body that has been cut or torn collides with itself from then on, fragments of at most 32
-    /// elements apart; else what was parted may sink into the rest. Contacts of cut faces cost time.
-    bool selfOnceCut = true;
+    /// Whether the own surface of a solid soft body collides with itself once the body has been cut or torn, fragments
+    /// of at most 32 elements apart: a severed piece then rests on the rest, into which it sinks otherwise. It costs
+    /// what contacts cost. The native engine only.
+    bool selfOnceCut = false;
     /// On a rigid body, a blade: its lines (the mesh's edges, or those of its segments) cut soft bodies of its group
     /// that have dynamicTopology and pass through them; it pushes everything else of the group. On a soft body: the
     /// groups whose blades may cut it, if these are not all groups of its other models; nothing collides with such a

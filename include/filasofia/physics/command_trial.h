@@ -17,7 +17,7 @@ public:
     CommandTrial& operator=(const CommandTrial&) = delete;
 
     /// Tries any command but AddBody and Tune. Returns the attachment that it would make, or none. Throws an Error as
-    /// the function of PhysicsServer that gives it.
+    /// the function of PhysicsServer that gives it, but builds no material for a SetMaterial.
     AttachmentId give(Command command);
     /// Throws an Error unless the body would be there now.
     void mustBeThere(BodyId id) const;

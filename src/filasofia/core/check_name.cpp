@@ -30,9 +30,13 @@ std::optional<std::uint32_t> takePoint(std::string_view& rest)
 bool isControl(std::uint32_t p) { return p < 0x20 || (p >= 0x7f && p < 0xa0) || p == 0x2028 || p == 0x2029; }
 bool turns(std::uint32_t p)
 {
-    return p == 0x200e || p == 0x200f || (p >= 0x202a && p <= 0x202e) || (p >= 0x2066 && p <= 0x2069);
+    return p == 0x61c || p == 0x200e || p == 0x200f || (p >= 0x202a && p <= 0x202e) || (p >= 0x2066 && p <= 0x2069);
 }
-bool isBlank(std::uint32_t p) { return p == ' ' || p == 0xa0 || p == 0x200b || p == 0xfeff; }
+bool isBlank(std::uint32_t p)
+{
+    return p == ' ' || p == 0xa0 || p == 0xad || (p >= 0x2000 && p <= 0x200b) || p == 0x202f || p == 0x205f ||
+           p == 0x2060 || p == 0x3000 || p == 0xfeff;
+}
 
 } // namespace
 

@@ -1,40 +1,23 @@
 #include "filasofia/geometry/mesh_pieces.h"
 
+#include "filasofia/core/disjoint_sets.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
+#include <limits>
 
 namespace filasofia::geometry {
 namespace {
 
 constexpr double kPlace = 1e-4; // times the shortest edge: far above the rounding of coordinates in single precision
 
-/// Sets of numbers that grow together; each is known by its smallest.
-class Sets {
-public:
-    explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-
-    int smallest(int i)
-    {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void unite(int i, int j)
-    {
-        i = smallest(i), j = smallest(j);
-        parent_[std::max(i, j)] = std::min(i, j);
-    }
-    [[nodiscard]] int count() const
-    {
-        int sets = 0;
-        for (std::size_t i = 0; i < parent_.size(); ++i) sets += parent_[i] == static_cast<int>(i);
-        return sets;
-    }
-
-private:
-    std::vector<int> parent_;
-};
+int countOf(DisjointSets sets, int numbers)
+{
+    int count = 0;
+    for (int i = 0; i < numbers; ++i) count += sets.find(i) == i ? 1 : 0;
+    return count;
+}
 
 /// Cells of space, each known by a number that others may share.
 struct Cells {
@@ -108,12 +91,12 @@ double shortestEdge(const TetMesh& mesh)
 }
 
 /// The places of a mesh: sets of nodes that lie on each other.
-Sets placesOf(const TetMesh& mesh)
+DisjointSets placesOf(const TetMesh& mesh)
 {
-    Sets places(mesh.nodes.size());
+    DisjointSets places(mesh.nodes.size());
     const double within = placeDistance(mesh);
     if (!(within > 0.0 && std::isfinite(within))) return places;
-    forEachNear(mesh.nodes, Cells{0.5 * within / kPlace}, within, [&](int i, int j) { places.unite(i, j); });
+    forEachNear(mesh.nodes, Cells{0.5 * within / kPlace}, within, [&](int i, int j) { places.join(i, j); });
     return places;
 }
 
@@ -123,19 +106,20 @@ double placeDistance(const TetMesh& mesh) { return kPlace * shortestEdge(mesh); 
 
 MeshPieces piecesOf(const TetMesh& mesh)
 {
-    Sets pieces(mesh.nodes.size());
+    DisjointSets pieces(mesh.nodes.size());
     for (const Tetrahedron& t : mesh.tetrahedra)
-        for (int k = 1; k < 4; ++k) pieces.unite(t[0], t[k]);
-    return {.pieces = pieces.count(), .doubled = static_cast<int>(mesh.nodes.size()) - placesOf(mesh).count()};
+        for (int k = 1; k < 4; ++k) pieces.join(t[0], t[k]);
+    const auto nodes = static_cast<int>(mesh.nodes.size());
+    return {.pieces = countOf(pieces, nodes), .doubled = nodes - countOf(placesOf(mesh), nodes)};
 }
 
 TetMesh withJoinedNodes(const TetMesh& mesh, std::string_view name)
 {
-    Sets places = placesOf(mesh);
+    DisjointSets places = placesOf(mesh);
     TetMesh joined{.nodes = {}, .tetrahedra = mesh.tetrahedra, .labels = mesh.labels, .labelNames = mesh.labelNames};
     std::vector<int> numbers(mesh.nodes.size());
     for (int i = 0; i < static_cast<int>(numbers.size()); ++i) {
-        const int first = places.smallest(i);
+        const int first = places.find(i);
         if (first == i) joined.nodes.push_back(mesh.nodes[i]);
         numbers[i] = first == i ? static_cast<int>(joined.nodes.size()) - 1 : numbers[first];
     }

@@ -26,10 +26,6 @@ void load(std::vector<CollisionDef>& collision, const std::string& object)
         load(collision[i].mesh, text(object, ": collision[", i, "].mesh"));
 }
 
-} // namespace
-
-namespace {
-
 std::string_view kindOf(const BodyDef& def)
 {
     if (std::holds_alternative<SoftBodyDef>(def)) return "soft body";

@@ -12,7 +12,7 @@ namespace filasofia::physics {
 /// How a dynamic body moves now.
 struct BodyMotion {
     BodyId body = {};
-    double speed = 0.0;     ///< [m/s] of its fastest point
+    double speed = 0.0;     ///< [m/s] its fastest point
     double kinetic = 0.0;   ///< [J]
     double potential = 0.0; ///< [J] in gravity
 };
@@ -51,8 +51,8 @@ private:
     void endWindow();
 
     double undriven_ = 0.0;             ///< [s] since the last drive
-    double window_ = 0.0;               ///< [s] of the present window
-    std::vector<Motion> sums_, before_; ///< of the present window; means of the one before, empty if there is none
+    double window_ = 0.0;               ///< [s] the present window
+    std::vector<Motion> sums_, before_; ///< the present window; means of the one before, empty if there is none
 };
 
 /// Whether a command drives a scene in another way than by what it sets: poses, hands, wrenches, forces, pressures,

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/runtime/nothing_held.h"
+#include "filasofia/runtime/nothing_watch.h"
 #include "filasofia/runtime/run.h"
 
 #include <cstdint>

@@ -92,8 +92,9 @@ struct ScaledTetrahedra {
     bool join = false;
     [[nodiscard]] TetPtr make() const
     {
-        const geometry::TetMesh mesh = geometry::loadTetMesh(file, scale);
-        return std::make_shared<const geometry::TetMesh>(join ? geometry::withJoinedNodes(mesh, file) : mesh);
+        geometry::TetMesh mesh = geometry::loadTetMesh(file, scale);
+        if (join) mesh = geometry::withJoinedNodes(mesh, file);
+        return std::make_shared<const geometry::TetMesh>(std::move(mesh));
     }
 };
 

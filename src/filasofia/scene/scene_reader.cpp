@@ -197,7 +197,7 @@ double SceneReader::number(const Json& json, const Place& place, const Bound& bo
 std::int64_t SceneReader::whole(const Json& json, const Place& place, const Bound& bound, double low, double high) const
 {
     const double value = json.is_number() ? json.get<double>() : 0.5;
-    const bool named = json.is_string() && place.name == "label"; // of a region
+    const bool named = json.is_string() && place.name == "label"; // in a region
     if (value != std::floor(value))
         refuse(json, place, "must be a whole number", named ? " (the name of a label goes into the field 'name')" : "");
     if (value < low || value > high) refuse(json, place, text("must be in [", low, ", ", high, "]"));

@@ -47,7 +47,7 @@ class ContactRows final : public model::UnilateralLagrangianConstraint<Vec3Types
 public:
     SOFA_CLASS(ContactRows, SOFA_TEMPLATE(model::UnilateralLagrangianConstraint, Vec3Types));
     ContactRows(MechanicalState* first, MechanicalState* second) : UnilateralLagrangianConstraint(first, second) {}
-    std::array<ModelTag, 2> tags = {}; ///< of the models in contact
+    std::array<ModelTag, 2> tags = {}; ///< the models in contact
 
     [[nodiscard]] const auto& rows() const { return contacts; }
     /// SOFA parts what overlaps at once, which throws bodies that were placed within their skins. Bodies that are

@@ -43,7 +43,7 @@ bool crossesItself(const Outline& outline) { return firstCross(outline).has_valu
 std::vector<Outline> lobesOf(const Outline& outline)
 {
     std::vector<Outline> lobes, open{outline};
-    // Each cut leaves one crossing less; rounding cannot make it go on, as both parts have fewer own corners.
+    // Each cut leaves one crossing less. The limit is for rounding.
     for (std::size_t cuts = 0; !open.empty(); ++cuts) {
         Outline now = std::move(open.back());
         open.pop_back();

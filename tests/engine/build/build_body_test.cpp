@@ -209,17 +209,6 @@ TEST_CASE("a file and the mesh read from it make the same body")
     CHECK(a.world.hash() == b.world.hash());
 }
 
-TEST_CASE("a body of more than ten metres logs a warning, since its mesh may be in millimetres")
-{
-    const auto warningsFor = [](double size) {
-        SoftBodyDef def = someBody();
-        def.mesh = shared(boxMesh({2, 2, 2}, {size, 1, 1}));
-        return loggedOf(def);
-    };
-    CHECK(warningsFor(9.0).empty());
-    CHECK_THAT(warningsFor(120.0), Catch::Contains("soft body 'liver': is 120.00"));
-}
-
 TEST_CASE("a separate collision mesh on a body that may be cut logs a warning, since it does not open")
 {
     const auto warningsFor = [](bool mesh, bool dynamicTopology) {

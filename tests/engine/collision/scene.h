@@ -102,6 +102,7 @@ struct Scene {
         CollisionSurface surface;
         surface.name.body = {static_cast<std::uint32_t>(surfaces.size() + 1)};
         surface.element = options.self ? -1 : 0;
+        surface.self = options.self;
         surface.shape = std::make_shared<const CollisionShape>(makeCollisionShape(mesh, options));
         for (const Vec3 p : mesh.vertices) surface.x.push_back(transform(pose, p));
         surface.v.assign(surface.x.size(), velocity);

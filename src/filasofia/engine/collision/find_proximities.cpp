@@ -15,16 +15,22 @@ namespace {
 
 constexpr int kPartSize = 64; // pairs of elements: some 10 µs
 
-bool movesRelativeTo(const CollisionSurface& a, const CollisionSurface& b) // of the same body
+bool movesRelativeTo(const CollisionSurface& a, const CollisionSurface& b) // both on one body
 {
     const bool soft = a.element < 0;
     return soft || (a.element != b.element && a.element != b.parent && a.parent != b.element);
 }
 
+bool collideWithin(const CollisionSurface& a, const CollisionSurface& b) // both on one body
+{
+    if (&a == &b && a.self && a.element < 0) return true;
+    return a.shape->self && b.shape->self && movesRelativeTo(a, b);
+}
+
 bool mayCollide(const CollisionSurface& a, const CollisionSurface& b)
 {
     if ((a.cuts && b.cuttable) || (b.cuts && a.cuttable)) return false; // a blade passes through
-    if (a.name.body == b.name.body && !(a.self && b.self && movesRelativeTo(a, b))) return false;
+    if (a.name.body == b.name.body && !collideWithin(a, b)) return false;
     return a.shape->group == b.shape->group && meet(a.whole, b.whole);
 }
 

@@ -88,8 +88,8 @@ public:
     /// are coarse nodes.
     virtual void addCoarseColumns(int point, std::vector<BlockColumns>& out) const = 0;
     virtual void clear() = 0;
-    virtual void addColumn(std::span<const Vec3> impulses) = 0;         ///< [N s] at the contact points
-    virtual void finish() = 0;                                          ///< computes B F from all columns
+    virtual void addColumn(std::span<const Vec3> impulses) = 0;   ///< [N s] at the contact points
+    virtual void finish() = 0;                                    ///< computes B F from all columns
     virtual void products(int column, std::span<double> out) = 0; ///< [J] one row of F^T B F, an entry per column
     /// [J] F^T B s, an entry per column. To be called between smooth() and applyCoarse().
     virtual void project(std::span<double> out) = 0;

@@ -151,12 +151,12 @@ void CoarseCorrection::addTies(std::span<const CoupledBody> bodies, std::size_t 
         each.wt.assign(size * each.c.size(), 0.0f);
         forEachPart(*each.tie, [&](std::size_t b, std::span<const int> nodes, const PartOf& part) {
             for (std::size_t i = 0; i < rows_[b].size(); ++i)
-                bodies[b].deflation()->readColumn(static_cast<int>(i), nodes, part(each.ofMotion(each.t, rows_[b][i])));
+                bodies[b].deflation()->readColumn(static_cast<int>(i), nodes, part(each.tOf(rows_[b][i])));
         });
         each.tie->coarse->multiply(size, each.t, each.wt);
         each.panels.assign(each.t, size, each.y.size());
         for (std::size_t i = 0; i < size; ++i) {
-            const std::span<const float> products = each.products(each.ofMotion(each.wt, i));
+            const std::span<const float> products = each.products(each.wtOf(i));
             for (std::size_t j = i; j < size; ++j) matrix[j * size + i] -= static_cast<double>(products[j]);
         }
     }
@@ -178,7 +178,7 @@ void CoarseCorrection::subtractTies(std::span<const CoupledBody> bodies)
 {
     for (Tie& each : ties_) {
         for (std::size_t i = 0; i < sums_.size(); ++i) {
-            const std::span<const float> wt = each.ofMotion(each.wt, i);
+            const std::span<const float> wt = each.wtOf(i);
             for (std::size_t k = 0; k < wt.size(); ++k) each.c[k] -= static_cast<float>(sums_[i]) * wt[k];
         }
         forEachPart(*each.tie, [&](std::size_t b, std::span<const int> nodes, const PartOf& part) {

@@ -47,10 +47,13 @@ private:
         std::vector<float> y, c;
         std::vector<float> t, wt;    ///< T and W T, motion after motion
         linalg::ColumnPanels panels; ///< T
-        [[nodiscard]] std::span<float> ofMotion(std::vector<float>& all, std::size_t motion) const
+        [[nodiscard]] std::span<float> tOf(std::size_t motion)
         {
-            const std::size_t stride = &all == &t ? y.size() : c.size();
-            return std::span(all).subspan(motion * stride, stride);
+            return std::span(t).subspan(motion * y.size(), y.size());
+        }
+        [[nodiscard]] std::span<float> wtOf(std::size_t motion)
+        {
+            return std::span(wt).subspan(motion * c.size(), c.size());
         }
         /// T^T c, valid until the next call
         std::span<const float> products(std::span<const float> impulses)

@@ -56,7 +56,7 @@ void grasp(const PendingGrasp& wanted, const Coupling& coupling, Scene& scene, p
     if (!attachment.pairs.empty()) return addAttachment(std::move(attachment), std::move(forces), scene);
     report.set(physics::StepFlag::NothingAttached);
     logWarning("rigid body '", scene.rigid[findBody(scene, wanted.rigid)->index].model.name,
-               "': grasp.target: no contact with body ", wanted.target.value, "; nothing is attached");
+               "': grasp.target: no contact with ", nameOf(scene, wanted.target), "; nothing is attached");
 }
 
 /// The points by which one hard attachment fixes two bodies to each other.

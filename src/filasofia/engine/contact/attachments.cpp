@@ -29,14 +29,6 @@ constexpr std::array<Vec3, 3> kWorldAxes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0
 
 bool isHard(const Attachment& attachment) { return attachment.stiffness == physics::kHard; }
 
-std::string nameOf(const Scene& scene, BodyId id)
-{
-    const auto place = findBody(scene, id);
-    if (!place) return text("body ", id.value);
-    if (place->soft) return describe(scene.soft[place->index].model);
-    return text("rigid body '", scene.rigid[place->index].model.name, "'");
-}
-
 /// The names of the region fields that a Def sets.
 std::string regionsOf(const physics::AttachmentDef& def)
 {
@@ -241,7 +233,8 @@ template <class Def> void attachAny(const AttachmentName& name, const Def& def, 
     AttachedPairs pairs = pairsOf(def, findBody(scene, name.body)->index, scene);
     if (pairs.empty()) {
         report.set(physics::StepFlag::NothingAttached);
-        logWarning(nameOf(scene, name.body), ": attachment.", nothing, ": no node is there; nothing is attached");
+        logWarning(nameOf(scene, name.body), ": attachment.", nothing, ": no node is there; nothing is attached",
+                   def.to ? " to " + nameOf(scene, def.to) : std::string());
         return;
     }
     Attachment made{name.id, name.body, def.to, std::move(pairs), {}, def.stiffness, def.breakForce};
@@ -255,6 +248,14 @@ template <class Def> void attachAny(const AttachmentName& name, const Def& def, 
 }
 
 } // namespace
+
+std::string nameOf(const Scene& scene, BodyId id)
+{
+    const auto place = findBody(scene, id);
+    if (!place) return text("body ", id.value);
+    if (place->soft) return describe(scene.soft[place->index].model);
+    return text("rigid body '", scene.rigid[place->index].model.name, "'");
+}
 
 void attach(const AttachmentName& name, const physics::AttachmentDef& def, Scene& scene, physics::StepReport& report)
 {

@@ -11,6 +11,9 @@ struct AttachmentName {
     BodyId body;
 };
 
+/// A body as messages name it: "soft body 'liver'".
+std::string nameOf(const Scene& scene, BodyId id);
+
 /// Makes an attachment in the current state. If nothing is in its regions, sets a flag in the report and logs a
 /// warning.
 void attach(const AttachmentName& name, const physics::AttachmentDef& def, Scene& scene, physics::StepReport& report);

@@ -23,7 +23,7 @@ Vec3 mean(const std::vector<Vec3>& values, const geometry::Tetrahedron& nodes, c
 void findPieces(const SoftModel& model, const CollisionModel& collision, std::vector<int>& pieceOf)
 {
     pieceOf.clear();
-    if (model.pieces.empty() || isRod(model)) return;
+    if (model.pieces.empty() || !collision.own) return;
     const bool self = collision.shape->self;
     std::vector<int> ofNodes(model.rest.size(), -1);
     for (const BodyPiece& piece : model.pieces)
@@ -45,7 +45,7 @@ void placeSurface(double dt, const SurfaceOwner& owner, const Scene& scene, cons
     if (owner.soft) {
         const SoftState& body = scene.soft[owner.body].state;
         const SoftModel& model = scene.soft[owner.body].model;
-        out.self = out.shape->self || (model.opened && out.shape->closed && out.shape->selfOnceCut);
+        out.self = out.shape->self || (model.opened && collision.own && out.shape->closed && out.shape->selfOnceCut);
         findPieces(model, collision, out.pieceOf);
         // What holds the body is not known yet. Without gravity, a cube that starts at rest 2 mm above a floor fell
         // 12 mm into it at 50 steps per second, and through it at 10.

@@ -37,9 +37,9 @@ constexpr double kLost = 10.0;
 constexpr double kLinePenalty = 100.0;
 // [-] Strands of a knot that is drawn tight slide on each other, and the usual penalty lets them into each other deeper
 // in each step, until they lie in one line: no direction leads out of that, steps took a thousand iterations, and the
-// knot stood still. Now the penalty grows with the depth, relative to the sum of the radii, by this factor, up to that
-// of lines which would have passed. As stiff from the start, loose threads fail to converge two to eight times as
-// often.
+// knot stood still. Now the penalty grows with the depth, relative to the diameter of the thicker line, by this factor,
+// up to that of lines which would have passed. As stiff from the start, loose threads fail to converge two to eight
+// times as often.
 constexpr double kDeepLinePenalty = 300.0;
 // [-] The same of a line in a rigid body, where it begins at this depth: from the start on, the corners of a polygon
 // would be felt. Without it a bar that was drawn through a taut thread at 0.3 m/s came through.

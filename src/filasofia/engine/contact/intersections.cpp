@@ -197,7 +197,7 @@ void reportIntersections(const StepContext& context, const Scene& scene, const s
                          bool changed, Coupling& coupling)
 {
     if (changed || isDue(intervalNow(coupling.detection), scene.time, context.dt))
-        Finder(context, scene, owners, coupling).run(isDue(kOwnEvery * kInterval, scene.time, context.dt));
+        Finder(context, scene, owners, coupling).run(changed || isDue(kOwnEvery * kInterval, scene.time, context.dt));
     context.report.intersections = coupling.detection.intersections;
     if (!context.report.intersections.empty()) context.report.set(physics::StepFlag::Intersecting);
 }

@@ -1,4 +1,4 @@
-#include "filasofia/runtime/nothing_held.h"
+#include "filasofia/runtime/nothing_watch.h"
 
 #include "filasofia/runtime/contact_watch.h"
 

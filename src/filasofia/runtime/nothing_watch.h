@@ -14,8 +14,8 @@ class NothingWatch {
 public:
     void begin() { *this = {}; }
     void count(const physics::StepReport& report);
-    /// One line per attachment or grasp, "soft body 'liver': attachments[1] to 'wall' holds nothing"; after twelve of
-    /// them, how many more there were.
+    /// One line per attachment or grasp, "'liver': attachments[1] to 'wall' holds nothing: no node was there"; after
+    /// twelve of them, how many more there were.
     [[nodiscard]] std::vector<std::string> lines(const physics::PhysicsServer& physics) const;
 
 private:
