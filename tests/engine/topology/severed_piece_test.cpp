@@ -1,5 +1,7 @@
 #include "engine/stage.h"
 
+#include "filasofia/geometry/shapes.h"
+
 namespace severed_piece_test {
 
 using namespace filasofia;
