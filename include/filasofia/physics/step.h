@@ -197,8 +197,8 @@ struct StepReport {
     ContactReport contacts = {};
     /// Pairs of bodies that may collide and whose surfaces pass through each other, ascending. This does not ask the
     /// contacts, but tests edges against triangles, every 10 ms of simulated time, and more often if what may meet
-    /// moves fast. A soft body that does not collide with itself is tested against itself every 100 ms: then both
-    /// bodies are the same. In between the last answer stays.
+    /// moves fast. A soft body that does not collide with itself is tested against itself every second, or every
+    /// 100 ms once it has been cut: then both bodies are the same. In between the last answer stays.
     std::vector<Intersection> intersections = {};
     InvertedElements inverted = {};
     StrainedElements beyondStrain = {};
