@@ -16,7 +16,6 @@
 #include "filasofia/engine/step/close_clips.h"
 #include "filasofia/engine/step/fill_cavities.h"
 #include "filasofia/engine/step/flow_tissue.h"
-#include "filasofia/engine/step/nothing_held.h"
 #include "filasofia/engine/step/steer_rods.h"
 
 #include <algorithm>
@@ -83,7 +82,7 @@ physics::StepReport World::step(const physics::StepInput& in)
     findContacts(context, scene_, coupling_);      //   constraints: contacts
     partLines(scene_);                             //   threads that were released follow no needle
     leaveToChannels(scene_, coupling_);            //   contacts, but not of needles with the tissue that they are in
-    addWeldsAndTell(context, scene_, coupling_);   //   attachments
+    addWelds(context, scene_, coupling_);          //   attachments
     addChannels(context, scene_, coupling_);       //   needles and threads in tissue
     closeClips(in.dt, scene_);                     //   how far clips are closed
     addClipLegs(in.dt, scene_, coupling_);         //   and how they draw tissue together

@@ -14,6 +14,16 @@ bool changesScene(const Command& command)
            !std::holds_alternative<SetCurvature>(command) && !std::holds_alternative<SetGravity>(command);
 }
 
+void addElement(const RigidInertia& inertia, const Pose& pose, Vec3 velocity, Vec3 angularVelocity, Vec3 gravity,
+                BodyMotion& motion)
+{
+    const Vec3 turning = rotate(conjugate(pose.orientation), angularVelocity);
+    const double energy = 0.5 * inertia.mass * lengthSquared(velocity) + 0.5 * dot(turning, inertia.inertia * turning);
+    if (inertia.mass > 0.0) motion.speed = std::max(motion.speed, std::sqrt(2.0 * energy / inertia.mass));
+    motion.kinetic += energy;
+    motion.potential -= inertia.mass * dot(gravity, transform(pose, inertia.centre));
+}
+
 void MotionWatch::follow(bool driven, double dt, const std::function<std::vector<BodyMotion>()>& motions,
                          StepReport& report)
 {

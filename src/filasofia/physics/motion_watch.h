@@ -17,6 +17,11 @@ struct BodyMotion {
     double potential = 0.0; ///< [J] in gravity
 };
 
+/// Adds an element of a rigid body. Its speed is the root mean square one that has its energy. `gravity`: none if the
+/// body does not fall.
+void addElement(const RigidInertia& inertia, const Pose& pose, Vec3 velocity, Vec3 angularVelocity, Vec3 gravity,
+                BodyMotion& motion);
+
 /// Finds bodies that go on moving though nothing drives them, whatever engine moves them.
 ///
 /// Motion is judged over windows of a second, beginning a second after the last drive. A body is restless if its

@@ -3,6 +3,7 @@
 #include "filasofia/core/log.h"
 #include "filasofia/engine/rupture/elements_at.h"
 #include "filasofia/geometry/box.h"
+#include "filasofia/physics/limits.h"
 #include "filasofia/sofa/moving_blades.h"
 #include "filasofia/sofa/replace_body.h"
 #include "filasofia/sofa/sofa_process.h"
@@ -16,8 +17,6 @@ namespace filasofia::sofaengine {
 namespace {
 
 using physics::Rupture;
-
-constexpr double kLostDistance = 10.0; // [m] at which a piece has fallen out of the scene, as in the native engine
 
 /// A body while it is edited: what it will be, and what it goes back to if SOFA cannot make that.
 struct Edited {
@@ -86,15 +85,12 @@ void tearBody(const Cutting& at, std::optional<Edited>& edited)
         now = edited->draft.state;
     else
         at.body.read(now);
-    std::vector<std::uint8_t> held(now.positions.size());
-    const std::vector<PinGroup>& pins = edited ? edited->draft.settings.pins : at.body.pins();
-    for (const PinGroup& group : pins)
-        if (group.stiffness == physics::kHard)
-            for (const int node : group.nodes) held[static_cast<std::size_t>(node)] = 1;
+    std::vector<std::uint8_t> held =
+        heldNodes(edited ? edited->draft.settings.pins : at.body.pins(), now.positions.size());
     const std::vector<char> gone = goneNodes(plan);
     for (std::size_t i = 0; i < held.size(); ++i)
         if (gone[i] != 0) held[i] = 1;
-    const std::vector<Mat3> stresses = tearingStresses(plan, now.positions, {held.begin(), held.end()});
+    const std::vector<Mat3> stresses = tearingStresses(plan, now.positions, held);
     if (stresses.empty()) return;
     const SoftCuts before = cuts;
     if (!cuts.followed) cuts.mesh.placeAt(now.positions); // else cutBody() has moved it
@@ -184,7 +180,7 @@ void removeLostPieces(SofaScene& scene, physics::StepReport& report)
         if (!scene.soft[b]->cuts() || scene.soft[b]->cuts()->revision == 0) continue;
         SoftState now;
         scene.soft[b]->read(now);
-        for (const int piece : piecesBeyond(kLostDistance, *scene.soft[b]->cuts(), now.positions))
+        for (const int piece : piecesBeyond(physics::kLostDistance, *scene.soft[b]->cuts(), now.positions))
             report.topology.lost += removePieceOf(scene.soft[b]->id(), piece, scene) ? 1 : 0;
     }
 }

@@ -114,10 +114,7 @@ void followPins(const TopologyEdit& edit, const std::vector<Vec3>& places, std::
 /// has changed, unless they are pinned.
 void keepMomentum(const SoftPlan& old, const std::vector<Vec3>& velocities, BodyDraft& body)
 {
-    std::vector<char> held(body.state.velocities.size());
-    for (const PinGroup& group : body.settings.pins)
-        if (group.stiffness == physics::kHard)
-            for (const int node : group.nodes) held[at(node)] = 1;
+    const std::vector<std::uint8_t> held = heldNodes(body.settings.pins, body.state.velocities.size());
     Vec3 lost;
     double mass = 0.0;
     std::vector<std::size_t> reached;
@@ -161,18 +158,11 @@ void makeWhole(const SoftCuts& cuts, BodyDraft& body)
     body.plan = cuts.start;
     const auto count = static_cast<int>(body.plan.mesh.nodes.size());
     body.state = {body.plan.mesh.nodes, std::vector<Vec3>(at(count))};
-    for (PinGroup& group : body.settings.pins) {
-        const auto first = std::ranges::find(body.plan.pins, group.id, &PinGroup::id);
-        if (first != body.plan.pins.end()) { // where slides began
-            group = *first;
-            continue;
-        }
-        for (std::size_t i = group.nodes.size(); i-- > 0;) {
-            if (group.nodes[i] < count) continue;
-            group.nodes.erase(group.nodes.begin() + static_cast<std::ptrdiff_t>(i));
-            group.places.erase(group.places.begin() + static_cast<std::ptrdiff_t>(i));
-        }
-    }
+    for (PinGroup& group : body.settings.pins)
+        if (const auto first = std::ranges::find(body.plan.pins, group.id, &PinGroup::id);
+            first != body.plan.pins.end())
+            group = *first; // where slides began
+    eraseNodes([&](int node) { return node >= count; }, body.settings.pins);
     std::erase_if(body.settings.pins, [](const PinGroup& each) { return each.nodes.empty(); });
 }
 
@@ -181,12 +171,7 @@ void forgetGone(BodyDraft& body)
     const std::vector<char> gone = goneNodes(body.plan);
     for (std::size_t i = 0; i < gone.size(); ++i)
         if (gone[i] != 0) body.state.velocities[i] = {};
-    for (PinGroup& group : body.settings.pins)
-        for (std::size_t i = group.nodes.size(); i-- > 0;) {
-            if (gone[at(group.nodes[i])] == 0) continue;
-            group.nodes.erase(group.nodes.begin() + static_cast<std::ptrdiff_t>(i));
-            group.places.erase(group.places.begin() + static_cast<std::ptrdiff_t>(i));
-        }
+    eraseNodes([&](int node) { return gone[at(node)] != 0; }, body.settings.pins);
     std::erase_if(body.settings.pins, [](const PinGroup& each) { return each.nodes.empty(); });
 }
 

@@ -1,18 +1,17 @@
 #include "filasofia/sofa/moving_blades.h"
 
+#include "filasofia/physics/limits.h"
+
 #include <algorithm>
 
 namespace filasofia::sofaengine {
 namespace {
 
-constexpr double kJump = 20.0;    // [m/s] beyond which a blade has no path, as in the native engine
-constexpr double kJumpTurn = 1.0; // [rad] the same in one step
-
 /// A dynamic body moves by forces and never jumps.
 bool jumps(const Pose& from, const Pose& to, double dt)
 {
-    return distance(from.position, to.position) > kJump * dt ||
-           length(rotationVector(to.orientation * conjugate(from.orientation))) > kJumpTurn;
+    return distance(from.position, to.position) > physics::kTeleport * dt ||
+           length(rotationVector(to.orientation * conjugate(from.orientation))) > physics::kTeleportTurn;
 }
 
 /// Around what is left of a body.

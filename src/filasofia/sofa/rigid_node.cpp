@@ -1,6 +1,7 @@
 #include "filasofia/sofa/rigid_node.h"
 
 #include "filasofia/core/text.h"
+#include "filasofia/physics/limits.h"
 #include "filasofia/sofa/collision_node.h"
 #include "filasofia/sofa/free_correction.h"
 #include "filasofia/sofa/node_removal.h"
@@ -20,8 +21,6 @@ using namespace ::sofa::component;
 using ::sofa::core::objectmodel::New;
 using RigidGradients =
     linearsolver::iterative::CGLinearSolver<linearsolver::GraphScatteredMatrix, linearsolver::GraphScatteredVector>;
-
-constexpr double kJump = 20.0; ///< [m/s] a kinematic body that would have to move faster jumps, as in our engine
 
 /// The solver's matrix is that of the masses alone: a few iterations are exact.
 void addRigidSolver(const physics::RigidBodyDef& def, ::sofa::simulation::Node& node)
@@ -227,7 +226,7 @@ void RigidNode::beginMove(double dt, const RigidNode* carrier)
         now.velocities[i] = now.angularVelocities[i] = {};
         if (!targets_[i]) continue;
         const Vec3 velocity = (targets_[i]->position - now.poses[i].position) / dt;
-        if (length(velocity) > kJump) continue;
+        if (length(velocity) > physics::kTeleport) continue;
         now.velocities[i] = velocity;
         now.angularVelocities[i] = rotationVector(targets_[i]->orientation * conjugate(now.poses[i].orientation)) / dt;
     }

@@ -156,6 +156,25 @@ void shapePlan(SoftPlan& plan)
     }
 }
 
+std::vector<std::uint8_t> heldNodes(const std::vector<PinGroup>& pins, std::size_t nodes)
+{
+    std::vector<std::uint8_t> held(nodes);
+    for (const PinGroup& group : pins)
+        if (group.stiffness == physics::kHard)
+            for (const int node : group.nodes) held[static_cast<std::size_t>(node)] = 1;
+    return held;
+}
+
+void eraseNodes(const std::function<bool(int)>& isGone, std::vector<PinGroup>& pins)
+{
+    for (PinGroup& group : pins)
+        for (std::size_t i = group.nodes.size(); i-- > 0;) {
+            if (!isGone(group.nodes[i])) continue;
+            group.nodes.erase(group.nodes.begin() + static_cast<std::ptrdiff_t>(i));
+            group.places.erase(group.places.begin() + static_cast<std::ptrdiff_t>(i));
+        }
+}
+
 bool mayBeCut(const SoftBodyDef& def, int group)
 {
     if (!def.dynamicTopology) return false;

@@ -6,6 +6,8 @@
 #include "filasofia/sofa/collision_plan.h"
 
 #include <array>
+#include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace filasofia::sofaengine {
@@ -18,6 +20,11 @@ struct PinGroup {
     double stiffness = physics::kHard; ///< [N/m] a spring per node
     friend bool operator==(const PinGroup&, const PinGroup&) = default;
 };
+
+/// Per node, of so many: 1 if a group pins it hard.
+std::vector<std::uint8_t> heldNodes(const std::vector<PinGroup>& pins, std::size_t nodes);
+/// Takes nodes out of the groups; `isGone(node)` tells which. Groups may be left empty.
+void eraseNodes(const std::function<bool(int)>& isGone, std::vector<PinGroup>& pins);
 
 /// A soft body as its node in SOFA is made: checked, plain data of ours, made on any thread.
 struct SoftPlan {

@@ -67,17 +67,10 @@ BodyMotion motionOf(const RigidNode& body, Vec3 gravity)
 {
     RigidState now;
     body.read(now);
-    const physics::RigidInertia& inertia = body.plan().inertia;
     BodyMotion out{.body = body.id()};
-    for (std::size_t e = 0; e < now.poses.size(); ++e) {
-        const Vec3 turning = rotate(conjugate(now.poses[e].orientation), now.angularVelocities[e]);
-        const double energy =
-            0.5 * inertia.mass * lengthSquared(now.velocities[e]) + 0.5 * dot(turning, inertia.inertia * turning);
-        out.speed = std::max(out.speed, std::sqrt(2.0 * energy / inertia.mass));
-        out.kinetic += energy;
-        if (body.plan().def.gravity)
-            out.potential -= inertia.mass * dot(gravity, transform(now.poses[e], inertia.centre));
-    }
+    for (std::size_t e = 0; e < now.poses.size(); ++e)
+        addElement(body.plan().inertia, now.poses[e], now.velocities[e], now.angularVelocities[e],
+                   body.plan().def.gravity ? gravity : Vec3{}, out);
     return out;
 }
 

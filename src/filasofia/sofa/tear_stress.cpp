@@ -13,14 +13,7 @@ namespace {
 
 Mat3 edgesOf(const std::array<Vec3, 4>& corners)
 {
-    const Vec3 a = corners[1] - corners[0], b = corners[2] - corners[0], c = corners[3] - corners[0];
-    Mat3 out;
-    for (int i = 0; i < 3; ++i) {
-        out[i][0] = (&a.x)[i];
-        out[i][1] = (&b.x)[i];
-        out[i][2] = (&c.x)[i];
-    }
-    return out;
+    return Mat3::columns(corners[1] - corners[0], corners[2] - corners[0], corners[3] - corners[0]);
 }
 
 Mat3 tissueStress(const SoftPlan& plan, const physics::ElasticLaw& law, std::size_t t,
@@ -74,7 +67,7 @@ double tearingThreshold(const SoftPlan& plan)
 }
 
 std::vector<Mat3> tearingStresses(const SoftPlan& plan, const std::vector<Vec3>& positions,
-                                  const std::vector<char>& held)
+                                  const std::vector<std::uint8_t>& held)
 {
     const double threshold = tearingThreshold(plan);
     const auto* springs = std::get_if<physics::MassSpringMaterial>(&plan.def.material);

@@ -33,12 +33,12 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
                                                      .depth = def.proximity + depth,
                                                      .group = def.group,
                                                      .self = def.self,
-                                                     .selfOnceCut = def.selfOnceCut,
                                                      .cutting = def.cutting});
     model.inset = makeInset(shape, depth);
     setProximity(def.proximity, model.inset, shape);
     model.shape = std::make_shared<const CollisionShape>(std::move(shape));
     model.proximity = def.proximity;
+    model.selfOnceCut = def.selfOnceCut;
     return model;
 }
 

@@ -16,10 +16,11 @@ struct CollisionModel {
     /// Soft body: at rest, in world coordinates; rigid body: in its element's coordinates.
     std::shared_ptr<const CollisionShape> shape;
     Inset inset;
-    std::vector<Vec3> core; ///< [m] the shape's vertices, moved inwards; rigid bodies only
-    double proximity = 0.0; ///< [m] proximity of the surface itself, without the inset
-    int element = 0;        ///< rigid bodies only
-    bool own = false;       ///< soft bodies only: it is the body's own surface, and follows its cuts
+    std::vector<Vec3> core;   ///< [m] the shape's vertices, moved inwards; rigid bodies only
+    double proximity = 0.0;   ///< [m] proximity of the surface itself, without the inset
+    int element = 0;          ///< rigid bodies only
+    bool own = false;         ///< soft bodies only: it is the body's own surface, and follows its cuts
+    bool selfOnceCut = false; ///< own surfaces only: once cut, it collides with itself
     /// Per triangle: the fourth node of its tetrahedron; only of an own surface, and not of a shell.
     std::vector<int> behind;
     geometry::Embedding embedding; ///< per vertex: its nodes and their weights; soft bodies only

@@ -186,7 +186,6 @@ CollisionShape makeCollisionShape(const geometry::TriangleMesh& mesh, const Coll
     shape.depth = std::max(options.depth, options.proximity);
     shape.group = options.group;
     shape.self = options.self;
-    shape.selfOnceCut = options.selfOnceCut;
     shape.cutting = options.cutting;
     shape.lone = options.lone;
     connect(edgeUses(shape, options.segments), shape);

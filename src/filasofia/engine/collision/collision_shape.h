@@ -28,10 +28,9 @@ struct CollisionOptions {
     /// [m], >= 0; at least the proximity is used. Two surfaces are followed inside each other up to the sum of their
     /// depths.
     double depth = 0.0;
-    int group = 0;            ///< only surfaces of the same group collide
-    bool self = false;        ///< the surface collides with itself
-    bool selfOnceCut = false; ///< so it does once its body has been cut or torn
-    bool cutting = false;     ///< passes through surfaces that it may cut
+    int group = 0;        ///< only surfaces of the same group collide
+    bool self = false;    ///< the surface collides with itself
+    bool cutting = false; ///< passes through surfaces that it may cut
 };
 
 /// The collision topology of a surface: a triangle mesh's features, and a tree over them. Rebuilt after a topology
@@ -70,7 +69,6 @@ struct CollisionShape {
     double depth = 0.0;        ///< [m], >= proximity
     int group = 0;
     bool self = false;
-    bool selfOnceCut = false;
     bool cutting = false;
 
     std::vector<Element> elements; ///< in the order of the leaves

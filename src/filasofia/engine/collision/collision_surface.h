@@ -13,7 +13,7 @@ namespace filasofia::engine {
 struct CollisionSurface {
     /// Surfaces of one body collide with each other only if both have `self` set, and a soft one then also with itself.
     SurfaceName name;
-    bool self = false; ///< that of the shape, or its `selfOnceCut` if tissue has been cut
+    bool self = false; ///< that of the shape, or of its model once that has been cut
     /// The element of a rigid body, and the one that a joint connects it to (-1: none): they do not collide. -1 for a
     /// soft body.
     int element = -1, parent = -1;

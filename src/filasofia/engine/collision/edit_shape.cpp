@@ -239,7 +239,6 @@ CollisionShape editShape(const CollisionShape& before, const SurfaceEdit& edit, 
     now.depth = before.depth;
     now.group = before.group;
     now.self = before.self;
-    now.selfOnceCut = before.selfOnceCut;
     now.cutting = before.cutting;
     editTriangles(before, edit, now, change);
     now.triangleFaces = now.triangleFaces && !now.triangles.empty();

@@ -23,8 +23,7 @@ bool movesRelativeTo(const CollisionSurface& a, const CollisionSurface& b) // bo
 
 bool collideWithin(const CollisionSurface& a, const CollisionSurface& b) // both on one body
 {
-    if (&a == &b && a.self && a.element < 0) return true;
-    return a.shape->self && b.shape->self && movesRelativeTo(a, b);
+    return (&a == &b ? a.self : a.shape->self && b.shape->self) && movesRelativeTo(a, b);
 }
 
 bool mayCollide(const CollisionSurface& a, const CollisionSurface& b)

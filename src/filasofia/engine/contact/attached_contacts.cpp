@@ -55,6 +55,7 @@ void grasp(const PendingGrasp& wanted, const Coupling& coupling, Scene& scene, p
     }
     if (!attachment.pairs.empty()) return addAttachment(std::move(attachment), std::move(forces), scene);
     report.set(physics::StepFlag::NothingAttached);
+    report.nothingHeld.push_back({.id = wanted.id, .body = wanted.rigid, .to = wanted.target, .grasp = true});
     logWarning("rigid body '", scene.rigid[findBody(scene, wanted.rigid)->index].model.name,
                "': grasp.target: no contact with ", nameOf(scene, wanted.target), "; nothing is attached");
 }

@@ -233,6 +233,7 @@ template <class Def> void attachAny(const AttachmentName& name, const Def& def, 
     AttachedPairs pairs = pairsOf(def, findBody(scene, name.body)->index, scene);
     if (pairs.empty()) {
         report.set(physics::StepFlag::NothingAttached);
+        report.nothingHeld.push_back({.id = name.id, .body = name.body, .to = def.to});
         logWarning(nameOf(scene, name.body), ": attachment.", nothing, ": no node is there; nothing is attached",
                    def.to ? " to " + nameOf(scene, def.to) : std::string());
         return;

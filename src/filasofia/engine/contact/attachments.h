@@ -14,8 +14,8 @@ struct AttachmentName {
 /// A body as messages name it: "soft body 'liver'".
 std::string nameOf(const Scene& scene, BodyId id);
 
-/// Makes an attachment in the current state. If nothing is in its regions, sets a flag in the report and logs a
-/// warning.
+/// Makes an attachment in the current state. If nothing is in its regions, the report says so and a warning is
+/// logged.
 void attach(const AttachmentName& name, const physics::AttachmentDef& def, Scene& scene, physics::StepReport& report);
 void attach(const AttachmentName& name, const physics::RigidAttachmentDef& def, Scene& scene,
             physics::StepReport& report);

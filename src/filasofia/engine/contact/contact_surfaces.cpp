@@ -18,21 +18,6 @@ Vec3 mean(const std::vector<Vec3>& values, const geometry::Tetrahedron& nodes, c
     return sum;
 }
 
-/// Per vertex of a collision model: its piece (CollisionSurface::pieceOf). Small fragments meet nothing of their own
-/// body unless the Def says so: they would cost more than anyone sees of them.
-void findPieces(const SoftModel& model, const CollisionModel& collision, std::vector<int>& pieceOf)
-{
-    pieceOf.clear();
-    if (model.pieces.empty() || !collision.own) return;
-    const bool self = collision.shape->self;
-    std::vector<int> ofNodes(model.rest.size(), -1);
-    for (const BodyPiece& piece : model.pieces)
-        for (int node : piece.nodes)
-            ofNodes[static_cast<std::size_t>(node)] = self || piece.elements.empty() ? piece.number : -1;
-    for (const geometry::Tetrahedron& nodes : collision.embedding.nodes)
-        pieceOf.push_back(ofNodes[static_cast<std::size_t>(nodes[0])]);
-}
-
 void placeSurface(double dt, const SurfaceOwner& owner, const Scene& scene, const RigidPlan& plan,
                   std::vector<Vec3>& normals, CollisionSurface& out)
 {
@@ -45,11 +30,13 @@ void placeSurface(double dt, const SurfaceOwner& owner, const Scene& scene, cons
     if (owner.soft) {
         const SoftState& body = scene.soft[owner.body].state;
         const SoftModel& model = scene.soft[owner.body].model;
-        out.self = out.shape->self || (model.opened && collision.own && out.shape->closed && out.shape->selfOnceCut);
-        findPieces(model, collision, out.pieceOf);
+        const bool cut = model.opened && collision.own && out.shape->closed;
+        out.self = out.shape->self || (cut && collision.selfOnceCut);
+        out.pieceOf.clear();
+        if (out.self) findPieces(model, collision, out.pieceOf);
         // What holds the body is not known yet. Without gravity, a cube that starts at rest 2 mm above a floor fell
         // 12 mm into it at 50 steps per second, and through it at 10.
-        const Vec3 fall = scene.soft[owner.body].model.gravity ? dt * scene.gravity : Vec3{};
+        const Vec3 fall = model.gravity ? dt * scene.gravity : Vec3{};
         for (std::size_t i = 0; i < count; ++i) {
             out.x[i] = mean(body.x, collision.embedding.nodes[i], collision.embedding.weights[i]);
             out.v[i] = mean(body.v, collision.embedding.nodes[i], collision.embedding.weights[i]) + fall;
@@ -118,6 +105,18 @@ std::pair<int, int> linkOf(const SurfaceOwner& owner, const Scene& scene)
 }
 
 } // namespace
+
+void findPieces(const SoftModel& model, const CollisionModel& collision, std::vector<int>& pieceOf)
+{
+    if (model.pieces.empty() || !collision.own) return;
+    const bool self = collision.shape->self;
+    std::vector<int> ofNodes(model.rest.size(), -1);
+    for (const BodyPiece& piece : model.pieces)
+        for (int node : piece.nodes)
+            ofNodes[static_cast<std::size_t>(node)] = self || piece.elements.empty() ? piece.number : -1;
+    for (const geometry::Tetrahedron& nodes : collision.embedding.nodes)
+        pieceOf.push_back(ofNodes[static_cast<std::size_t>(nodes[0])]);
+}
 
 std::vector<SurfaceOwner> surfaceOwners(const Scene& scene)
 {

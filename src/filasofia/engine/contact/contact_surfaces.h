@@ -21,6 +21,9 @@ std::vector<SurfaceOwner> surfaceOwners(const Scene& scene);
 /// Whether constraints can move the owner.
 inline bool movable(const SurfaceOwner& owner, const RigidPlan& plan) { return owner.soft || plan[owner.plan].dynamic; }
 const std::string& nameOf(const Scene& scene, const SurfaceOwner& owner);
+/// Appends, per vertex of a collision model, its piece (CollisionSurface::pieceOf). Small fragments meet nothing of
+/// their own body unless the Def says so: they would cost more than anyone sees of them.
+void findPieces(const SoftModel& model, const CollisionModel& collision, std::vector<int>& pieceOf);
 /// Whether the surface is the centre line of a rod.
 bool isLine(const Scene& scene, const SurfaceOwner& owner);
 

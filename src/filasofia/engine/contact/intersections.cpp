@@ -155,7 +155,8 @@ private:
     {
         CollisionSurface& surface = detection_.surfaces[static_cast<std::size_t>(place)];
         const SurfaceOwner& owner = ownerOf(place);
-        if (!owner.soft || surface.self || surface.shape->nodes.empty()) return;
+        if (surface.self || surface.shape->nodes.empty()) return;
+        findPieces(scene_.soft[owner.body].model, *owner.collision, surface.pieceOf);
         if (detection_.scratch.wanted[static_cast<std::size_t>(place)] == 0) boundTree(surface);
         crossings_.clear();
         const SurfacePair meeting{{&surface, &surface}, {place, place}, 0.0};

@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/body/usable.h"
 #include "filasofia/engine/rigid/virtual_coupling.h"
+#include "filasofia/physics/limits.h"
 
 namespace filasofia::engine {
 namespace {
@@ -56,7 +57,7 @@ void planPrescribedMotion(const Pose& end, double dt, RigidPlanElement& out)
 {
     if (dt == 0.0) return;
     const auto [linear, angular] = velocitiesBetween(out.start, end, dt);
-    if (!(length(linear) <= kTeleport) || !(length(angular) * dt <= kTeleportTurn)) return;
+    if (!(length(linear) <= physics::kTeleport) || !(length(angular) * dt <= physics::kTeleportTurn)) return;
     out.velocity = linear;
     out.angularVelocity = angular;
 }

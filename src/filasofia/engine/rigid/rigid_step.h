@@ -33,15 +33,13 @@ using RigidPlan = std::vector<RigidPlanElement>; ///< in the order of bodies and
 std::vector<std::size_t> firstElements(const Scene& scene);
 
 /// Sets the constant velocities that lead from the start of the element to `end` in dt [s]; leaves them unchanged if dt
-/// is 0 or the motion would be a jump (kTeleport, kTeleportTurn).
+/// is 0 or the motion would be a jump (physics::kTeleport, kTeleportTurn).
 void planPrescribedMotion(const Pose& end, double dt, RigidPlanElement& out);
 
 /// Plans a step of dt [s] >= 0 without constraints. Links are left at rest, for planArticulations(). If a kinematic
-/// element would move faster than kTeleport or turn by more than kTeleportTurn, the motion is a jump and has no
-/// velocity.
+/// element would move faster than physics::kTeleport or turn by more than kTeleportTurn, the motion is a jump and has
+/// no velocity.
 void planRigid(const Scene& scene, double dt, RigidPlan& plan);
-inline constexpr double kTeleport = 20.0;    ///< [m/s]
-inline constexpr double kTeleportTurn = 1.0; ///< [rad] in one step
 
 /// Moves every dynamic element as planned, and kinematic ones exactly to their targets. If the new state of a dynamic
 /// element is not finite or is beyond physics::kFarthest, the element stays where it is, at rest, and the report has

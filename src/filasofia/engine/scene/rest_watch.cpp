@@ -25,20 +25,12 @@ BodyMotion motionOf(const SoftBody& body, Vec3 gravity)
     return out;
 }
 
-/// The speed of an element is the root mean square one that has its energy.
 BodyMotion motionOf(const RigidBody& body, Vec3 gravity)
 {
     BodyMotion out{.body = body.model.id};
-    for (std::size_t e = 0; e < body.state.poses.size(); ++e) {
-        const physics::RigidInertia& inertia = body.model.inertias[e];
-        const Pose& pose = body.state.poses[e];
-        const Vec3 turning = rotate(conjugate(pose.orientation), body.state.angularVelocities[e]);
-        const double energy = 0.5 * inertia.mass * lengthSquared(body.state.velocities[e]) +
-                              0.5 * dot(turning, inertia.inertia * turning);
-        if (inertia.mass > 0.0) out.speed = std::max(out.speed, std::sqrt(2.0 * energy / inertia.mass));
-        out.kinetic += energy;
-        if (body.model.gravity) out.potential -= inertia.mass * dot(gravity, transform(pose, inertia.centre));
-    }
+    for (std::size_t e = 0; e < body.state.poses.size(); ++e)
+        addElement(body.model.inertias[e], body.state.poses[e], body.state.velocities[e],
+                   body.state.angularVelocities[e], body.model.gravity ? gravity : Vec3{}, out);
     return out;
 }
 

@@ -3,10 +3,10 @@
 #include "filasofia/core/assert.h"
 #include "filasofia/engine/build/build_body.h"
 #include "filasofia/engine/contact/attachment_points.h"
+#include "filasofia/engine/contact/attachments.h"
 #include "filasofia/engine/piercing/channels.h"
 #include "filasofia/engine/rigid/articulation_step.h"
 #include "filasofia/engine/scene/find_body.h"
-#include "filasofia/engine/step/nothing_held.h"
 
 #include <utility>
 
@@ -28,7 +28,7 @@ void addAttachments(const physics::AddBody& add, Scene& scene, physics::StepRepo
                     body.model.pins.groups[group++].id = id;
                     continue;
                 }
-            attachOrTell({id, add.id}, def, scene, report);
+            attach({id, add.id}, def, scene, report);
         }
     };
     std::visit([&](const auto& def) { addAll(def.attachments); }, *add.def);

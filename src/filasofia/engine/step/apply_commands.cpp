@@ -4,13 +4,13 @@
 #include "filasofia/core/log.h"
 #include "filasofia/engine/body/tissue.h"
 #include "filasofia/engine/build/build_body.h"
+#include "filasofia/engine/contact/attachments.h"
 #include "filasofia/engine/contact/sheathed_blades.h"
 #include "filasofia/engine/rigid/articulation_step.h"
 #include "filasofia/engine/rigid/virtual_coupling.h"
 #include "filasofia/engine/scene/find_body.h"
 #include "filasofia/engine/step/add_body.h"
 #include "filasofia/engine/step/close_clips.h"
-#include "filasofia/engine/step/nothing_held.h"
 #include "filasofia/engine/step/reset_scene.h"
 #include "filasofia/engine/step/tune_scene.h"
 #include "filasofia/engine/topology/loose_pieces.h"
@@ -126,11 +126,11 @@ struct ApplyCommand {
     void operator()(const physics::SetPressure& set) const { soft(set.id).state.pressure = set.pressure; }
     void operator()(const physics::Attach& command) const
     {
-        attachOrTell({command.id, command.body}, command.def, scene, report);
+        attach({command.id, command.body}, command.def, scene, report);
     }
     void operator()(const physics::AttachRigid& command) const
     {
-        attachOrTell({command.id, command.body}, command.def, scene, report);
+        attach({command.id, command.body}, command.def, scene, report);
     }
     void operator()(const physics::Grasp& grasp) const
     {

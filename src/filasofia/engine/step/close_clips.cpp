@@ -2,9 +2,9 @@
 
 #include "filasofia/core/assert.h"
 #include "filasofia/core/log.h"
+#include "filasofia/engine/contact/attachments.h"
 #include "filasofia/engine/contact/clip_holds.h"
 #include "filasofia/engine/scene/find_body.h"
-#include "filasofia/engine/step/nothing_held.h"
 
 #include <algorithm>
 #include <cmath>
@@ -154,6 +154,11 @@ void closeLegs(double dt, const SoftState& state, std::vector<double>& lengths, 
     }
     if (pressAt(clip.gap, k, lengths) > most) clip.gap = gapFor(most, k, lengths); // the legs yield
     clip.force = pressAt(clip.gap, k, lengths);
+}
+
+bool hasAttachment(const Scene& scene, AttachmentId id)
+{
+    return std::ranges::binary_search(scene.attachments, id, {}, &Attachment::id);
 }
 
 } // namespace

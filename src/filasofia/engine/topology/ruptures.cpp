@@ -10,6 +10,7 @@
 #include "filasofia/engine/topology/loose_pieces.h"
 #include "filasofia/engine/topology/remove_piece.h"
 #include "filasofia/engine/topology/tear_body.h"
+#include "filasofia/physics/limits.h"
 
 #include <algorithm>
 #include <utility>
@@ -122,15 +123,13 @@ std::vector<physics::LoosePiece> loosePieces(const frame::TopologyEdit& edit, Bo
     return loose;
 }
 
-constexpr double kLostDistance = 10.0; // [m] displacement at which a piece counts as having fallen out of the scene
-
 } // namespace
 
 void removeLostPieces(Scene& scene, physics::StepReport& report)
 {
     for (SoftBody& body : scene.soft) {
         int lost = 0;
-        for (int piece : piecesBeyond(kLostDistance, body.model, body.state))
+        for (int piece : piecesBeyond(physics::kLostDistance, body.model, body.state))
             lost += removePiece(piece, body, scene, report) ? 1 : 0;
         if (lost == 0) continue;
         report.topology.lost += lost;
