@@ -51,7 +51,7 @@ struct WorldState final : physics::EngineState {
     RestWatch rest;
     std::vector<CollisionSurface> surfaces; ///< with these, bodies are not new to contact detection
     std::vector<std::array<SurfaceName, 2>> startedInside;
-    std::vector<physics::Intersection> intersections, foldedIntersections;
+    IntersectionWatch intersections;
 };
 
 } // namespace
@@ -170,7 +170,6 @@ std::shared_ptr<const physics::EngineState> World::save() const
     state->surfaces = detection.surfaces;
     state->startedInside = detection.startedInside;
     state->intersections = detection.intersections;
-    state->foldedIntersections = detection.foldedIntersections;
     return state;
 }
 
@@ -187,7 +186,6 @@ void World::restore(const physics::EngineState& saved)
     detection.surfaces = state->surfaces;
     detection.startedInside = state->startedInside;
     detection.intersections = state->intersections;
-    detection.foldedIntersections = state->foldedIntersections;
 }
 
 } // namespace filasofia::engine

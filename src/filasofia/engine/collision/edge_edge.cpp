@@ -17,6 +17,7 @@ constexpr double kFlat = 1e-3; // [-] sine: a direction this near to a triangle'
 // shook at 50 to 150 mm/s for ever, at 20 iterations per step. If also those count that lead towards the other edge by
 // kNearly, or are flat while the other is kSharp, it rests, at 2 to 5 iterations.
 constexpr double kNearly = 0.1, kSharp = 0.3;
+constexpr double kFacing = 0.5;  // [-] cosine of the angle between outsides that face each other at rest, at most
 constexpr double kPressed = 0.3; // [-] these only count if they are this near, relative to both proximities and insets
 
 // The places where two lines are nearest to each other: s along u from a, t along v from b.
@@ -120,6 +121,31 @@ Facing facingOf(const SurfacePair& meeting, int first, int second, const EdgeCro
     return {};
 }
 
+// Calls visit(n) with the normal at rest of each triangle that has all vertices of a feature, as long as as twice its
+// area.
+template <class Visit>
+bool anyNormalAtRest(const CollisionShape& shape, const std::array<int, 3>& feature, const Visit& visit)
+{
+    for (const int t : shape.vertexTriangles[feature[0]]) {
+        const geometry::Triangle& corners = shape.triangles[t];
+        const auto has = [&](int v) { return v < 0 || std::ranges::find(corners, v) != corners.end(); };
+        if (!has(feature[1]) || !has(feature[2])) continue;
+        const Vec3 a = shape.rest[corners[0]];
+        if (visit(cross(shape.rest[corners[1]] - a, shape.rest[corners[2]] - a))) return true;
+    }
+    return false;
+}
+
+bool faceEachOther(const CollisionShape& shape, const std::array<int, 3>& a, const std::array<int, 3>& b)
+{
+    return anyNormalAtRest(shape, a, [&](Vec3 n) {
+        return anyNormalAtRest(shape, b, [&](Vec3 m) {
+            const double along = dot(n, m);
+            return along < 0.0 && along * along > kFacing * kFacing * lengthSquared(n) * lengthSquared(m);
+        });
+    });
+}
+
 } // namespace
 
 bool nearAtRest(const SurfacePair& meeting, const std::array<int, 3>& a, const std::array<int, 3>& b)
@@ -139,11 +165,14 @@ bool nearAtRest(const SurfacePair& meeting, const std::array<int, 3>& a, const s
                            .squaredDistance < nearest;
         });
     };
-    if (anyNear(a, b) || anyNear(b, a)) return true;
-    EdgeCrossing at;
-    if (a[1] < 0 || b[1] < 0 || !crossing(rest[a[0]], rest[a[1]] - rest[a[0]], rest[b[0]], rest[b[1]] - rest[b[0]], at))
-        return false;
-    return lengthSquared(at.between) < nearest;
+    const auto areNear = [&] {
+        if (anyNear(a, b) || anyNear(b, a)) return true;
+        EdgeCrossing at;
+        return a[1] >= 0 && b[1] >= 0 &&
+               crossing(rest[a[0]], rest[a[1]] - rest[a[0]], rest[b[0]], rest[b[1]] - rest[b[0]], at) &&
+               lengthSquared(at.between) < nearest;
+    };
+    return areNear() && !(meeting.sides[0]->shape->closed && faceEachOther(*meeting.sides[0]->shape, a, b));
 }
 
 void collideEdges(const SurfacePair& meeting, int first, int second, std::vector<Proximity>& found)

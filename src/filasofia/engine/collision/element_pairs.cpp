@@ -1,26 +1,40 @@
 #include "filasofia/engine/collision/element_pairs.h"
 
+#include <algorithm>
+
 namespace filasofia::engine {
 namespace {
+
+constexpr float kFolded = -0.05f; // [-] cosine: triangles with a common vertex meet only if they are folded together
 
 bool isFragment(const CollisionSurface& surface, int element)
 {
     return surface.pieceOf[static_cast<std::size_t>(surface.shape->elements[element].vertices[0])] < 0;
 }
 
+bool facing(const CollisionSurface& surface, int i, int k, const NormalBounds& normals)
+{
+    if (!mayFace(normals.elements[i], normals.elements[k])) return false;
+    const std::array<int, 3>&a = surface.shape->elements[i].vertices, &b = surface.shape->elements[k].vertices;
+    const bool neighbours = std::ranges::any_of(a, [&](int v) { return v >= 0 && std::ranges::find(b, v) != b.end(); });
+    return !neighbours || mayFace(normals.own[i], normals.own[k], kFolded);
+}
+
 void collectLeafPairs(const CollisionSurface& a, const CollisionSurface& b, CollisionShape::Node na,
-                      CollisionShape::Node nb, std::vector<std::array<int, 2>>& pairs)
+                      CollisionShape::Node nb, const NormalBounds* normals, std::vector<std::array<int, 2>>& pairs)
 {
     const bool same = &a == &b && na.first == nb.first, pieces = &a == &b && !a.pieceOf.empty();
     for (int i = na.first; i < na.first + na.count; ++i)
         for (int k = same ? i + 1 : nb.first; k < nb.first + nb.count; ++k)
-            if (meet(a.elementBounds[i], b.elementBounds[k]) && !(pieces && (isFragment(a, i) || isFragment(b, k))))
+            if (meet(a.elementBounds[i], b.elementBounds[k]) && (normals == nullptr || facing(a, i, k, *normals)) &&
+                !(pieces && (isFragment(a, i) || isFragment(b, k))))
                 pairs.push_back({i, k});
 }
 
 } // namespace
 
-void collectElementPairs(const CollisionSurface& a, const CollisionSurface& b, ProximityScratch& scratch)
+void collectElementPairs(const CollisionSurface& a, const CollisionSurface& b, const NormalBounds* normals,
+                         ProximityScratch& scratch)
 {
     const bool self = &a == &b;
     scratch.elementPairs.clear();
@@ -30,9 +44,10 @@ void collectElementPairs(const CollisionSurface& a, const CollisionSurface& b, P
         const auto [i, k] = scratch.open.back();
         scratch.open.pop_back();
         if (!meet(a.nodeBounds[i], b.nodeBounds[k])) continue;
+        if (normals != nullptr && !mayFace(normals->nodes[i], normals->nodes[k])) continue;
         const CollisionShape::Node &na = a.shape->nodes[i], &nb = b.shape->nodes[k];
         if (na.count > 0 && nb.count > 0) {
-            collectLeafPairs(a, b, na, nb, scratch.elementPairs);
+            collectLeafPairs(a, b, na, nb, normals, scratch.elementPairs);
         } else if (self && i == k) {
             scratch.open.push_back({i + 1, na.first});
             scratch.open.push_back({na.first, na.first});

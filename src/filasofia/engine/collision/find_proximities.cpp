@@ -126,7 +126,9 @@ void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerP
     scratch.nextSides.clear();
     for (const auto& [i, k] : scratch.surfacePairs) {
         const SurfacePair meeting{{&surfaces[i], &surfaces[k]}, {i, k}, reach};
-        collectElementPairs(surfaces[i], surfaces[k], scratch);
+        const bool facing = meeting.ownSolid();
+        if (facing) boundNormals(surfaces[i], scratch.normals);
+        collectElementPairs(surfaces[i], surfaces[k], facing ? &scratch.normals : nullptr, scratch);
         testElementPairs(meeting, pool, scratch);
         keepMinima(meeting, sides, scratch, found);
     }

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/collision/collision_surface.h"
+#include "filasofia/engine/collision/normal_bounds.h"
 #include "filasofia/engine/collision/proximity.h"
 #include "filasofia/engine/collision/sheet_side.h"
 
@@ -36,6 +37,7 @@ struct ProximityScratch {
     std::vector<SheetSide> nextSides;
     std::vector<std::array<int, 2>> surfacePairs;
     std::vector<char> wanted;
+    NormalBounds normals; ///< of a surface that is tested against itself
     std::vector<std::array<int, 2>> elementPairs;
     std::vector<std::array<int, 2>> open;       ///< stack of pairs of nodes still to be visited
     std::vector<Part> parts;                    ///< never shrinks, so that its buffers are reused

@@ -27,14 +27,27 @@ int sideBefore(const std::vector<SheetSide>& sides, const SheetSide& now)
     return 0;
 }
 
+SheetSide sideNow(const SurfacePair& meeting, const PointMinimum& m)
+{
+    return {meeting.sides[m.source]->name, meeting.sides[1 - m.source]->name, m.point,
+            m.proximity.vertices[1 - m.source]};
+}
+
+// A place of the point's own surface that it is behind, and was not outside of before: the other wall of a thin part.
+bool otherWall(const SurfacePair& meeting, const std::vector<SheetSide>& sides, const PointMinimum& m)
+{
+    return meeting.ownSolid() && m.proximity.gap < 0.0 && sideBefore(sides, sideNow(meeting, m)) <= 0;
+}
+
 // Finds the signed distance of the nearest place for each point: below 0 if the point is inside. Entries are reset for
 // all points with a minimum before any is compared.
-void findNearest(ProximityScratch& scratch)
+void findNearest(const SurfacePair& meeting, const std::vector<SheetSide>& sides, ProximityScratch& scratch)
 {
-    forEachMinimum(scratch, [&](const PointMinimum& m) {
+    forEachMinimum(scratch, [&](PointMinimum& m) {
         std::vector<double>& nearest = scratch.nearest[m.source];
         if (nearest.size() <= static_cast<std::size_t>(m.point)) nearest.resize(static_cast<std::size_t>(m.point) + 1);
         nearest[m.point] = kNone;
+        if (otherWall(meeting, sides, m)) m.distance = kNone;
     });
     forEachMinimum(scratch, [&](const PointMinimum& m) {
         double& nearest = scratch.nearest[m.source][m.point];
@@ -49,17 +62,13 @@ bool keepForSolid(PointMinimum& m, double nearest)
     return m.proximity.gap >= 0.0 && m.proximity.gap < m.range && m.facing;
 }
 
-// For a sheet, or for the point's own surface.
+// For a sheet.
 bool keepForSheet(const SurfacePair& meeting, const std::vector<SheetSide>& sides, ProximityScratch& scratch,
                   PointMinimum& m)
 {
-    SheetSide now{meeting.sides[m.source]->name, meeting.sides[1 - m.source]->name, m.point,
-                  m.proximity.vertices[1 - m.source]};
+    SheetSide now = sideNow(meeting, m);
     int side = sideBefore(sides, now);
-    if (side == 0) {
-        if (!m.twoSided && m.proximity.gap < 0.0) return false; // the other wall of a thin part, not a fold
-        side = m.proximity.gap < 0.0 ? -1 : 1;
-    }
+    if (side == 0) side = m.proximity.gap < 0.0 ? -1 : 1;
     if (side < 0) {
         m.proximity.gap = -m.proximity.gap;
         m.proximity.normal = -m.proximity.normal;
@@ -87,15 +96,15 @@ bool secondary(const SurfacePair& meeting, const PointMinimum& m)
 void keepMinima(const SurfacePair& meeting, const std::vector<SheetSide>& sides, ProximityScratch& scratch,
                 std::vector<Proximity>& found)
 {
-    findNearest(scratch);
+    findNearest(meeting, sides, scratch);
     scratch.vertexPairs.clear();
     forEachMinimum(scratch, [&](PointMinimum& m) {
         const CollisionShape& target = *meeting.sides[1 - m.source]->shape;
-        const bool solid = target.closed && target.triangleFaces && !meeting.self();
-        const bool sided = m.twoSided || (meeting.self() && target.closed && target.triangleFaces);
-        m.kept = solid   ? keepForSolid(m, scratch.nearest[m.source][m.point])
-                 : sided ? keepForSheet(meeting, sides, scratch, m)
-                         : m.proximity.gap < m.range && m.facing;
+        const bool solid = target.closed && target.triangleFaces;
+        m.kept = solid        ? keepForSolid(m, scratch.nearest[m.source][m.point])
+                 : m.twoSided ? keepForSheet(meeting, sides, scratch, m)
+                              : m.proximity.gap < m.range && m.facing;
+        if (m.kept && meeting.ownSolid()) scratch.nextSides.push_back(sideNow(meeting, m));
         if (m.kept && m.vertexPair && !secondary(meeting, m)) scratch.vertexPairs.push_back(m.proximity.feature);
     });
     std::ranges::sort(scratch.vertexPairs);

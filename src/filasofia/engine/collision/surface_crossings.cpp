@@ -122,7 +122,7 @@ void findSurfaceCrossings(const SurfacePair& meeting, WorkerPool& pool, Proximit
 {
     const auto hasFaces = [](const CollisionSurface* side) { return side->shape->triangleFaces; };
     if (std::ranges::none_of(meeting.sides, hasFaces)) return;
-    collectElementPairs(*meeting.sides[0], *meeting.sides[1], scratch);
+    collectElementPairs(*meeting.sides[0], *meeting.sides[1], nullptr, scratch);
     const int pairs = static_cast<int>(scratch.elementPairs.size()),
               parts = (pairs + kCrossingsPerPart - 1) / kCrossingsPerPart;
     std::vector<std::vector<SurfaceCrossing>> ofPart(static_cast<std::size_t>(parts));

@@ -14,6 +14,8 @@ struct SurfacePair {
     double reach = 0.0;          ///< [s] one and a half steps
 
     [[nodiscard]] bool self() const { return places[0] == places[1]; }
+    /// The closed surface of a solid against itself.
+    [[nodiscard]] bool ownSolid() const { return self() && sides[0]->shape->closed && sides[0]->shape->triangleFaces; }
     [[nodiscard]] double proximities() const { return sides[0]->shape->proximity + sides[1]->shape->proximity; }
     [[nodiscard]] double depths() const { return sides[0]->shape->depth + sides[1]->shape->depth; }
 };

@@ -11,19 +11,32 @@
 
 namespace filasofia::engine {
 
+/// Surfaces that pass through each other, as the tests of edges against triangles have found them
+/// (reportIntersections).
+struct IntersectionWatch {
+    std::vector<physics::Intersection> told; ///< at the last test
+    /// The same, of bodies that pass through themselves because they do not collide with themselves.
+    std::vector<physics::Intersection> folded;
+    /// Two bodies whose surfaces pass through each other deeper than any contact between them knows.
+    struct Unseen {
+        BodyId first, second;
+        double since = 0.0; ///< [s] simulated time of the first test in a row
+    };
+    std::vector<Unseen> unseen;
+};
+
 /// The data of contact detection. Only `surfaces`, `startedInside`, the intersections and the warned groups carry
 /// over from step to step.
 struct ContactDetection {
     std::vector<CollisionSurface> surfaces; ///< every body's, in the order of Scene::soft and Scene::rigid
     /// Pairs that started inside each other, deeper than contacts are followed.
     std::vector<std::array<SurfaceName, 2>> startedInside;
-    std::vector<physics::Intersection> intersections; ///< at the last test (reportIntersections)
-    /// The same, of bodies that pass through themselves because they do not collide with themselves.
-    std::vector<physics::Intersection> foldedIntersections;
+    IntersectionWatch intersections;
     std::set<int> warnedGroups; ///< collision groups for which the log has said that only one body has them
     std::set<int> warnedThin;   ///< collision groups for which the log has said that the proximities are too small
     ProximityScratch scratch;
     std::vector<Proximity> proximities;
+    std::vector<char> followed;   ///< per proximity: whether it is a contact
     std::vector<SheetSide> sides; ///< sides for the next step
     std::vector<Vec3> normals;    ///< scratch: the normals of a surface's triangles
 };

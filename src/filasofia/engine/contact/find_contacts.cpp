@@ -307,13 +307,16 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
     findProximities(detection.surfaces, dt, context.pool, detection.sides, detection.scratch, detection.proximities);
     if (!added.empty()) noteStartsInside(scene, owners, added, coupling);
     addDeepPoints(owners, detection);
-    reportIntersections(context, scene, owners, !added.empty(), coupling);
 
+    detection.followed.clear();
     for (const Proximity& found : detection.proximities) {
         const std::array<const SurfaceOwner*, 2> sides{&owners[static_cast<std::size_t>(found.surfaces[0])],
                                                        &owners[static_cast<std::size_t>(found.surfaces[1])]};
+        const std::size_t before = coupling.constraints.size();
         addContact(found, sides, dt, scene, coupling);
+        detection.followed.push_back(coupling.constraints.size() > before ? 1 : 0);
     }
+    reportIntersections(context, scene, owners, !added.empty(), coupling);
     coupling.contactCount = coupling.constraints.size();
     inheritForces(dt, scene.contacts, coupling.contacts());
     for (Constraint& contact : coupling.contacts()) setLaw(context.method, dt, contact);

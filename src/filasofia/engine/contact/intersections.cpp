@@ -25,6 +25,9 @@ constexpr double kCutInterval = 0.1, kWholeInterval = 1.0;
 // Relative to the sum of the proximities: what passes right through a wall by less may be rounding.
 constexpr double kShallow = 0.05;
 
+// [s] What a scraped rim loses for a step or two is pushed out again; what contacts do not know for this long is told.
+constexpr double kUnseenFor = 9e-3;
+
 bool isDue(double interval, double time, double dt)
 {
     // In the middle between two steps, where rounding decides nothing.
@@ -113,7 +116,7 @@ public:
     {
         const bool cut = all || isDue(kCutInterval, scene_.time, context_.dt);
         const bool whole = all || isDue(kWholeInterval, scene_.time, context_.dt);
-        std::vector<physics::Intersection>& folded = detection_.foldedIntersections;
+        std::vector<physics::Intersection>& folded = watch_.folded;
         const auto isTested = [&](const SurfaceOwner& owner) {
             return owner.soft && (scene_.soft[owner.body].model.opened ? cut : whole);
         };
@@ -124,14 +127,15 @@ public:
         });
         for (std::size_t s = 0; s < owners_.size(); ++s)
             if (isTested(owners_[s])) testFolds(static_cast<int>(s));
-        detection_.intersections = detection_.foldedIntersections;
-        for (const std::array<int, 2>& pair : detection_.scratch.surfacePairs) test(pair);
-        std::ranges::sort(detection_.intersections, {},
+        watch_.told = folded;
+        const std::vector<IntersectionWatch::Unseen> before = std::exchange(watch_.unseen, {});
+        for (const std::array<int, 2>& pair : detection_.scratch.surfacePairs) test(pair, before);
+        std::ranges::sort(watch_.told, {},
                           [](const physics::Intersection& each) { return std::pair(each.first, each.second); });
     }
 
 private:
-    void test(std::array<int, 2> pair)
+    void test(std::array<int, 2> pair, std::span<const IntersectionWatch::Unseen> before)
     {
         const SurfaceOwner &one = ownerOf(pair[0]), &two = ownerOf(pair[1]);
         if (!movable(one, plan_) && !movable(two, plan_)) return; // scenery
@@ -141,14 +145,36 @@ private:
         const auto between = attachmentsBetween(scene_, one.name.body, two.name.body);
         crossings_.clear();
         findSurfaceCrossings(meeting, context_.pool, detection_.scratch, crossings_);
+        std::erase_if(crossings_, [&](const SurfaceCrossing& each) { return isHeld(each, between); });
+        const bool unseen = !meeting.self() && !crossings_.empty() && isUnseen(meeting, before);
         for (const SurfaceCrossing& each : crossings_)
-            if (isLost(each, meeting) && !isHeld(each, between))
-                add(one, two, {.crossings = 1, .depth = each.depth, .place = each.place}, detection_.intersections);
+            if (unseen || isLost(each, meeting))
+                add(one, two, {.crossings = 1, .depth = each.depth, .place = each.place}, watch_.told);
         if (!crossings_.empty() || meeting.self() || !between.empty()) return;
         if (const auto within = insideOf(a, b))
-            add(one, two, *within, detection_.intersections);
+            add(one, two, *within, watch_.told);
         else if (const auto around = insideOf(b, a))
-            add(one, two, *around, detection_.intersections);
+            add(one, two, *around, watch_.told);
+    }
+
+    /// Whether edges have been inside by more than the contacts between these surfaces know, for long enough.
+    bool isUnseen(const SurfacePair& meeting, std::span<const IntersectionWatch::Unseen> before)
+    {
+        double known = 0.0, deepest = 0.0; // [m] between the inset surfaces
+        for (std::size_t i = 0; i < detection_.proximities.size(); ++i) {
+            const Proximity& each = detection_.proximities[i];
+            if (detection_.followed[i] != 0 && each.surfaces == meeting.places) known = std::max(known, -each.gap);
+        }
+        for (const SurfaceCrossing& each : crossings_) deepest = std::max(deepest, each.depth);
+        const auto [first, second] = std::minmax(meeting.sides[0]->name.body, meeting.sides[1]->name.body);
+        const auto then = std::ranges::find_if(
+            before, [&](const auto& each) { return each.first == first && each.second == second; });
+        // A contact that finds such a place in one step loses it in the next: only parting ends it.
+        if (then != before.end()) known = 0.0;
+        if (!(deepest > known + kShallow * meeting.proximities())) return false;
+        const double since = then != before.end() ? then->since : scene_.time;
+        watch_.unseen.push_back({first, second, since});
+        return scene_.time - since >= kUnseenFor;
     }
 
     void testFolds(int place)
@@ -163,8 +189,7 @@ private:
         findSurfaceCrossings(meeting, context_.pool, detection_.scratch, crossings_);
         for (const SurfaceCrossing& each : crossings_)
             if (isLost(each, meeting))
-                add(owner, owner, {.crossings = 1, .depth = each.depth, .place = each.place},
-                    detection_.foldedIntersections);
+                add(owner, owner, {.crossings = 1, .depth = each.depth, .place = each.place}, watch_.folded);
     }
 
     /// Attached bodies may overlap at what holds them together.
@@ -201,6 +226,7 @@ private:
     const std::vector<SurfaceOwner>& owners_;
     const RigidPlan& plan_;
     ContactDetection& detection_;
+    IntersectionWatch& watch_ = detection_.intersections;
     std::vector<SurfaceCrossing> crossings_;
 };
 
@@ -211,7 +237,7 @@ void reportIntersections(const StepContext& context, const Scene& scene, const s
 {
     if (changed || isDue(intervalNow(coupling.detection), scene.time, context.dt))
         Finder(context, scene, owners, coupling).run(changed);
-    context.report.intersections = coupling.detection.intersections;
+    context.report.intersections = coupling.detection.intersections.told;
     if (!context.report.intersections.empty()) context.report.set(physics::StepFlag::Intersecting);
 }
 

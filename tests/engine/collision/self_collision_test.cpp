@@ -1,0 +1,172 @@
+#include "engine/collision/scene.h"
+
+#include "filasofia/engine/collision/edge_edge.h"
+#include "filasofia/engine/collision/element_pairs.h"
+#include "filasofia/engine/collision/point_feature.h"
+#include "filasofia/engine/collision/surface_pair.h"
+
+#include <set>
+
+namespace filasofia::engine::self_collision_test {
+namespace {
+
+/// A slab with a slit from one end to its middle, as a cut leaves it: the lips lie on each other at rest and share the
+/// vertices at the slit's tip only. Cells of 5 mm, 8 mm high.
+struct Slit {
+    static constexpr int kCells = 8;
+    static constexpr double kCell = 5e-3, kHalf = 4e-3;
+    geometry::TriangleMesh mesh;
+    std::vector<int> upperLip; ///< its vertices, without those of the tip
+
+    Slit()
+    {
+        // The outline of the section x-z, anticlockwise as seen from -y: bottom, end, top, then in along the slit.
+        std::vector<Vec3> outline;
+        const double length = kCells * kCell;
+        for (int i = 0; i < kCells; ++i) outline.push_back({i * kCell, 0, -kHalf});
+        outline.push_back({length, 0, -kHalf});
+        outline.push_back({length, 0, 0}); // lower lip, inwards
+        for (int i = kCells - 1; i >= kCells / 2; --i) outline.push_back({i * kCell, 0, 0});
+        const std::size_t tip = outline.size() - 1;
+        for (int i = kCells / 2 + 1; i <= kCells; ++i) outline.push_back({i * kCell, 0, 0}); // upper lip, outwards
+        const std::size_t lipEnd = outline.size();
+        for (int i = kCells; i >= 0; --i) outline.push_back({i * kCell, 0, kHalf});
+        const int n = static_cast<int>(outline.size());
+        for (const double y : {-0.5 * kCell, 0.5 * kCell})
+            for (const Vec3 p : outline) mesh.vertices.push_back(p + Vec3{0, y, 0});
+        for (int i = 0; i < n; ++i) {
+            const int k = (i + 1) % n;
+            mesh.triangles.push_back({i, i + n, k + n});
+            mesh.triangles.push_back({i, k + n, k});
+        }
+        for (std::size_t i = tip + 1; i < lipEnd; ++i)
+            for (const int side : {0, n}) upperLip.push_back(static_cast<int>(i) + side);
+        close(n);
+    }
+
+private:
+    /// Both ends in y: fans around a vertex in the middle of the lower and of the upper half.
+    void close(int n)
+    {
+        for (const int side : {0, n}) {
+            const double y = mesh.vertices[static_cast<std::size_t>(side)].y;
+            const int centre = static_cast<int>(mesh.vertices.size());
+            mesh.vertices.push_back({0.25 * kCells * kCell, y, 0});
+            for (int i = 0; i < n; ++i) {
+                const int a = side + i, b = side + (i + 1) % n;
+                if (side == 0)
+                    mesh.triangles.push_back({centre, a, b});
+                else
+                    mesh.triangles.push_back({centre, b, a});
+            }
+        }
+    }
+};
+
+/// A point's place above a wedge: two bodies in one mesh, so that both are the same surface.
+struct WedgeOverBox {
+    Scene scene;
+    int corner = 0;                                     ///< a vertex of the box's upper face
+    static constexpr double kGap = 0.3e-3, kRest = 0.1; ///< [m] the wedge's height now and at rest
+
+    WedgeOverBox()
+    {
+        geometry::TriangleMesh mesh = boxMesh({0.01, 0.01, 0.01}, 2);
+        const int box = static_cast<int>(mesh.vertices.size());
+        for (int v = 0; v < box; ++v)
+            if (length(mesh.vertices[static_cast<std::size_t>(v)] - Vec3{0, 0, 0.01}) < 1e-9) corner = v;
+        // Its lower face is level, and its upper one meets it in the edge at x = -0.5 mm.
+        const double back = 0.02, sharp = -0.5e-3, side = 0.02, thick = 5e-3;
+        mesh.vertices.insert(mesh.vertices.end(), {{sharp, -side, 0},
+                                                   {sharp, side, 0},
+                                                   {back, -side, 0},
+                                                   {back, side, 0},
+                                                   {back, -side, thick},
+                                                   {back, side, thick}});
+        const auto add = [&](int a, int b, int c) { mesh.triangles.push_back({box + a, box + b, box + c}); };
+        add(0, 1, 3), add(0, 3, 2); // below
+        add(0, 4, 5), add(0, 5, 1); // above
+        add(2, 3, 5), add(2, 5, 4);
+        add(0, 2, 4), add(1, 5, 3);
+        for (std::size_t v = static_cast<std::size_t>(box); v < mesh.vertices.size(); ++v) mesh.vertices[v].z += kRest;
+        scene.add(mesh, {.proximity = 0.5e-3, .depth = 1e-3, .self = true});
+        for (Vec3& x : scene.surfaces[0].x)
+            if (x.z >= kRest) x.z += 0.01 + kGap - kRest;
+    }
+};
+
+} // namespace
+
+TEST_CASE("the lips of a slit collide with each other, though they lie on each other at rest")
+{
+    const Slit slit;
+    Scene scene;
+    scene.add(slit.mesh, {.proximity = 0.5e-3, .depth = 0.6e-3, .self = true});
+    REQUIRE(scene.surfaces[0].shape->closed);
+    const auto across = [](const Proximity& p) { return std::fabs(p.normal.z) > 0.99; };
+    // As insets leave it: the lips are a little apart.
+    for (const int v : slit.upperLip) scene.surfaces[0].x[static_cast<std::size_t>(v)].z += 0.2e-3;
+    scene.find();
+    CHECK(std::ranges::count_if(scene.found, across) >= 4);
+    for (const Proximity& p : scene.found) CHECK(p.gap >= 0.0);
+    // Pressed into each other they still know their sides.
+    for (const int v : slit.upperLip) scene.surfaces[0].x[static_cast<std::size_t>(v)].z -= 0.5e-3;
+    scene.find();
+    CHECK(std::ranges::count_if(
+              scene.found, [&](const Proximity& p) { return across(p) && std::fabs(p.gap + 0.3e-3) < 1e-6; }) >= 2);
+}
+
+TEST_CASE("a point before one face of a sharp edge of its own surface is not inside the other face")
+{
+    WedgeOverBox wedge;
+    for (int step = 0; step < 3; ++step) { // the first tells the sides to the second
+        wedge.scene.find();
+        bool met = false;
+        for (const Proximity& p : wedge.scene.found) {
+            CHECK(p.gap > 0.0);
+            met = met || ((p.vertices[0][0] == wedge.corner || p.vertices[1][0] == wedge.corner) &&
+                          p.gap == Approx(WedgeOverBox::kGap));
+        }
+        CHECK(met);
+    }
+}
+
+TEST_CASE("pairs of a surface's own elements that do not face each other have nothing to find")
+{
+    std::mt19937 random(17);
+    std::size_t dropped = 0, kept = 0;
+    for (int round = 0; round < 40; ++round) {
+        Scene scene;
+        geometry::TriangleMesh lump = lumpMesh(0.8, 10, 0.1, random);
+        scene.add(lump, {.proximity = 0.1, .depth = 0.2, .self = true});
+        for (Vec3& x : scene.surfaces[0].x) { // bent over itself, and crumpled
+            const double turn = 2.2 * x.x;
+            x = Vec3{std::sin(turn) * (0.4 + x.z), x.y, std::cos(turn) * (0.4 + x.z)} + randomVector(random, 0.05);
+        }
+        scene.find();
+        const CollisionSurface& surface = scene.surfaces[0];
+        const SurfacePair meeting{{&surface, &surface}, {0, 0}, kStepsAhead * scene.dt};
+        std::set<std::array<int, 2>> facing(scene.scratch.elementPairs.begin(), scene.scratch.elementPairs.end());
+        collectElementPairs(surface, surface, nullptr, scene.scratch);
+        for (const std::array<int, 2>& pair : scene.scratch.elementPairs) {
+            if (facing.contains(pair)) {
+                ++kept;
+                continue;
+            }
+            ++dropped;
+            std::vector<PointMinimum> points;
+            for (const int side : {0, 1})
+                for (const int v : surface.shape->elements[pair[side]].ownVertices)
+                    if (v >= 0) collidePoint(meeting, 0, v, pair[1 - side], points);
+            for (const PointMinimum& m : points) {
+                CAPTURE(round, pair, m.point, m.proximity.gap);
+                const auto& there = m.proximity.vertices[1];
+                CHECK((m.proximity.gap < 0.0 || !m.facing || m.proximity.gap >= m.range || there[2] >= 0));
+            }
+        }
+        REQUIRE(kept > 0);
+    }
+    CHECK(dropped > 10000);
+}
+
+} // namespace filasofia::engine::self_collision_test
