@@ -161,7 +161,7 @@ void makeWhole(const SoftCuts& cuts, BodyDraft& body)
     for (PinGroup& group : body.settings.pins)
         if (const auto first = std::ranges::find(body.plan.pins, group.id, &PinGroup::id);
             first != body.plan.pins.end())
-            group = *first; // where slides began
+            group = *first; // where slides began, with the nodes of pieces that were removed
     eraseNodes([&](int node) { return node >= count; }, body.settings.pins);
     std::erase_if(body.settings.pins, [](const PinGroup& each) { return each.nodes.empty(); });
 }
@@ -171,8 +171,12 @@ void forgetGone(BodyDraft& body)
     const std::vector<char> gone = goneNodes(body.plan);
     for (std::size_t i = 0; i < gone.size(); ++i)
         if (gone[i] != 0) body.state.velocities[i] = {};
-    eraseNodes([&](int node) { return gone[at(node)] != 0; }, body.settings.pins);
-    std::erase_if(body.settings.pins, [](const PinGroup& each) { return each.nodes.empty(); });
+    const auto isGone = [&](int node) { return gone[at(node)] != 0; };
+    std::erase_if(body.settings.pins, [&](const PinGroup& each) {
+        const bool ofDef = std::ranges::find(body.plan.pins, each.id, &PinGroup::id) != body.plan.pins.end();
+        return !ofDef && std::ranges::any_of(each.nodes, isGone);
+    });
+    eraseNodes(isGone, body.settings.pins);
 }
 
 std::vector<physics::LoosePiece> loosePieces(const TopologyEdit& edit, SoftCuts& cuts, const BodyDraft& body)
