@@ -1,6 +1,11 @@
 #include "sofa/sofa_stage.h"
 
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/sofa/tune.h"
+
+#include <sofa/core/objectmodel/BaseObject.h>
+#include <sofa/simulation/AnimateEndEvent.h>
+#include <sofa/simulation/Node.h>
 
 #include <numbers>
 
@@ -44,6 +49,17 @@ RigidBodyDef freeTool(const JointCommand& command)
     def.mass = GivenInertia{.mass = 0.05, .centre = {-0.01, 0.002, 0.001}, .moments = {2e-5, 3e-5, 4e-5}};
     return def;
 }
+/// A component that throws when a step has been made.
+class Throwing final : public ::sofa::core::objectmodel::BaseObject {
+public:
+    SOFA_CLASS(Throwing, ::sofa::core::objectmodel::BaseObject);
+    Throwing() { f_listening.setValue(true); }
+    void handleEvent(::sofa::core::objectmodel::Event* event) override
+    {
+        if (::sofa::simulation::AnimateEndEvent::checkEventType(event)) throw std::runtime_error("out of order");
+    }
+};
+
 frame::Joint joint(PhysicsServer& server, BodyId body, std::size_t j = 0)
 {
     return server.latest()->rigidBody(body)->joints[j];
@@ -337,6 +353,49 @@ TEST_CASE("a tool that pushes a jaw against its stop leaves it there, with a bou
     }
     CHECK(joint(*server, body).position < -0.3); // native leaves the tool before
     CHECK(most < 100.0);
+}
+
+TEST_CASE("a step that fails in SOFA leaves driven joints where they were, at rest")
+{
+    const auto server = serverWith("sofa", kDt, {});
+    const BodyId body = server->add(jaw(JointForce{1e-3})), flying = server->add(freeTool(JointForce{1e-4}));
+    steps(*server, 50, kDt);
+    const double before = joint(*server, body).position;
+    REQUIRE(joint(*server, body).velocity > 0.1);
+    const auto throwing = ::sofa::core::objectmodel::New<Throwing>();
+    const auto listen = [&](bool on) {
+        sofaengine::tune(*server, [&, on](::sofa::simulation::Node& root, const auto&) {
+            if (on) root.addObject(throwing);
+            if (!on) root.removeObject(throwing);
+        });
+    };
+    listen(true);
+    CHECK(server->step(kDt).has(StepFlag::Undone));
+    CHECK(joint(*server, body).position == before);
+    CHECK(joint(*server, body).velocity == 0.0);
+    CHECK(length(server->latest()->rigidBody(flying)->velocities[0]) == 0.0);
+    listen(false);
+    CHECK_FALSE(server->step(kDt).has(StepFlag::Undone));
+    CHECK(joint(*server, body).position > before);
+}
+
+TEST_CASE("a free tool that goes on turning is told as restless, though its joint is driven", "[slow]")
+{
+    const std::string engine = GENERATE(as<std::string>(), "native", "sofa");
+    CAPTURE(engine);
+    const auto server = serverWith(engine, 1e-2, {});
+    RigidBodyDef def = freeTool(JointForce{});
+    def.articulation.joints[0].damping = 1e-3;
+    def.angularVelocity = {0, 0, 1};
+    const BodyId body = server->add(def);
+    bool restless = false;
+    StepReport report;
+    for (int i = 0; i < 800 && !restless; ++i) {
+        report = server->step(1e-2);
+        restless = report.has(StepFlag::Restless);
+    }
+    CHECK(restless);
+    CHECK(report.unrest.body == body);
 }
 
 TEST_CASE("by penalties joints that forces move are refused, and told ones are not")

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace filasofia::sofaengine {
 namespace {
@@ -140,6 +141,7 @@ void Articulation::planFree(double dt, const RigidState& now, const engine::Link
 
 void Articulation::begin(double dt, const Pose& base, Vec3 gravity, RigidState& now)
 {
+    begun_ = true;
     poses_ = now.poses;
     baseEnd_ = base;
     axes_ = engine::jointAxes(tree_, poses_);
@@ -250,6 +252,7 @@ std::vector<Articulation::Part> Articulation::push(std::span<const Part> impulse
 
 bool Articulation::finish(double dt, bool failed, RigidState& now)
 {
+    if (!std::exchange(begun_, false)) return true; // the step failed before
     std::vector<frame::Joint> joints = state_.joints;
     std::vector<Pose> poses(poses_.size(), baseEnd_);
     bool good = !failed;

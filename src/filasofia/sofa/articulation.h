@@ -85,6 +85,7 @@ private:
     State state_;
 
     // The step, as it was planned.
+    bool begun_ = false;
     std::vector<engine::JointAxis> axes_;
     std::vector<Pose> poses_;        ///< at its start
     Pose baseEnd_;                   ///< where a base that is told will be
