@@ -1,54 +1,19 @@
-#include "sofa/sofa_stage.h"
+#include "sofa/driven_jaw.h"
 
-#include "filasofia/geometry/shapes.h"
 #include "filasofia/sofa/tune.h"
 
 #include <sofa/core/objectmodel/BaseObject.h>
 #include <sofa/simulation/AnimateEndEvent.h>
 #include <sofa/simulation/Node.h>
 
-#include <numbers>
-
 // Joints that forces move, and bodies with joints whose base forces move, on both engines.
 namespace driven_joints_test {
 
 using namespace filasofia;
-using namespace filasofia::physics;
-using namespace filasofia::sofa_test;
+using namespace filasofia::driven_jaw;
 
 namespace {
 
-constexpr double kG = 9.81, kDt = 1e-3, kPi = std::numbers::pi;
-constexpr double kArm = 0.03;                                  // [m] from the hinge to the jaw's centre
-constexpr double kMass = 0.02;                                 // [kg]
-constexpr double kInertia = 2e-6;                              // [kg m^2] about its centre
-constexpr double kAboutHinge = kInertia + kMass * kArm * kArm; // [kg m^2]
-
-/// A jaw on a hinge about z at the origin. At angle 0 it points along x.
-RigidBodyDef jaw(const JointCommand& command, double start = 0.0)
-{
-    JointDef hinge{.childOffset = {{-kArm, 0, 0}, {}}, .start = start, .command = command};
-    hinge.mass = GivenInertia{.mass = kMass, .moments = {kInertia, kInertia, kInertia}};
-    RigidBodyDef def{.name = "jaw"};
-    def.articulation.joints = {hinge};
-    return def;
-}
-/// The same with a plate of 40 x 4 x 20 mm.
-RigidBodyDef plate(const JointCommand& command, double start = 0.0)
-{
-    RigidBodyDef def = jaw(command, start);
-    def.collision = {{.mesh = geometry::shapes::box({0.04, 0.004, 0.02}), .element = 1}};
-    return def;
-}
-/// The same on a free base of 50 g, which turns with a skew axis.
-RigidBodyDef freeTool(const JointCommand& command)
-{
-    RigidBodyDef def = jaw(command);
-    def.articulation.joints[0].axis = {0.3, 0.5, 1.0};
-    def.dynamic = true;
-    def.mass = GivenInertia{.mass = 0.05, .centre = {-0.01, 0.002, 0.001}, .moments = {2e-5, 3e-5, 4e-5}};
-    return def;
-}
 /// A component that throws when a step has been made.
 class Throwing final : public ::sofa::core::objectmodel::BaseObject {
 public:
@@ -60,10 +25,6 @@ public:
     }
 };
 
-frame::Joint joint(PhysicsServer& server, BodyId body, std::size_t j = 0)
-{
-    return server.latest()->rigidBody(body)->joints[j];
-}
 Vec3 momentumOf(PhysicsServer& server, BodyId body, const RigidBodyDef& def)
 {
     const auto frame = server.latest();
@@ -186,97 +147,6 @@ TEST_CASE("dry friction holds a driven joint up to its limit, and slows a faster
     CHECK(std::abs(joint(*server, body).velocity) < 1e-6);
 }
 
-TEST_CASE("a torque that bears the weight keeps a jaw where it is, and one on a slider its load")
-{
-    const std::string engine = GENERATE(as<std::string>(), "native", "sofa");
-    CAPTURE(engine);
-    const auto server = serverWith(engine, kDt);
-    const BodyId body = server->add(jaw(JointForce{kMass * kG * kArm}));
-    RigidBodyDef lift = jaw(JointForce{kMass * kG + 0.008 * kG}); // its own weight and a stone's, on top of it
-    lift.name = "lift";
-    lift.elements[0].position = {1, 0, 0};
-    lift.articulation.joints[0].kind = JointKind::Prismatic;
-    lift.articulation.joints[0].axis = {0, 1, 0};
-    lift.articulation.joints[0].childOffset = {};
-    lift.articulation.joints[0].damping = 1.0;
-    lift.collision = {{.mesh = geometry::shapes::box({0.04, 0.004, 0.04}), .element = 1}};
-    const BodyId lifting = server->add(lift);
-    RigidBodyDef stone{.name = "stone", .elements = {{{1, 0.0122, 0}, {}}}, .dynamic = true};
-    stone.mesh = geometry::shapes::box({0.02, 0.02, 0.02});
-    stone.collision = {{}};
-    server->add(stone);
-    steps(*server, 100, kDt);
-    CHECK(std::abs(joint(*server, body).position) < 1e-9); // in balance from the start
-    steps(*server, 400, kDt);
-    CHECK(joint(*server, lifting).load == Approx(-0.008 * kG).epsilon(0.02));
-    CHECK(std::abs(joint(*server, lifting).velocity) < 1e-4);
-}
-
-TEST_CASE("a jaw that closes with a torque stalls on tissue, which bears that torque", "[slow]")
-{
-    const std::string engine = GENERATE(as<std::string>(), "native", "sofa");
-    CAPTURE(engine);
-    const auto server = serverWith(engine, kDt, {});
-    RigidBodyDef def = plate(JointForce{-0.01}, 0.01);
-    def.articulation.joints[0].damping = 1e-4;
-    const BodyId body = server->add(def);
-    SoftBodyDef cushion{.name = "cushion",
-                        .mesh = bar(4, 3, 3, {0.04, 0.02, 0.03}),
-                        .pose = {{0.012, -0.0225, -0.015}, {}},
-                        .material = FemMaterial{.youngModulus = 20e3, .poissonRatio = 0.4, .law = Corotational{}},
-                        .rayleigh = {.mass = 1.0, .stiffness = 5e-3},
-                        .attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, -0.0224, 1}}}},
-                        .collision = {{}}};
-    server->add(cushion);
-    steps(*server, 600, kDt);
-    double load = 0.0;
-    for (int i = 0; i < 100; ++i) {
-        server->step(kDt);
-        load += joint(*server, body).load / 100;
-    }
-    CHECK(load == Approx(0.01).epsilon(0.02));
-    CHECK(joint(*server, body).position < -5e-3);
-    CHECK(std::abs(joint(*server, body).velocity) < 0.02);
-}
-
-TEST_CASE("a jaw passes the angular momentum that it loses to a free box")
-{
-    const std::string engine = GENERATE(as<std::string>(), "native", "sofa");
-    CAPTURE(engine);
-    const auto server = serverWith(engine, kDt, {});
-    RigidBodyDef def = plate(JointForce{-0.02}, 0.3);
-    def.friction = 0.0;
-    const BodyId body = server->add(def);
-    RigidBodyDef box{.name = "box", .elements = {{{0.035, -0.02, 0.002}, {}}}, .dynamic = true};
-    box.mesh = geometry::shapes::box({0.02, 0.02, 0.02});
-    box.friction = 0.0;
-    box.mass = TotalMass{0.01};
-    box.collision = {{}};
-    const BodyId other = server->add(box);
-    steps(*server, 20, kDt);
-    server->setJoint(body, 0, JointForce{});
-    server->step(kDt);
-    const RigidInertia inertia = inertiaOf(box);
-    const auto spin = [&] { // about the hinge
-        const auto frame = server->latest();
-        const auto& stone = *frame->rigidBody(other);
-        const Vec3 w = stone.angularVelocities[0];
-        const Mat3 r = toMat3(stone.poses[0].orientation);
-        return kAboutHinge * joint(*server, body).velocity +
-               cross(stone.poses[0].position, inertia.mass * stone.velocities[0]).z +
-               (r * inertia.inertia * transpose(r) * w).z;
-    };
-    const double before = spin();
-    bool touched = false;
-    for (int i = 0; i < 100; ++i) {
-        server->step(kDt);
-        touched = touched || joint(*server, body).load != 0.0;
-    }
-    CHECK(touched);
-    CHECK(length(server->latest()->rigidBody(other)->velocities[0]) > 0.1);
-    CHECK(spin() == Approx(before).epsilon(0.01));
-}
-
 TEST_CASE("a free tool with a joint falls with its weight, keeps its momentum, and hangs from what it is attached to")
 {
     const std::string engine = GENERATE(as<std::string>(), "native", "sofa");
@@ -329,30 +199,6 @@ TEST_CASE("a driven joint that diverges rests, with a flag, and can be used agai
     server->setJoint(body, 0, JointPosition{0.01});
     for (int i = 0; i < 2000; ++i) REQUIRE_FALSE(server->step(kDt).has(StepFlag::Undone));
     CHECK(joint(*server, body).position == 0.01);
-}
-
-TEST_CASE("a tool that pushes a jaw against its stop leaves it there, with a bounded load")
-{
-    const std::string engine = GENERATE(as<std::string>(), "native", "sofa");
-    CAPTURE(engine);
-    const auto server = serverWith(engine, kDt, {});
-    RigidBodyDef def = plate(JointForce{});
-    def.articulation.joints[0].lower = -0.5;
-    def.articulation.joints[0].upper = 0.5;
-    const BodyId body = server->add(def);
-    RigidBodyDef tool{.name = "tool", .elements = {{{0.03, 0.03, 0}, {}}}, .collision = {{}}};
-    tool.mesh = geometry::shapes::box({0.02, 0.02, 0.02});
-    const BodyId pushes = server->add(tool);
-    double most = 0.0;
-    for (int i = 0; i < 1500; ++i) {
-        server->setPose(pushes, {{0.03, 0.03 - 3e-5 * i, 0}, {}});
-        server->step(kDt);
-        const frame::Joint now = joint(*server, body);
-        REQUIRE((now.position >= -0.5 && now.position <= 0.5));
-        most = std::max({most, std::abs(now.load), std::abs(now.stop)});
-    }
-    CHECK(joint(*server, body).position < -0.3); // native leaves the tool before
-    CHECK(most < 100.0);
 }
 
 TEST_CASE("a step that fails in SOFA leaves driven joints where they were, at rest")
