@@ -64,8 +64,8 @@ public:
         std::fill(change.begin(), change.end(), Deriv());
         if (!respond) return;
         std::vector<Part> impulses;
-        for (std::size_t i = 0; i < impulse.size(); ++i)
-            if (impulse[i] != Deriv()) impulses.emplace_back(static_cast<int>(i), impulse[i]);
+        // Zeros too: SOFA's vectors count as equal within 1e-6, which is more than a node's impulse.
+        for (std::size_t i = 0; i < impulse.size(); ++i) impulses.emplace_back(static_cast<int>(i), impulse[i]);
         for (const auto& [node, moved] : (push ? push : respond)(impulses, dt)) change[std::size_t(node)] = moved;
     }
     void applyMotionCorrection(const Params* params, Coords& x, Derivs& v, Derivs& dx, const Derivs& change) override

@@ -2,10 +2,9 @@
 
 #include <sofa/simulation/Simulation.h>
 
-namespace filasofia::sofaengine {
-namespace {
+#include <utility>
 
-using Components = std::vector<::sofa::core::objectmodel::BaseObject::SPtr>;
+namespace filasofia::sofaengine {
 
 void addComponents(const ::sofa::simulation::Node& node, Components& out)
 {
@@ -13,9 +12,12 @@ void addComponents(const ::sofa::simulation::Node& node, Components& out)
     for (const auto& below : node.child) addComponents(*below, out);
 }
 
-} // namespace
+PartedSlaves::PartedSlaves(const ::sofa::simulation::Node& node) : PartedSlaves(node, {}) {}
 
-PartedSlaves::PartedSlaves(const ::sofa::simulation::Node& node) { addComponents(node, components_); }
+PartedSlaves::PartedSlaves(const ::sofa::simulation::Node& node, Components also) : components_(std::move(also))
+{
+    addComponents(node, components_);
+}
 
 PartedSlaves::~PartedSlaves()
 {
