@@ -2,9 +2,10 @@
 
 #include <sofa/simulation/Simulation.h>
 
-#include <utility>
-
 namespace filasofia::sofaengine {
+namespace {
+
+using Components = std::vector<::sofa::core::objectmodel::BaseObject::SPtr>;
 
 void addComponents(const ::sofa::simulation::Node& node, Components& out)
 {
@@ -12,12 +13,9 @@ void addComponents(const ::sofa::simulation::Node& node, Components& out)
     for (const auto& below : node.child) addComponents(*below, out);
 }
 
-PartedSlaves::PartedSlaves(const ::sofa::simulation::Node& node) : PartedSlaves(node, {}) {}
+} // namespace
 
-PartedSlaves::PartedSlaves(const ::sofa::simulation::Node& node, Components also) : components_(std::move(also))
-{
-    addComponents(node, components_);
-}
+PartedSlaves::PartedSlaves(const ::sofa::simulation::Node& node) { addComponents(node, components_); }
 
 PartedSlaves::~PartedSlaves()
 {

@@ -90,22 +90,6 @@ WeldedPairs weldedPairs(const SofaScene& scene)
     return pairs;
 }
 
-/// What is below the surfaces of bodies: SOFA maps contacts there.
-Components contactPartsOf(const SofaScene& scene)
-{
-    Components parts;
-    const auto add = [&](const auto& bodies) {
-        for (const auto& body : bodies)
-            for (const CollisionSurface& each : body->surfaces()) {
-                const auto* node = ::sofa::simulation::node::getNodeFrom(each.states->getContext());
-                for (const auto& below : node->child) addComponents(*below, parts);
-            }
-    };
-    add(scene.soft);
-    add(scene.rigid);
-    return parts;
-}
-
 double fastest(const SofaScene& scene)
 {
     double speed = 0.0;
@@ -137,7 +121,7 @@ SofaWorld::SofaWorld(const SofaEngineDef& def) : scene_{.contact = ContactStage(
 SofaWorld::~SofaWorld()
 {
     const Lock lock(sofaMutex());
-    const PartedSlaves parted(*scene_.root, std::move(contactParts_)); // with contacts that have ended since
+    const PartedSlaves parted(*scene_.root);
     scene_.contact.forget();
     scene_.ties.clear();
     scene_.soft.clear();
@@ -232,7 +216,6 @@ void SofaWorld::move(double dt)
     for (const auto& body : scene_.rigid)                       // a carrier comes before the bodies that follow it
         body->beginMove(dt, findBody(scene_.rigid, body->plan().def.articulation.to));
     if (scene_.contact.isOn()) {
-        contactParts_ = contactPartsOf(scene_);
         scene_.contact.setWelded(weldedPairs(scene_));
         followBodies(*scene_.root);
         const auto window = [](double time) { return std::floor(time / kLookEvery + 1e-6); };

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "filasofia/sofa/graph_owner.h"
-#include "filasofia/sofa/node_removal.h"
 #include "filasofia/sofa/scene_state.h"
 #include "filasofia/sofa/sofa_engine.h"
 #include "filasofia/sofa/step_flags.h"
@@ -38,7 +37,6 @@ private:
     void readConstraints(bool failed, double dt, physics::StepReport& report);
 
     SofaScene scene_;
-    Components contactParts_;                          ///< what SOFA had made for contacts before the last step
     std::vector<physics::Intersection> intersections_; ///< the last answer
     bool looksAgain_ = true;                           ///< for intersections, in the next step
     SceneWatch watch_;                                 ///< for bodies that never rest
