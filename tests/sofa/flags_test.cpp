@@ -86,8 +86,11 @@ TEST_CASE("a body that goes on moving though nothing drives it is told", "[slow]
     CHECK(report.unrest.body == spinning);
     CHECK(report.unrest.bodies == 1); // the block rests
     CHECK(steps == Approx(500).margin(101));
+    const auto saved = server->save();
     server->setGravity({0, 1e-9, 0}); // something has driven the scene
     CHECK_FALSE(server->step(1e-2).has(StepFlag::Restless));
+    server->restore(*saved); // a saved state knows that nothing had
+    CHECK(server->step(1e-2).has(StepFlag::Restless));
 }
 
 } // namespace flags_test

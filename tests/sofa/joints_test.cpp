@@ -2,7 +2,7 @@
 
 #include "filasofia/geometry/shapes.h"
 
-// Joints: those of told bodies, and those that attachments make of rigid bodies.
+// Joints: those that are told where to go, and those that attachments make of rigid bodies.
 namespace joints_test {
 
 using namespace filasofia;
@@ -157,21 +157,6 @@ TEST_CASE("an element that is attached as a whole keeps its position and its ori
     const auto frame = server->latest();
     REQUIRE(frame->attachments.size() >= 1);
     CHECK(frame->attachments.back().points == 4);
-}
-
-TEST_CASE("joints that forces drive are refused")
-{
-    const auto server = serverWith("sofa", kDt);
-    RigidBodyDef def = instrument();
-    def.mass = Density{1000};
-    const BodyId tool = server->add(def);
-    CHECK_THROWS_WITH(server->setJoint(tool, 0, JointForce{1.0}),
-                      "rigid body 'instrument': SetJoint by a JointForce is not available with the engine 'sofa'");
-    def.articulation.joints[1].command = JointForce{1.0};
-    CHECK_THROWS_WITH(server->add(def), Catch::Contains("articulation.joints[1].command JointForce is not available"));
-    def.articulation.joints[1].command.reset();
-    def.dynamic = true;
-    CHECK_THROWS_WITH(server->add(def), Catch::Contains("articulation of a dynamic body is not available"));
 }
 
 } // namespace joints_test

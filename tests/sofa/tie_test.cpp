@@ -232,4 +232,34 @@ TEST_CASE("bodies whose surfaces touch exactly do not fly apart, welded there or
         if (each.to == below) CHECK(each.force.y == Approx(6.4e-8 * 1000 * 9.81).epsilon(0.1)); // its weight
 }
 
+TEST_CASE("what holds nothing is in the step's report")
+{
+    const std::string engine = GENERATE(as<std::string>(), "native", "sofa");
+    CAPTURE(engine);
+    const auto server = serverWith(engine, kDt, {});
+    const BodyId tool = server->add(box("tool", {0, 0.5, 0}, false)), other = server->add(box("other", {0, 0.6, 0}));
+    SoftBodyDef def = cube("cube", {});
+    def.attachments = {{.box = geometry::Box{{1, 1, 1}, {2, 2, 2}}, .to = tool}};
+    const BodyId body = server->add(def);
+    const StepReport added = server->step(kDt);
+    REQUIRE(added.nothingHeld.size() == 1);
+    CHECK(added.has(StepFlag::NothingAttached));
+    CHECK((added.nothingHeld[0].body == body && added.nothingHeld[0].to == tool && !added.nothingHeld[0].grasp));
+
+    const AttachmentId pins = server->attach(body, {.box = geometry::Box{{1, 1, 1}, {2, 2, 2}}});
+    const AttachmentId tie = server->attach(body, {.box = geometry::Box{{1, 1, 1}, {2, 2, 2}}, .to = other});
+    const AttachmentId first = server->grasp(tool, body), second = server->grasp(tool, other);
+    const StepReport report = server->step(kDt);
+    REQUIRE(report.nothingHeld.size() == 4);
+    const auto is = [&](std::size_t i, AttachmentId id, BodyId of, BodyId to, bool grasp) {
+        const NothingHeld& each = report.nothingHeld[i];
+        return each.id == id && each.body == of && each.to == to && each.grasp == grasp;
+    };
+    CHECK(is(0, pins, body, {}, false));
+    CHECK(is(1, tie, body, other, false));
+    CHECK(is(2, first, tool, body, true));
+    CHECK(is(3, second, tool, other, true));
+    CHECK(server->step(kDt).nothingHeld.empty());
+}
+
 } // namespace tie_test

@@ -36,6 +36,7 @@ struct ApplyCommand {
             tieAll(add, scene.soft.back()->plan().def.attachments);
         } else if (auto* rigid = dynamic_cast<PlannedRigid*>(body.get())) {
             startContact(rigid->plan.collision, scene);
+            if (isDriven(rigid->plan.def)) startConstraints(scene);
             scene.rigid.push_back(
                 std::make_unique<RigidNode>(add.id, std::move(rigid->plan), *scene.root, scene.contact));
             tieAll(add, scene.rigid.back()->plan().def.attachments);
@@ -64,7 +65,9 @@ struct ApplyCommand {
     void operator()(const physics::SetHaptic& set) const { rigid(set.id)->setHand(set.element, set.target); }
     void operator()(const physics::SetJoint& set) const
     {
-        rigid(set.id)->setJoint(set.joint, std::get<physics::JointPosition>(set.command).value);
+        RigidNode& body = *rigid(set.id);
+        if (std::holds_alternative<physics::JointForce>(set.command)) startConstraints(scene);
+        body.setJoint(set.joint, set.command);
     }
     void operator()(const physics::SetGravity& set) const { scene.root->setGravity(toSofa(set.gravity)); }
     void operator()(physics::SetMaterial& set) const
@@ -81,11 +84,16 @@ struct ApplyCommand {
     {
         addTie(attach.id, rigid(attach.body)->id(), attach.def, scene);
     }
-    void operator()(const physics::Grasp& grasp) const { scene.grasps.push_back(grasp); }
+    void operator()(const physics::Grasp& grasp) const
+    {
+        // Threads take ids before their commands are queued: they may come slightly out of order.
+        scene.grasps.insert(std::ranges::upper_bound(scene.grasps, grasp.id, {}, &physics::Grasp::id), grasp);
+    }
     void operator()(const physics::Attach& attach) const
     {
         if (isTie(attach.def)) {
-            if (!addTie(attach.id, soft(attach.body)->id(), attach.def, scene)) nothingAttached(attach.body);
+            if (!addTie(attach.id, soft(attach.body)->id(), attach.def, scene))
+                nothingAttached({.id = attach.id, .body = attach.body, .to = attach.def.to});
             return;
         }
         SoftNode& body = *soft(attach.body);
@@ -95,7 +103,7 @@ struct ApplyCommand {
         const std::vector<char> gone = goneNodes(body.plan());
         std::erase_if(group.nodes, [&](int node) { return gone[static_cast<std::size_t>(node)] != 0; });
         if (group.nodes.empty()) {
-            nothingAttached(attach.body);
+            nothingAttached({.id = attach.id, .body = attach.body});
             return;
         }
         for (const int node : group.nodes) group.places.push_back(now.positions[static_cast<std::size_t>(node)]);
@@ -122,8 +130,9 @@ struct ApplyCommand {
     }
     void operator()(const physics::RemovePiece& remove) const
     {
-        const bool removed = soft(remove.id)->cuts() && removePieceOf(remove.id, remove.piece, scene);
-        report.topology.noPiece += removed ? 0 : 1;
+        const Removal done = soft(remove.id)->cuts() ? removePieceOf(remove.id, remove.piece, scene) : Removal::NoPiece;
+        report.topology.noPiece += done == Removal::NoPiece ? 1 : 0;
+        if (done == Removal::Failed) report.set(StepFlag::TuneRejected);
     }
     void operator()(const physics::Pause&) const {} // the server steps with dt = 0
     void operator()(const physics::Tune& tune) const
@@ -141,10 +150,11 @@ struct ApplyCommand {
     template <class Refused> void operator()(const Refused&) const {} // see checkCommand()
 
 private:
-    void nothingAttached(BodyId body) const
+    void nothingAttached(const physics::NothingHeld& held) const
     {
         report.set(StepFlag::NothingAttached);
-        logWarning("soft body '", soft(body)->plan().def.name, "': an attachment found no node");
+        report.nothingHeld.push_back(held);
+        logWarning("soft body '", soft(held.body)->plan().def.name, "': an attachment found no node");
     }
     /// The attachments of a new body's Def that are no pins.
     template <class Def> void tieAll(const physics::AddBody& add, const std::vector<Def>& defs) const
@@ -153,7 +163,7 @@ private:
             const AttachmentId id{add.attachments.value + static_cast<std::uint32_t>(i)};
             if constexpr (std::is_same_v<Def, physics::AttachmentDef>)
                 if (!isTie(defs[i])) continue;
-            if (!addTie(id, add.id, defs[i], scene)) nothingAttached(add.id);
+            if (!addTie(id, add.id, defs[i], scene)) nothingAttached({.id = id, .body = add.id, .to = defs[i].to});
         }
     }
     /// Throws an Error if SOFA could not make the body.
@@ -168,10 +178,6 @@ private:
 
 /// The command's name, if this engine has no such command at all.
 struct Missing {
-    const char* operator()(const physics::SetJoint& set) const
-    {
-        return std::holds_alternative<physics::JointForce>(set.command) ? "SetJoint by a JointForce" : nullptr;
-    }
     const char* operator()(const physics::SetTissue&) const { return "SetTissue"; }
     const char* operator()(const physics::SetFibreStress&) const { return "SetFibreStress"; }
     const char* operator()(const physics::SetCavity&) const { return "SetCavity"; }

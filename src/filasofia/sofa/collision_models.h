@@ -18,14 +18,16 @@ using WeldedPairs = std::map<std::array<BodyId, 2>, geometry::Box>;
 /// What our rules of collision ask about a collision model of SOFA.
 struct ModelTag {
     BodyId body = {};
-    int element = 0;        ///< in a rigid body
-    bool soft = false;      ///< the body is soft
-    bool moves = true;      ///< by forces; false for a kinematic body
-    int group = 0;          ///< only models of the same group meet
-    bool self = false;      ///< whether it meets its own body
-    double friction = 0.0;  ///< [-] the body's
-    double stiffness = 0.0; ///< [N/m] a contact's, if contacts are penalties
-    bool cuttable = false;  ///< blades of its group pass through
+    int element = 0;                         ///< in a rigid body
+    int parent = -1;                         ///< the element that a joint connects it to
+    bool soft = false;                       ///< the body is soft
+    bool moves = true;                       ///< by forces; false for a kinematic body
+    std::shared_ptr<const bool> driven = {}; ///< if it has joints: whether forces move some of it. It changes that
+    int group = 0;                           ///< only models of the same group meet
+    bool self = false;                       ///< whether it meets its own body
+    double friction = 0.0;                   ///< [-] the body's
+    double stiffness = 0.0;                  ///< [N/m] a contact's, if contacts are penalties
+    bool cuttable = false;                   ///< blades of its group pass through
     /// Whether a blade passes through what it could cut; null for all others. Its body changes it.
     std::shared_ptr<const bool> passes = {};
     std::shared_ptr<const WeldedPairs> welded = {}; ///< the scene's now
@@ -51,9 +53,11 @@ inline const geometry::Box* weldOf(const ModelTag& a, const ModelTag& b)
 inline bool mayMeet(const ModelTag& a, const ModelTag& b)
 {
     if ((a.passes && *a.passes && b.cuttable) || (b.passes && *b.passes && a.cuttable)) return false;
-    if (a.group != b.group || !(a.moves || b.moves)) return false;
+    const auto moves = [](const ModelTag& each) { return each.moves || (each.driven && *each.driven); };
+    if (a.group != b.group || !(moves(a) || moves(b))) return false;
     if (a.body != b.body) return true;
-    return a.self && b.self && (a.soft || a.element != b.element);
+    const bool jointed = a.parent == b.element || b.parent == a.element; // they overlap there
+    return a.self && b.self && (a.soft || (a.element != b.element && !jointed));
 }
 
 /// A collision model of SOFA with our rules. SOFA's own are the opposite: models of the same group do not collide.

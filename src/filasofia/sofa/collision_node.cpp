@@ -47,7 +47,7 @@ void addModel(const CollisionPlan& plan, const ModelTag& tag, const ContactStage
     model->setContactStiffness(1.0); // 0 would switch its contacts off
     model->setSelfCollision(tag.self);
     model->setMoving(true);
-    model->setSimulated(tag.moves);
+    model->setSimulated(tag.moves || tag.driven);
     to.addObject(model);
 }
 

@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/geometry/surface.h"
+#include "filasofia/sofa/lacks.h"
 
 namespace filasofia::sofaengine {
 namespace {
@@ -43,6 +44,8 @@ std::vector<CollisionPlan> planCollision(const physics::SoftBodyDef& def, const 
         const std::string field = text(object, ": collision[", i, "]");
         if (def.collision[i].cutting) continue; // it names a group of blades: see mayBeCut()
         checkModel(def.collision[i], field);
+        // Both sides of a cut touch exactly, vertex on vertex, and SOFA sees no contact there, nor from inside.
+        if (def.collision[i].selfOnceCut) fail(field, ".selfOnceCut", kLacks);
         CollisionPlan& plan = plans.emplace_back(CollisionPlan{.def = def.collision[i]});
         if (const auto given = physics::loadMesh(plan.def.mesh, field + ".mesh")) {
             if (def.dynamicTopology)

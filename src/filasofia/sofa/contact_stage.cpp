@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/sofa/make_tie.h"
+#include "filasofia/sofa/rigid_plan.h"
 
 #include <sofa/component/animationloop/FreeMotionAnimationLoop.h>
 #include <sofa/component/collision/detection/algorithm/BVHNarrowPhase.h>
@@ -75,6 +76,7 @@ void ContactStage::check(const physics::BodyDef& def) const
     const auto* rigid = std::get_if<physics::RigidBodyDef>(&def);
     const bool ties = soft ? std::ranges::any_of(soft->attachments, isTie) : rigid && !rigid->attachments.empty();
     if (ties) checkTies(describeBody(def) + ": attachments");
+    if (rigid && isDriven(*rigid)) checkDrives(describeBody(def) + ": articulation");
     const double friction = soft ? soft->friction : rigid ? rigid->friction : 0.0;
     const bool collides = soft ? !soft->collision.empty() : rigid && !rigid->collision.empty();
     if (!isExact() && collides && friction > 0.0 && !toldOfFriction_.exchange(true))
@@ -94,6 +96,12 @@ void ContactStage::checkTies(const std::string& object) const
     if (!isExact())
         fail(object, ": attachments between bodies, and ones that break, are not available by PenaltyContact with the "
                      "engine 'sofa'");
+}
+
+void ContactStage::checkDrives(const std::string& object) const
+{
+    if (!isExact())
+        fail(object, ": joints that forces move are not available by PenaltyContact with the engine 'sofa'");
 }
 
 void ContactStage::start(::sofa::simulation::Node& root)

@@ -37,6 +37,8 @@ public:
     void check(const physics::BodyDef& def) const;
     /// Throws an Error that begins with `object` if bodies cannot be tied.
     void checkTies(const std::string& object) const;
+    /// Throws an Error that begins with `object` if forces cannot move joints.
+    void checkDrives(const std::string& object) const;
 
     /// [m] The largest distance at which two surfaces at rest touch.
     [[nodiscard]] double reach() const { return 2.0 * proximity_; }

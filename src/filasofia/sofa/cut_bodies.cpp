@@ -136,13 +136,8 @@ void cutTies(const std::vector<MovingBlade>& blades, SofaScene& scene)
 
 bool takesNodes(const TieState& tie, BodyId id, const std::vector<char>& gone)
 {
-    const auto isGone = [&](const TiePoint& point) {
-        for (std::size_t k = 0; k < 4; ++k)
-            if (point.weights[k] != 0.0 && gone[static_cast<std::size_t>(point.nodes[k])] != 0) return true;
-        return false;
-    };
     return std::ranges::any_of(tie.pairs, [&](const TieRows::Pair& pair) {
-        return (tie.body.id == id && isGone(pair.first)) || (tie.to.id == id && isGone(pair.second));
+        return (tie.body.id == id && dependsOn(pair.first, gone)) || (tie.to.id == id && dependsOn(pair.second, gone));
     });
 }
 
@@ -161,17 +156,18 @@ void ruptureBodies(const SceneMotion& before, double dt, SofaScene& scene, physi
     cutTies(blades, scene);
 }
 
-bool removePieceOf(BodyId id, int piece, SofaScene& scene)
+Removal removePieceOf(BodyId id, int piece, SofaScene& scene)
 {
     const SoftNode& body = *findBody(scene.soft, id);
     auto cuts = std::make_unique<SoftCuts>(*body.cuts());
     BodyDraft draft = draftOf(body, scene);
-    if (!removePiece(piece, *cuts, draft.plan)) return false;
+    if (!removePiece(piece, *cuts, draft.plan)) return Removal::NoPiece;
     forgetGone(draft);
     const std::vector<char> gone = goneNodes(draft.plan);
     std::erase_if(draft.ties, [&](const TieState& each) { return takesNodes(each, id, gone); });
-    return attempt(text("soft body '", body.plan().def.name, "': the piece stays, because SOFA failed"),
-                   [&] { replaceBody(std::move(draft), std::move(cuts), scene, id); });
+    const bool made = attempt(text("soft body '", body.plan().def.name, "': the piece stays, because SOFA failed"),
+                              [&] { replaceBody(std::move(draft), std::move(cuts), scene, id); });
+    return made ? Removal::Done : Removal::Failed;
 }
 
 void removeLostPieces(SofaScene& scene, physics::StepReport& report)
@@ -181,7 +177,7 @@ void removeLostPieces(SofaScene& scene, physics::StepReport& report)
         SoftState now;
         scene.soft[b]->read(now);
         for (const int piece : piecesBeyond(physics::kLostDistance, *scene.soft[b]->cuts(), now.positions))
-            report.topology.lost += removePieceOf(scene.soft[b]->id(), piece, scene) ? 1 : 0;
+            report.topology.lost += removePieceOf(scene.soft[b]->id(), piece, scene) == Removal::Done ? 1 : 0;
     }
 }
 

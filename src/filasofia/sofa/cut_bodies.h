@@ -11,8 +11,13 @@ namespace filasofia::sofaengine {
 /// edited are made anew. `before`: where bodies were at the start of the step of dt [s].
 void ruptureBodies(const SceneMotion& before, double dt, SofaScene& scene, physics::StepReport& report);
 
-/// Removes a piece; false if there is no such piece, or if it is all that is left. Attachments that hold its nodes go.
-bool removePieceOf(BodyId body, int piece, SofaScene& scene);
+enum class Removal {
+    Done,
+    NoPiece, ///< there is no such piece, or it is all that is left
+    Failed   ///< SOFA could not make what is left; the log says why, and the piece stays
+};
+/// Removes a piece. Attachments that hold its nodes go.
+Removal removePieceOf(BodyId body, int piece, SofaScene& scene);
 /// Removes pieces that have fallen out of the scene. They would fall for ever.
 void removeLostPieces(SofaScene& scene, physics::StepReport& report);
 

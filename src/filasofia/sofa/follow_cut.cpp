@@ -1,5 +1,6 @@
 #include "filasofia/sofa/follow_cut.h"
 
+#include "filasofia/engine/rupture/pin_new_nodes.h"
 #include "filasofia/geometry/adjacency.h"
 
 #include <algorithm>
@@ -76,26 +77,19 @@ void followTies(const TopologyEdit& edit, const std::vector<geometry::Tetrahedro
     points.follow(edit, now);
 }
 
-bool holds(const PinGroup& group, int node)
-{
-    return group.stiffness == physics::kHard && std::ranges::find(group.nodes, node) != group.nodes.end();
-}
-
-/// A new node between two pinned nodes is pinned: by the groups that pin both, or if there is none, by all groups that
-/// pin one of them. A copy of a pinned node is pinned too. Spring pins stay with the original node and slide with it.
+/// A new node between two pinned nodes is pinned, and a copy of one. Spring pins stay with the original node and slide
+/// with it.
 void followPins(const TopologyEdit& edit, const std::vector<Vec3>& places, std::vector<PinGroup>& pins)
 {
+    const auto isHeld = [&](int node) {
+        return std::ranges::any_of(pins, [&](const PinGroup& each) { return engine::holdsHard(each, node); });
+    };
     const auto pin = [&](int node, int a, int b) {
-        const auto holdsA = [&](const PinGroup& each) { return holds(each, a); };
-        const auto holdsB = [&](const PinGroup& each) { return holds(each, b); };
-        const auto holdsBoth = [&](const PinGroup& each) { return holdsA(each) && holdsB(each); };
-        if (std::ranges::none_of(pins, holdsA) || std::ranges::none_of(pins, holdsB)) return;
-        const bool both = std::ranges::any_of(pins, holdsBoth);
-        for (PinGroup& group : pins) {
-            if (both ? !holdsBoth(group) : !holdsA(group) && !holdsB(group)) continue;
+        if (!isHeld(a) || !isHeld(b)) return;
+        engine::pinBetween(a, b, pins, [&](PinGroup& group) {
             group.nodes.push_back(node);
             group.places.push_back(places[at(node)]);
-        }
+        });
     };
     for (const frame::TopologyOp& op : edit.ops)
         if (const auto* made = std::get_if<frame::NewNode>(&op)) {
@@ -161,7 +155,7 @@ void makeWhole(const SoftCuts& cuts, BodyDraft& body)
     for (PinGroup& group : body.settings.pins)
         if (const auto first = std::ranges::find(body.plan.pins, group.id, &PinGroup::id);
             first != body.plan.pins.end())
-            group = *first; // where slides began
+            group = *first; // where slides began, with the nodes of pieces that were removed
     eraseNodes([&](int node) { return node >= count; }, body.settings.pins);
     std::erase_if(body.settings.pins, [](const PinGroup& each) { return each.nodes.empty(); });
 }
@@ -171,8 +165,12 @@ void forgetGone(BodyDraft& body)
     const std::vector<char> gone = goneNodes(body.plan);
     for (std::size_t i = 0; i < gone.size(); ++i)
         if (gone[i] != 0) body.state.velocities[i] = {};
-    eraseNodes([&](int node) { return gone[at(node)] != 0; }, body.settings.pins);
-    std::erase_if(body.settings.pins, [](const PinGroup& each) { return each.nodes.empty(); });
+    const auto isGone = [&](int node) { return gone[at(node)] != 0; };
+    std::erase_if(body.settings.pins, [&](const PinGroup& each) {
+        const bool ofDef = std::ranges::find(body.plan.pins, each.id, &PinGroup::id) != body.plan.pins.end();
+        return !ofDef && std::ranges::any_of(each.nodes, isGone);
+    });
+    eraseNodes(isGone, body.settings.pins);
 }
 
 std::vector<physics::LoosePiece> loosePieces(const TopologyEdit& edit, SoftCuts& cuts, const BodyDraft& body)

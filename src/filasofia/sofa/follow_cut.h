@@ -22,7 +22,8 @@ void followCut(const frame::TopologyEdit& edit, SoftCuts& cuts, BodyDraft& body)
 /// Makes the body whole, as it was before its first edit and in its own place. Pins on nodes that are gone are gone.
 void makeWhole(const SoftCuts& cuts, BodyDraft& body);
 
-/// Lets go of all that holds nodes of removed pieces.
+/// Lets go of what holds nodes of removed pieces, as the native engine does: makeWhole() brings back the pins of the
+/// Def, but not those of commands.
 void forgetGone(BodyDraft& body);
 
 /// What the edit has parted: pieces, their masses and places, and whether pins hold them.

@@ -6,14 +6,17 @@
 #include <sofa/core/behavior/ConstraintCorrection.inl>
 #include <sofa/linearalgebra/BaseMatrix.h>
 
+#include <algorithm>
 #include <functional>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace filasofia::sofaengine {
 
-/// How impulses of constraints move a body whose nodes do not act on each other within a step: rigid elements, and
-/// nodes that are integrated explicitly. Without `respond` they do not move it: a kinematic body, or one that nothing
-/// touches. SOFA moves a body with constraints in the scene only if it has such a component.
+/// How impulses of constraints move a body whose answer is known without a solver of SOFA's: rigid elements, links of
+/// joints, and nodes that are integrated explicitly. Without `respond` they do not move it: a kinematic body, or one
+/// that nothing touches. SOFA moves a body with constraints in the scene only if it has such a component.
 template <class Types> class FreeCorrection final : public ::sofa::core::behavior::ConstraintCorrection<Types> {
 public:
     SOFA_CLASS(SOFA_TEMPLATE(FreeCorrection, Types),
@@ -23,19 +26,33 @@ public:
     using Derivs = ::sofa::Data<typename Types::VecDeriv>;
     using Params = ::sofa::core::ConstraintParams;
 
-    /// The change of velocity of a node by an impulse, in a step of dt [s].
-    std::function<Deriv(std::size_t node, const Deriv& impulse, double dt)> respond = {};
+    using Part = std::pair<int, Deriv>; ///< a node, and an impulse on it or a change of its velocity
+    using Response = std::function<std::vector<Part>(std::span<const Part> impulses, double dt)>;
+    Response respond = {}; ///< the changes of velocity by impulses, in a step of dt [s]
+    Response push = {};    ///< the same where they are those of the step; none: `respond`
+
+    /// Nodes that do not act on each other within a step.
+    static Response eachAlone(std::function<Deriv(std::size_t node, const Deriv& impulse, double dt)> answer)
+    {
+        return [answer = std::move(answer)](std::span<const Part> impulses, double dt) {
+            std::vector<Part> moved;
+            for (const auto& [node, impulse] : impulses)
+                moved.emplace_back(node, answer(static_cast<std::size_t>(node), impulse, dt));
+            return moved;
+        };
+    }
 
     void addComplianceInConstraintSpace(const Params* params, ::sofa::linearalgebra::BaseMatrix* w) override
     {
         if (!respond) return;
         const double dt = this->getContext()->getDt();
         const auto& jacobian = params->readJ(this->mstate.get())->getValue();
-        for (auto row = jacobian.begin(); row != jacobian.end(); ++row)
-            for (auto at = row.begin(); at != row.end(); ++at) {
-                const Deriv moved = respond(static_cast<std::size_t>(at.index()), at.val(), dt) * dt;
-                addRow(jacobian, at.index(), moved, row.index(), w);
-            }
+        for (auto row = jacobian.begin(); row != jacobian.end(); ++row) {
+            std::vector<Part> impulses;
+            for (auto at = row.begin(); at != row.end(); ++at) impulses.emplace_back(at.index(), at.val());
+            for (const auto& [node, change] : respond(impulses, dt))
+                addRow(jacobian, node, change * dt, row.index(), w);
+        }
     }
     void computeMotionCorrection(const Params* /*params*/, ::sofa::core::MultiVecDerivId dx,
                                  ::sofa::core::MultiVecDerivId f) override
@@ -44,7 +61,12 @@ public:
         ::sofa::helper::WriteAccessor change(*dx[this->mstate.get()].write());
         const auto& impulse = f[this->mstate.get()].read()->getValue();
         change.resize(impulse.size());
-        for (std::size_t i = 0; i < impulse.size(); ++i) change[i] = respond ? respond(i, impulse[i], dt) : Deriv();
+        std::fill(change.begin(), change.end(), Deriv());
+        if (!respond) return;
+        std::vector<Part> impulses;
+        // Zeros too: SOFA's vectors count as equal within 1e-6, which is more than a node's impulse.
+        for (std::size_t i = 0; i < impulse.size(); ++i) impulses.emplace_back(static_cast<int>(i), impulse[i]);
+        for (const auto& [node, moved] : (push ? push : respond)(impulses, dt)) change[std::size_t(node)] = moved;
     }
     void applyMotionCorrection(const Params* params, Coords& x, Derivs& v, Derivs& dx, const Derivs& change) override
     {

@@ -6,31 +6,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <ranges>
 
 namespace filasofia::sofaengine {
 namespace {
 
+/// In what is left of a body.
 std::vector<TiePoint> embedded(const SoftNode& body, std::span<const Vec3> places)
 {
     SoftState now;
     body.read(now);
-    const geometry::Embedding found =
-        geometry::embed({.nodes = now.positions, .tetrahedra = body.plan().mesh.tetrahedra}, places);
+    geometry::TetMesh left{.nodes = now.positions, .tetrahedra = {}};
+    const SoftPlan& plan = body.plan();
+    for (std::size_t t = 0; t < plan.mesh.tetrahedra.size(); ++t)
+        if (plan.gone.empty() || plan.gone[t] == 0) left.tetrahedra.push_back(plan.mesh.tetrahedra[t]);
+    const geometry::Embedding found = geometry::embed(left, places);
     std::vector<TiePoint> points;
     for (std::size_t i = 0; i < places.size(); ++i)
         points.push_back({.nodes = found.nodes[i], .weights = found.weights[i]});
     return points;
 }
 
-/// The nodes of a body nearest to places.
-std::vector<TiePoint> nearest(const std::vector<Vec3>& nodes, std::span<const Vec3> places)
+/// The nodes nearest to places, of those that are left of a body.
+std::vector<TiePoint> nearest(const std::vector<Vec3>& nodes, const std::vector<char>& gone,
+                              std::span<const Vec3> places)
 {
     std::vector<TiePoint> points;
     for (const Vec3 place : places) {
-        const auto far = [&](Vec3 node) { return lengthSquared(node - place); };
-        const auto best = std::ranges::min_element(nodes, {}, far);
-        points.push_back({.nodes = {static_cast<int>(best - nodes.begin()), 0, 0, 0}});
+        const auto far = [&](std::size_t node) {
+            return gone[node] != 0 ? std::numeric_limits<double>::infinity() : lengthSquared(nodes[node] - place);
+        };
+        const auto best = std::ranges::min(std::views::iota(std::size_t{0}, nodes.size()), {}, far);
+        points.push_back({.nodes = {static_cast<int>(best), 0, 0, 0}});
     }
     return points;
 }
@@ -102,7 +111,7 @@ void meet(const std::vector<Vec3>& places, const physics::AttachmentDef* def, Ha
     if (def && !def->toNodes.empty())
         for (const int node : def->toNodes) other.points.push_back({.nodes = {node, 0, 0, 0}});
     else if (def && def->mode == physics::AttachMode::Nearest)
-        other.points = nearest(now.positions, places);
+        other.points = nearest(now.positions, goneNodes(other.side.soft->plan()), places);
     else
         other.points = embedded(*other.side.soft, places);
     for (const TiePoint& point : other.points) {
@@ -136,6 +145,27 @@ std::vector<Vec3> pointsAround(const Tie::Side& body, const Tie::Side& other)
     const Vec3 centre = body.rigid->plan().inertia.centre;
     const double r = radius / std::sqrt(3.0);
     return {centre + Vec3{r, r, r}, centre + Vec3{r, -r, -r}, centre + Vec3{-r, r, -r}, centre + Vec3{-r, -r, r}};
+}
+
+/// Leaves out the pairs of which a node is of a removed piece; false if none is left.
+bool leaveOutGone(Half& body, Half& other)
+{
+    const auto goneOf = [](const Half& half) {
+        return half.side.soft ? goneNodes(half.side.soft->plan()) : std::vector<char>{};
+    };
+    const std::vector<char> gone = goneOf(body), otherGone = goneOf(other);
+    const auto isGone = [](const Half& half, std::size_t i, const std::vector<char>& nodes) {
+        return half.side.soft && dependsOn(half.points[i], nodes);
+    };
+    for (std::size_t i = body.points.size(); i-- > 0;) {
+        if (!isGone(body, i, gone) && !isGone(other, i, otherGone)) continue;
+        for (Half* each : {&body, &other}) {
+            if (i >= each->points.size()) continue; // space has none
+            each->points.erase(each->points.begin() + static_cast<std::ptrdiff_t>(i));
+            each->places.erase(each->places.begin() + static_cast<std::ptrdiff_t>(i));
+        }
+    }
+    return !body.points.empty();
 }
 
 void keep(AttachmentId id, const Half& body, const Half& other, const TieLaw& law, SofaScene& scene)
@@ -188,12 +218,16 @@ bool addTie(AttachmentId id, BodyId body, const physics::AttachmentDef& def, Sof
     std::vector<int> nodes = def.toNodes.empty() ? nodesOf(def, now.positions) : def.nodes;
     const bool selects = !def.nodes.empty() || def.box || def.ball;
     if (def.within || !selects) addNodesNear(def, now.positions, other.side, nodes);
+    const std::vector<char> gone = goneNodes(side.side.soft->plan());
+    if (def.toNodes.empty()) // else they are pairs
+        std::erase_if(nodes, [&](int node) { return gone[static_cast<std::size_t>(node)] != 0; });
     for (const int node : nodes) {
         side.points.push_back({.nodes = {node, 0, 0, 0}});
         side.places.push_back(now.positions[static_cast<std::size_t>(node)]);
     }
     if (side.places.empty()) return false;
     meet(side.places, &def, other);
+    if (!leaveOutGone(side, other)) return false;
     keep(id, side, other, {def.stiffness, def.breakForce, def.pointBreakForce, def.cutDistance}, scene);
     return true;
 }

@@ -42,35 +42,42 @@ void addRigidSolver(const physics::RigidBodyDef& def, ::sofa::simulation::Node& 
 RigidNode::RigidNode(BodyId id, RigidPlan plan, ::sofa::simulation::Node& root, const ContactStage& contact)
     : RigidNode(id, std::move(plan))
 {
-    const bool dynamic = plan_.def.dynamic;
     node_ = root.createChild(text("body", id.value));
-    if (dynamic) addRigidSolver(plan_.def, *node_);
+    if (isSolved()) addRigidSolver(plan_.def, *node_);
     state_ = New<State>();
     state_->setName("state");
     state_->resize(static_cast<::sofa::Size>(plan_.def.elements.size()));
     write(start());
     state_->x0.setValue(state_->x.getValue());
     node_->addObject(state_);
-    if (dynamic) {
-        mass_ = New<ElementMass>();
-        mass_->mass = plan_.inertia.mass;
-        mass_->inertia = plan_.inertia.inertia;
-        node_->addObject(mass_);
-        loads_ = New<RigidLoads>();
-        loads_->setName("loads");
-        loads_->wrenches.resize(plan_.def.elements.size());
-        loads_->hands.resize(plan_.def.elements.size());
-        if (!plan_.def.gravity) loads_->weightless = plan_.inertia.mass;
-        node_->addObject(loads_);
-    }
+    if (isSolved()) addSolved();
+    *driven_ = joints_.isDriven();
     for (const CollisionPlan& each : plan_.collision) {
         for (const Vec3 vertex : each.mesh.vertices) reach_ = std::max(reach_, distance(vertex, plan_.inertia.centre));
-        surfaces_.push_back(
-            addCollision(each, {.body = id, .moves = dynamic, .friction = plan_.def.friction, .passes = passes_},
-                         contact, *state_, plan_.inertia.centre));
+        const ModelTag tag{.body = id,
+                           .parent = joints_.parentOf(each.def.element),
+                           .moves = isSolved(),
+                           .driven = joints_.empty() ? nullptr : driven_,
+                           .friction = plan_.def.friction,
+                           .passes = passes_};
+        surfaces_.push_back(addCollision(each, tag, contact, *state_, plan_.inertia.centre));
     }
     ::sofa::simulation::node::init(node_.get());
     if (contact.constrains()) joinConstraints();
+}
+
+void RigidNode::addSolved()
+{
+    mass_ = New<ElementMass>();
+    mass_->mass = plan_.inertia.mass;
+    mass_->inertia = plan_.inertia.inertia;
+    node_->addObject(mass_);
+    loads_ = New<RigidLoads>();
+    loads_->setName("loads");
+    loads_->wrenches.resize(plan_.def.elements.size());
+    loads_->hands.resize(plan_.def.elements.size());
+    if (!plan_.def.gravity) loads_->weightless = plan_.inertia.mass;
+    node_->addObject(loads_);
 }
 
 RigidNode::~RigidNode()
@@ -83,14 +90,22 @@ void RigidNode::joinConstraints()
 {
     constrained_ = true;
     const auto correction = New<FreeCorrection<RigidTypes>>();
-    if (plan_.def.dynamic)
-        correction->respond = [this](std::size_t element, const RigidTypes::Deriv& impulse, double dt) {
-            const RigidLoads::HandInertia hand = loads_->handInertia(element, dt);
-            const double damped = 1 + dt * plan_.def.linearDamping;
-            const Mat3 inertia = damped * mass_->inertiaOf(element) + hand.inertia * Mat3::identity();
-            return RigidTypes::Deriv(getVCenter(impulse) / (plan_.inertia.mass * damped + hand.mass),
-                                     toSofa(inverse(inertia) * fromSofa(getVOrientation(impulse))));
-        };
+    if (isSolved()) {
+        correction->respond =
+            correction->eachAlone([this](std::size_t element, const RigidTypes::Deriv& impulse, double dt) {
+                const RigidLoads::HandInertia hand = loads_->handInertia(element, dt);
+                const double damped = 1 + dt * plan_.def.linearDamping;
+                const Mat3 inertia = damped * mass_->inertiaOf(element) + hand.inertia * Mat3::identity();
+                return RigidTypes::Deriv(getVCenter(impulse) / (plan_.inertia.mass * damped + hand.mass),
+                                         toSofa(inverse(inertia) * fromSofa(getVOrientation(impulse))));
+            });
+    } else if (!joints_.empty()) {
+        correction->respond = [this](auto impulses, double /*dt*/) { return joints_.respond(impulses); };
+        correction->push = [this](auto impulses, double /*dt*/) { return joints_.push(impulses); };
+        rows_ = New<JointRows>(state_.get(), joints_);
+        node_->addObject(rows_);
+        rows_->init();
+    }
     node_->addObject(correction);
     correction->init();
 }
@@ -154,7 +169,7 @@ bool RigidNode::isUsable() const
 
 void RigidNode::setWrench(int element, const RigidLoads::Wrench& wrench)
 {
-    loads_->wrenches[static_cast<std::size_t>(element)] = wrench;
+    (loads_ ? loads_->wrenches : joints_.wrenches)[static_cast<std::size_t>(element)] = wrench;
 }
 
 void RigidNode::setHand(int element, const physics::HapticTarget& target)
@@ -183,6 +198,12 @@ void RigidNode::setPose(int element, const Pose& pose)
     read(now);
     now.poses[at] = pose;
     now.velocities[at] = now.angularVelocities[at] = {};
+    if (!joints_.empty()) { // all of it is at rest
+        now.velocities.assign(now.velocities.size(), {});
+        now.angularVelocities.assign(now.angularVelocities.size(), {});
+        joints_.rest();
+        joints_.place(now.poses);
+    }
     write(now);
 }
 
@@ -195,57 +216,69 @@ Pose RigidNode::endOf(int element) const
     return now.poses[at];
 }
 
-void RigidNode::moveLinks(double dt, const RigidNode* carrier)
+void RigidNode::beginJoints(double dt, const RigidNode* carrier)
 {
     const physics::ArticulationDef& def = plan_.def.articulation;
-    const std::vector<Pose> poses = joints_.move(dt, carrier ? carrier->endOf(def.toElement) * def.offset : endOf(0));
-    targets_.assign(poses.begin(), poses.end());
+    RigidState now;
+    read(now);
+    targets_[0] = carrier ? carrier->endOf(def.toElement) * def.offset : endOf(0);
+    joints_.begin(dt, *targets_[0], fromSofa(node_->getGravity()), now);
+    *driven_ = joints_.isDriven();
+    write(now);
 }
 
-void RigidNode::loadJoints(std::span<const PointForce> forces)
+void RigidNode::loadJoints(std::span<const PointForce> forces, std::span<const double> impulses, double dt)
 {
     if (joints_.empty()) return;
     std::vector<PointForce> own;
     std::ranges::copy_if(forces, std::back_inserter(own), [&](const PointForce& each) { return each.body == id_; });
-    RigidState now;
-    read(now);
-    joints_.load(own, now.poses);
+    joints_.load(own, rows_ ? rows_->impulsesOf(impulses) : impulses.first(0), dt);
 }
 
 void RigidNode::beginMove(double dt, const RigidNode* carrier)
 {
-    if (plan_.def.dynamic) {
+    if (isSolved()) {
         mass_->begin(dt);
         loads_->limitHands(dt);
         return;
     }
-    if (!joints_.empty()) moveLinks(dt, carrier);
-    RigidState now;
-    read(now);
-    for (std::size_t i = 0; i < targets_.size(); ++i) {
-        now.velocities[i] = now.angularVelocities[i] = {};
-        if (!targets_[i]) continue;
-        const Vec3 velocity = (targets_[i]->position - now.poses[i].position) / dt;
-        if (length(velocity) > physics::kTeleport) continue;
-        now.velocities[i] = velocity;
-        now.angularVelocities[i] = rotationVector(targets_[i]->orientation * conjugate(now.poses[i].orientation)) / dt;
+    if (joints_.empty()) {
+        RigidState now;
+        read(now);
+        for (std::size_t i = 0; i < targets_.size(); ++i) {
+            now.velocities[i] = now.angularVelocities[i] = {};
+            if (!targets_[i]) continue;
+            const Vec3 velocity = (targets_[i]->position - now.poses[i].position) / dt;
+            if (length(velocity) > physics::kTeleport) continue;
+            now.velocities[i] = velocity;
+            now.angularVelocities[i] =
+                rotationVector(targets_[i]->orientation * conjugate(now.poses[i].orientation)) / dt;
+        }
+        write(now);
+    } else {
+        beginJoints(dt, carrier);
     }
-    write(now);
     // What has no solver keeps the velocity with which SOFA first saw it.
     if (constrained_) state_->write(::sofa::core::vec_id::write_access::freeVelocity)->setValue(state_->v.getValue());
 }
 
-void RigidNode::finishMove()
+bool RigidNode::finishMove(double dt, bool failed)
 {
-    if (plan_.def.dynamic) {
+    if (isSolved()) {
         mass_->finish();
-        return;
+        return true;
     }
     RigidState now;
     read(now);
+    bool good = true;
+    if (!joints_.empty()) {
+        good = joints_.finish(dt, failed, now);
+        targets_.assign(targets_.size(), std::nullopt);
+    }
     for (std::size_t i = 0; i < targets_.size(); ++i)
         if (const auto target = std::exchange(targets_[i], std::nullopt)) now.poses[i] = *target;
     write(now);
+    return good;
 }
 
 void RigidNode::setBlades(bool cutting, int sheath)
@@ -270,6 +303,7 @@ RigidSettings RigidNode::settings() const
     settings.joints = joints_.state();
     settings.cutting = cutting_;
     settings.sheath = sheath_;
+    settings.wrenches = joints_.wrenches;
     if (!loads_) return settings;
     settings.wrenches = loads_->wrenches;
     settings.hands = loads_->hands;
@@ -281,6 +315,7 @@ void RigidNode::apply(const RigidSettings& settings)
     targets_ = settings.targets;
     joints_.apply(settings.joints);
     setBlades(settings.cutting, settings.sheath);
+    joints_.wrenches = settings.wrenches;
     if (!loads_) return;
     loads_->wrenches = settings.wrenches;
     loads_->hands = settings.hands;

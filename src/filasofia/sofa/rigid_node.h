@@ -1,11 +1,13 @@
 #pragma once
 
+#include "filasofia/sofa/articulation.h"
 #include "filasofia/sofa/collision_surface.h"
 #include "filasofia/sofa/contact_stage.h"
 #include "filasofia/sofa/element_mass.h"
+#include "filasofia/sofa/joint_rows.h"
 #include "filasofia/sofa/rigid_loads.h"
 #include "filasofia/sofa/rigid_plan.h"
-#include "filasofia/sofa/told_joints.h"
+#include "filasofia/sofa/rigid_state.h"
 
 #include "filasofia/frame/frame.h"
 
@@ -16,19 +18,12 @@
 
 namespace filasofia::sofaengine {
 
-/// Where a rigid body is, per element.
-struct RigidState {
-    std::vector<Pose> poses = {};             ///< where the elements have their origins
-    std::vector<Vec3> velocities = {};        ///< [m/s] at the centres of mass
-    std::vector<Vec3> angularVelocities = {}; ///< [rad/s] in world axes
-};
-
 /// What commands change of a rigid body, besides its motion; per element.
 struct RigidSettings {
-    std::vector<RigidLoads::Wrench> wrenches = {};           ///< empty if it is kinematic
+    std::vector<RigidLoads::Wrench> wrenches = {};           ///< empty if it is kinematic without joints
     std::vector<std::optional<RigidLoads::Hand>> hands = {}; ///< empty if it is kinematic
     std::vector<std::optional<Pose>> targets = {}; ///< where a kinematic body will be at the end of the next step
-    ToldJoints::State joints = {};
+    Articulation::State joints = {};
     bool cutting = true; ///< its blades cut
     int sheath = 0;      ///< [-] elements at its blades when they were switched off inside tissue; 0 once they are out
 };
@@ -63,19 +58,20 @@ public:
     void setHand(int element, const physics::HapticTarget& target);
     /// For a dynamic body its pose at once and at rest, for a kinematic one that at the end of the next step.
     void setPose(int element, const Pose& pose);
-    /// A joint of a told body goes to a position.
-    void setJoint(int joint, double position) { joints_.setTarget(joint, position); }
-    /// Gives a kinematic body the velocities that lead to its poses in dt [s]; finishMove() puts it there. `carrier`:
-    /// the body that its base follows, which has begun; or null.
+    void setJoint(int joint, const physics::JointCommand& command) { joints_.setCommand(joint, command); }
+    /// Gives what SOFA does not solve for its velocities in dt [s]: a kinematic body those that lead to its poses,
+    /// links those that their joints have without constraints. `carrier`: the body that a base follows, which has
+    /// begun; or null.
     void beginMove(double dt, const RigidNode* carrier);
-    void finishMove();
+    /// Puts it where that leads. `failed`: SOFA has not made the step. False if joints cannot be moved so.
+    bool finishMove(double dt, bool failed);
     /// Whether its blades cut, and how many elements they were in when they were switched off. They pass through what
     /// they could cut in both cases.
     void setBlades(bool cutting, int sheath);
     [[nodiscard]] bool isCutting() const { return cutting_; }
     [[nodiscard]] int sheath() const { return sheath_; }
-    /// After a step: what forces on the body do to its joints.
-    void loadJoints(std::span<const PointForce> forces);
+    /// After a step: what forces on the body and constraints, whose impulses [N s] these are, do to its joints.
+    void loadJoints(std::span<const PointForce> forces, std::span<const double> impulses, double dt);
     [[nodiscard]] const std::vector<frame::Joint>& joints() const { return joints_.state().joints; }
     /// Puts it where its Def says.
     void rewind();
@@ -89,18 +85,22 @@ private:
     {
     }
     [[nodiscard]] Pose endOf(int element) const; ///< where it will be at the end of the step
-    void moveLinks(double dt, const RigidNode* carrier);
+    void beginJoints(double dt, const RigidNode* carrier);
+    void addSolved(); ///< what a body needs that SOFA solves
+    [[nodiscard]] bool isSolved() const { return plan_.def.dynamic && joints_.empty(); } ///< by SOFA
 
     using State = ::sofa::component::statecontainer::MechanicalObject<RigidTypes>;
 
     BodyId id_;
     RigidPlan plan_;
-    ToldJoints joints_;
+    Articulation joints_;
     ::sofa::simulation::Node::SPtr node_;
     State::SPtr state_;
-    RigidLoads::SPtr loads_; ///< null for a kinematic body
-    ElementMass::SPtr mass_; ///< null for a kinematic body
+    RigidLoads::SPtr loads_; ///< null unless SOFA solves it
+    ElementMass::SPtr mass_; ///< null unless SOFA solves it
+    JointRows::SPtr rows_;   ///< null without joints
     std::vector<CollisionSurface> surfaces_;
+    std::shared_ptr<bool> driven_ = std::make_shared<bool>(false); ///< forces move some of its links
     bool constrained_ = false;
     bool cutting_ = true;
     int sheath_ = 0;

@@ -4,32 +4,34 @@
 #include "filasofia/engine/rupture/stroke.h"
 #include "filasofia/sofa/lacks.h"
 
+#include <algorithm>
+
 namespace filasofia::sofaengine {
 
-namespace {
-
-void checkJoints(const physics::RigidBodyDef& def, const std::string& object)
+bool isDriven(const physics::RigidBodyDef& def)
 {
+    const auto byForce = [](const physics::JointDef& joint) {
+        return joint.command && std::holds_alternative<physics::JointForce>(*joint.command);
+    };
     const auto& joints = def.articulation.joints;
-    if (!joints.empty() && def.dynamic) fail(object, ": articulation of a dynamic body", kLacks);
-    for (std::size_t j = 0; j < joints.size(); ++j)
-        if (joints[j].command && std::holds_alternative<physics::JointForce>(*joints[j].command))
-            fail(object, ": articulation.joints[", j, "].command JointForce", kLacks, ": give a JointPosition");
+    return !joints.empty() && (def.dynamic || std::ranges::any_of(joints, byForce));
 }
-
-} // namespace
 
 RigidPlan planRigid(const physics::RigidBodyDef& def)
 {
     const std::string object = describeBody(physics::BodyDef{def});
     validate(def, object);
     check(physics::BodyDef{def});
-    checkJoints(def, object);
     if (def.needle) fail(object, ": needle", kLacks);
-    if (def.dynamic && def.linearDamping != def.angularDamping)
+    const bool jointed = !def.articulation.joints.empty();
+    if (def.dynamic && !jointed && def.linearDamping != def.angularDamping)
         fail(object, ": an angularDamping that differs from linearDamping", kLacks, ", got ", def.angularDamping,
              " and ", def.linearDamping);
-    RigidPlan plan{.def = def, .inertia = inertiaOf(def), .collision = planCollision(def, object)};
+    RigidPlan plan{.def = def, .collision = planCollision(def, object)};
+    if (jointed)
+        plan.links = linkInertias(def);
+    else
+        plan.inertia = inertiaOf(def);
     plan.def.elements = elementPoses(def);
     for (const CollisionPlan& each : plan.collision)
         plan.lines.push_back(each.def.cutting ? engine::cuttingEdges(each.mesh) : std::vector<std::array<int, 2>>{});

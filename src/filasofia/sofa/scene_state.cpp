@@ -35,7 +35,7 @@ void addTo(Hasher& hash, const MotionState& hand)
 
 } // namespace
 
-void addTo(Hasher& hash, const RigidSettings& body)
+void addTo(Hasher& hash, const RigidSettings& body, bool drive)
 {
     hash.add(static_cast<std::uint64_t>(body.cutting ? 1 : 0));
     hash.add(static_cast<std::uint64_t>(body.sheath));
@@ -52,9 +52,13 @@ void addTo(Hasher& hash, const RigidSettings& body)
              {c.linearStiffness, c.linearDamping, c.angularStiffness, c.angularDamping, c.forceLimit, c.torqueLimit})
             hash.add(each);
     }
-    for (std::size_t j = 0; j < body.joints.targets.size(); ++j) {
-        hash.add(body.joints.targets[j]);
-        hash.add(body.joints.joints[j].position);
+    for (std::size_t j = 0; j < body.joints.commands.size(); ++j) {
+        hash.add(static_cast<std::uint64_t>(body.joints.commands[j].index()));
+        hash.add(std::visit([](const auto& each) { return each.value; }, body.joints.commands[j]));
+        // A joint that a force drives moves by itself: that drives nothing.
+        if (!drive || std::holds_alternative<physics::JointPosition>(body.joints.commands[j]))
+            hash.add(body.joints.joints[j].position);
+        if (!drive) hash.add(body.joints.joints[j].velocity);
     }
     for (const auto& target : body.targets)
         if (target) hash.addAll(std::span<const Pose>(&*target, 1));
@@ -167,7 +171,7 @@ void addTo(Hasher& hash, const SceneState& state)
         hash.addAll(std::span<const Vec3>(body.angularVelocities));
     }
     for (const SoftSettings& each : state.soft) addTo(hash, each);
-    for (const RigidSettings& each : state.rigid) addTo(hash, each);
+    for (const RigidSettings& each : state.rigid) addTo(hash, each, false);
     for (const TieState& each : state.ties) addTo(hash, each);
     for (const physics::Grasp& each : state.grasps)
         for (const std::uint32_t id : {each.id.value, each.rigid.value, each.target.value}) hash.add(std::uint64_t{id});

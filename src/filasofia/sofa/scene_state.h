@@ -29,7 +29,8 @@ SceneState stateOf(const SofaScene& scene);
 /// then.
 void setState(const SceneState& state, SofaScene& scene);
 void addTo(Hasher& hash, const SceneState& state);
-void addTo(Hasher& hash, const RigidSettings& body);
+/// `drive`: only what moves the body from outside.
+void addTo(Hasher& hash, const RigidSettings& body, bool drive);
 
 /// Puts every body where its Def says. Attachments, hands and forces stay, and hold from there.
 void resetScene(SofaScene& scene);

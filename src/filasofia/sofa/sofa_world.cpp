@@ -30,6 +30,7 @@ using Lock = std::lock_guard<std::recursive_mutex>;
 
 struct WorldState final : physics::EngineState {
     SceneState scene;
+    SceneWatch watch;
     double time = 0.0;
     std::uint64_t steps = 0;
 };
@@ -149,7 +150,10 @@ void SofaWorld::check(const physics::Command& command, const physics::BodyDef* d
     const bool ties = attach ? isTie(attach->def)
                              : std::holds_alternative<physics::AttachRigid>(command) ||
                                    std::holds_alternative<physics::Grasp>(command);
-    if (ties) scene_.contact.checkTies(def ? describeBody(*def) : std::string("physics"));
+    const std::string object = def ? describeBody(*def) : std::string("physics");
+    if (ties) scene_.contact.checkTies(object);
+    const auto* joint = std::get_if<physics::SetJoint>(&command);
+    if (joint && std::holds_alternative<physics::JointForce>(joint->command)) scene_.contact.checkDrives(object);
 }
 
 physics::StepReport SofaWorld::step(const physics::StepInput& in)
@@ -189,9 +193,10 @@ void SofaWorld::advance(double dt, const Now& now, physics::StepReport& report)
     if (!intersections_.empty()) report.set(physics::StepFlag::Intersecting);
     if (putBack(failed, before)) report.set(physics::StepFlag::Undone);
     const std::vector<PointForce> forces = forcesOn(scene_);
+    const std::span<const double> impulses = failed ? std::span<const double>() : scene_.contact.impulses();
     for (const auto& body : scene_.rigid) {
-        body->finishMove();
-        body->loadJoints(forces);
+        if (!body->finishMove(dt, failed)) report.set(physics::StepFlag::Undone);
+        body->loadJoints(forces, impulses, dt);
     }
     for (const auto& body : scene_.soft) {
         const SolveOutcome solve = body->outcome();
@@ -257,7 +262,9 @@ void SofaWorld::readConstraints(bool failed, double dt, physics::StepReport& rep
             attempt(object + ": nothing is attached, because SOFA failed", [&] { found = addTie(grasp, scene_); });
         if (made && found) continue;
         report.set(physics::StepFlag::NothingAttached);
-        if (made) logWarning(object, ".target: no contact with body ", grasp.target.value, "; nothing is attached");
+        if (!made) continue;
+        report.nothingHeld.push_back({.id = grasp.id, .body = grasp.rigid, .to = grasp.target, .grasp = true});
+        logWarning(object, ".target: no contact with body ", grasp.target.value, "; nothing is attached");
     }
 }
 
@@ -319,6 +326,7 @@ std::shared_ptr<const physics::EngineState> SofaWorld::save() const
     const Lock lock(sofaMutex());
     auto state = std::make_shared<WorldState>();
     state->scene = stateOf(scene_);
+    state->watch = watch_;
     state->time = time_;
     state->steps = steps_;
     return state;
@@ -337,6 +345,7 @@ void SofaWorld::restore(const physics::EngineState& saved)
         fail("restore: SOFA cannot make an attachment of the state: ", problemNow());
     }
     looksAgain_ = true;
+    watch_ = state->watch;
     time_ = state->time;
     steps_ = state->steps;
 }

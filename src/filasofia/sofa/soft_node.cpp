@@ -3,9 +3,9 @@
 #include "filasofia/core/error.h"
 #include "filasofia/sofa/collision_node.h"
 #include "filasofia/sofa/compliant_factor.h"
-#include "filasofia/sofa/corotational.h"
 #include "filasofia/sofa/free_correction.h"
 #include "filasofia/sofa/node_removal.h"
+#include "filasofia/sofa/soft_law.h"
 
 #include "filasofia/physics/rigid_body_def.h"
 
@@ -16,8 +16,6 @@
 #include <sofa/component/mass/DiagonalMass.h>
 #include <sofa/component/odesolver/backward/EulerImplicitSolver.h>
 #include <sofa/component/odesolver/forward/EulerExplicitSolver.h>
-#include <sofa/component/solidmechanics/fem/hyperelastic/TetrahedronHyperelasticityFEMForceField.h>
-#include <sofa/component/solidmechanics/spring/SpringForceField.h>
 #include <sofa/component/topology/container/dynamic/TetrahedronSetTopologyContainer.h>
 #include <sofa/simulation/Simulation.h>
 
@@ -35,8 +33,6 @@ using Fixed = constraint::projective::FixedProjectiveConstraint<Vec3Types>;
 using Scattered = linearsolver::GraphScatteredMatrix;
 using FreeGradients = linearsolver::iterative::CGLinearSolver<Scattered, linearsolver::GraphScatteredVector>;
 using AssembledGradients = linearsolver::iterative::CGLinearSolver<Blocks, Assembled>;
-using Springs = solidmechanics::spring::SpringForceField<Vec3Types>;
-using Hyperelastic = solidmechanics::fem::hyperelastic::TetrahedronHyperelasticityFEMForceField<Vec3Types>;
 
 template <class List> auto toSofaList(const std::vector<Vec3>& from)
 {
@@ -84,48 +80,6 @@ template <class Gradients> typename Gradients::SPtr gradients(const physics::Con
     return gradients<FreeGradients>(iterative);
 }
 
-::sofa::core::objectmodel::BaseObject::SPtr hyperelastic(const SoftPlan& plan, const char* law)
-{
-    const double young = plan.youngModulus.front(), poisson = plan.poissonRatio.front();
-    const double mu = young / (2 * (1 + poisson));
-    const double lambda = young * poisson / ((1 + poisson) * (1 - 2 * poisson));
-    auto forces = New<Hyperelastic>();
-    forces->setMaterialName(law);
-    Hyperelastic::SetParameterArray parameters;
-    parameters.push_back(mu);
-    parameters.push_back(lambda);
-    forces->setparameter(parameters);
-    return forces;
-}
-
-::sofa::core::objectmodel::BaseObject::SPtr corotational(const SoftPlan& plan)
-{
-    auto forces = New<CorotationalForces>();
-    forces->d_method.setValue("polar");
-    forces->d_youngModulus.setValue({plan.youngModulus.begin(), plan.youngModulus.end()});
-    forces->d_poissonRatio.setValue({plan.poissonRatio.begin(), plan.poissonRatio.end()});
-    return forces;
-}
-
-/// SOFA's component for the edges of a mesh divides stiffness by length; ours are equal springs.
-template <class State>::sofa::core::objectmodel::BaseObject::SPtr
-springsOf(const SoftPlan& plan, const physics::MassSpringMaterial& material, State* state)
-{
-    auto forces = New<Springs>(state, state, 0.0, 0.0);
-    for (const auto& [a, b] : plan.edges)
-        forces->addSpring(
-            static_cast<::sofa::Index>(a), static_cast<::sofa::Index>(b), material.stiffness, material.damping,
-            distance(plan.mesh.nodes[static_cast<std::size_t>(a)], plan.mesh.nodes[static_cast<std::size_t>(b)]));
-    return forces;
-}
-
-::sofa::core::objectmodel::BaseObject::SPtr continuumOf(const SoftPlan& plan, const physics::ElasticLaw& law)
-{
-    if (std::holds_alternative<physics::NeoHookean>(law)) return hyperelastic(plan, "StableNeoHookean");
-    if (std::holds_alternative<physics::StVenantKirchhoff>(law)) return hyperelastic(plan, "StVenantKirchhoff");
-    return corotational(plan);
-}
-
 /// Residuals that the solver noted, one per iteration, relative to the right side.
 template <class Gradients> SolveOutcome outcomeOf(const Gradients& solver)
 {
@@ -154,17 +108,17 @@ SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root, con
     node_ = root.createChild(text("body", id.value));
     coupled_ = contact.isExact() && !plan_.collision.empty();
     addSolver();
-    node_->addObject(topologyOf(plan_.mesh));
+    add(topologyOf(plan_.mesh));
     state_ = New<State>();
     state_->setName("state");
     state_->resize(static_cast<::sofa::Size>(plan_.mesh.nodes.size()));
     const auto rest = toSofaList<Vec3Types::VecCoord>(plan_.mesh.nodes);
     state_->x.setValue(rest);
     state_->x0.setValue(rest);
-    node_->addObject(state_);
+    add(state_);
     auto mass = New<mass::DiagonalMass<Vec3Types>>();
     mass->d_vertexMass.setValue({plan_.masses.begin(), plan_.masses.end()});
-    node_->addObject(mass);
+    add(mass);
     addLaw();
     loads_ = New<BodyLoads>();
     loads_->setName("loads");
@@ -172,13 +126,14 @@ SoftNode::SoftNode(BodyId id, SoftPlan plan, ::sofa::simulation::Node& root, con
     loads_->forces = plan_.def.forces;
     loads_->pressure = plan_.def.pressure;
     if (!plan_.def.gravity) loads_->weightless = plan_.masses;
-    node_->addObject(loads_);
-    for (const CollisionPlan& each : plan_.collision)
-        surfaces_.push_back(addCollision(
-            each,
-            {.body = id, .soft = true, .friction = plan_.def.friction, .cuttable = mayBeCut(plan_.def, each.def.group)},
-            contact, *state_));
+    add(loads_);
+    for (const CollisionPlan& each : plan_.collision) {
+        const ModelTag tag{
+            .body = id, .soft = true, .friction = plan_.def.friction, .cuttable = mayBeCut(plan_.def, each.def.group)};
+        surfaces_.push_back(addCollision(each, tag, contact, *state_));
+    }
     ::sofa::simulation::node::init(node_.get());
+    noteSystems();
     if (contact.constrains()) joinConstraints();
     setPins(plan_.pins);
 }
@@ -194,45 +149,42 @@ void SoftNode::addSolver()
     if (const auto* explicitly = std::get_if<physics::ExplicitEuler>(&plan_.def.integrator)) {
         auto euler = New<odesolver::forward::EulerExplicitSolver>();
         euler->d_symplectic.setValue(explicitly->symplectic);
-        node_->addObject(euler);
+        add(euler);
         return;
     }
     auto euler = New<odesolver::backward::EulerImplicitSolver>();
     euler->d_rayleighMass.setValue(plan_.def.rayleigh.mass);
     euler->d_rayleighStiffness.setValue(plan_.def.rayleigh.stiffness);
-    node_->addObject(euler_ = euler);
+    add(euler_ = euler);
     // Constraints need how far each other's forces move a body: only a factor gives that.
     solver_ = solverOf(coupled_ ? physics::Solver{physics::Cholesky{}} : plan_.def.solver);
-    node_->addObject(solver_);
+    add(solver_);
 }
 
 void SoftNode::addLaw()
 {
-    if (const auto* springs = std::get_if<physics::MassSpringMaterial>(&plan_.def.material))
-        law_ = springsOf(plan_, *springs, state_.get());
-    else
-        law_ = continuumOf(plan_, std::get<physics::FemMaterial>(plan_.def.material).law);
+    law_ = lawOf(plan_, *state_);
     law_->setName("law");
-    node_->addObject(law_);
+    add(law_);
 }
 
 void SoftNode::joinConstraints()
 {
     if (correction_) {
         correction_->cleanup(); // the constraint solver lists it
-        node_->removeObject(correction_);
+        drop(correction_);
     }
     if (coupled_ && solver_) {
         correction_ = New<constraint::lagrangian::correction::LinearSolverConstraintCorrection<Vec3Types>>();
     } else {
         const auto free = New<FreeCorrection<Vec3Types>>();
         if (coupled_)
-            free->respond = [this](std::size_t node, const Vec3Types::Deriv& impulse, double) {
+            free->respond = free->eachAlone([this](std::size_t node, const Vec3Types::Deriv& impulse, double) {
                 return impulse / plan_.masses[node];
-            };
+            });
         correction_ = free;
     }
-    node_->addObject(correction_);
+    add(correction_);
     correction_->init();
 }
 
@@ -252,13 +204,13 @@ void SoftNode::remakeSolver()
 {
     if (solver_ && !std::holds_alternative<physics::Cholesky>(plan_.def.solver)) {
         // The system that the old solver made would be found by the new one, and the old one by the integrator.
-        for (auto* system : node_->getNodeObjects<::sofa::core::behavior::BaseMatrixLinearSystem>())
-            node_->removeObject(system);
-        node_->removeObject(solver_);
-        node_->removeObject(euler_);
+        for (auto* system : node_->getNodeObjects<::sofa::core::behavior::BaseMatrixLinearSystem>()) drop(system);
+        drop(solver_);
+        drop(euler_);
         addSolver();
         solver_->init();
         euler_->init();
+        noteSystems();
     }
     joinConstraints();
 }
@@ -284,12 +236,28 @@ void SoftNode::setCuts(std::unique_ptr<SoftCuts> cuts, std::shared_ptr<const Sof
     tissue_ = std::move(tissue);
 }
 
+void SoftNode::add(const Component& component)
+{
+    own_.insert(component.get());
+    node_->addObject(component);
+}
+
+void SoftNode::drop(const Component& component)
+{
+    own_.erase(component.get());
+    node_->removeObject(component);
+}
+
+void SoftNode::noteSystems()
+{
+    for (const auto* system : node_->getNodeObjects<::sofa::core::behavior::BaseMatrixLinearSystem>())
+        own_.insert(system);
+}
+
 bool SoftNode::isTuned() const
 {
-    std::size_t own = 6; // topology, state, mass, law, loads, integrator; a solver makes its system itself
-    for (const auto& each : {solver_, correction_, fixed_}) own += each ? 1 : 0;
-    own += node_->getNodeObjects<::sofa::core::behavior::BaseMatrixLinearSystem>().size();
-    return node_->object.size() > own;
+    return node_->child.size() > surfaces_.size() ||
+           std::ranges::any_of(node_->object, [&](const auto& each) { return !own_.contains(each.get()); });
 }
 
 void SoftNode::apply(const SoftSettings& settings)
@@ -354,7 +322,7 @@ void SoftNode::setPins(std::vector<PinGroup> pins)
                     {static_cast<std::size_t>(group.nodes[i]), toSofa(group.places[i]), group.stiffness});
     std::ranges::sort(hard);
     hard.erase(std::ranges::unique(hard).begin(), hard.end());
-    if (fixed_) node_->removeObject(fixed_);
+    if (fixed_) drop(fixed_);
     fixed_.reset();
     if (hard.empty()) return;
     // The constraint cancels changes of velocity only: a node that moved when it was attached would go on.
@@ -369,7 +337,7 @@ void SoftNode::setPins(std::vector<PinGroup> pins)
     for (const int each : hard) indices.push_back(static_cast<::sofa::Index>(each));
     fixed->d_indices.setValue(indices);
     fixed_ = fixed;
-    node_->addObject(fixed_);
+    add(fixed_);
     fixed->init();
 }
 
@@ -391,7 +359,7 @@ void SoftNode::setTissue(std::shared_ptr<const SoftSettings::Tissue> tissue)
     // this value, even to the same, makes it.
     for (auto* system : node_->getNodeObjects<linearsystem::MatrixLinearSystem<Blocks, Assembled>>())
         system->d_checkIndices.setValue(false);
-    node_->removeObject(law_);
+    drop(law_);
     addLaw();
     law_->init();
     law_->bwdInit();

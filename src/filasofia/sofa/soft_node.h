@@ -12,6 +12,7 @@
 #include <sofa/simulation/Node.h>
 
 #include <memory>
+#include <set>
 
 namespace filasofia::sofaengine {
 
@@ -84,7 +85,7 @@ public:
     /// Per node, 1 if it is pinned hard, or of a piece that was removed.
     [[nodiscard]] const std::vector<char>& held() const { return held_; }
     [[nodiscard]] bool isHeld(const geometry::Tetrahedron& nodes) const; ///< all of them
-    /// Whether a user has added components to its node.
+    /// Whether a user has added components to its node, or nodes below it.
     [[nodiscard]] bool isTuned() const;
 
     [[nodiscard]] const std::vector<CollisionSurface>& surfaces() const { return surfaces_; }
@@ -98,6 +99,10 @@ private:
     using State = ::sofa::component::statecontainer::MechanicalObject<Vec3Types>;
 
     SoftNode(BodyId id, SoftPlan plan);
+    using Component = ::sofa::core::objectmodel::BaseObject::SPtr;
+    void add(const Component& component);
+    void drop(const Component& component);
+    void noteSystems(); ///< those that its solvers have made for themselves
     void addLaw();
     void addSolver();
     void remakeSolver();
@@ -110,8 +115,9 @@ private:
     State::SPtr state_;
     BodyLoads::SPtr loads_;
     std::vector<CollisionSurface> surfaces_;
-    ::sofa::core::objectmodel::BaseObject::SPtr law_, fixed_, euler_, solver_, correction_;
-    bool coupled_ = false; ///< constraints act on it
+    Component law_, fixed_, euler_, solver_, correction_;
+    std::set<const ::sofa::core::objectmodel::BaseObject*> own_; ///< the components of its node that are no user's
+    bool coupled_ = false;                                       ///< constraints act on it
     std::unique_ptr<SoftCuts> cuts_;
     std::vector<char> held_;
 };

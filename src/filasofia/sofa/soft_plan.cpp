@@ -2,6 +2,7 @@
 
 #include "filasofia/core/validate.h"
 #include "filasofia/engine/rupture/check_topology.h"
+#include "filasofia/engine/rupture/cuttable.h"
 #include "filasofia/geometry/surface.h"
 #include "filasofia/sofa/lacks.h"
 #include "filasofia/sofa/make_tie.h"
@@ -177,12 +178,8 @@ void eraseNodes(const std::function<bool(int)>& isGone, std::vector<PinGroup>& p
 
 bool mayBeCut(const SoftBodyDef& def, int group)
 {
-    if (!def.dynamicTopology) return false;
-    const auto ofGroup = [&](const physics::CollisionDef& each) { return each.group == group; };
-    const auto forBlades = [](const physics::CollisionDef& each) { return each.cutting; };
-    if (std::ranges::any_of(def.collision, forBlades))
-        return std::ranges::any_of(def.collision, [&](const auto& each) { return forBlades(each) && ofGroup(each); });
-    return def.collision.empty() ? group == 0 : std::ranges::any_of(def.collision, ofGroup);
+    const auto tagOf = [](const physics::CollisionDef& each) { return engine::BladeTag{each.group, each.cutting}; };
+    return def.dynamicTopology && engine::mayBeCutBy(group, def.collision, tagOf);
 }
 
 SoftPlan planSoft(const SoftBodyDef& def)

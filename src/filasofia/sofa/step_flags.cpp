@@ -69,8 +69,8 @@ BodyMotion motionOf(const RigidNode& body, Vec3 gravity)
     body.read(now);
     BodyMotion out{.body = body.id()};
     for (std::size_t e = 0; e < now.poses.size(); ++e)
-        addElement(body.plan().inertia, now.poses[e], now.velocities[e], now.angularVelocities[e],
-                   body.plan().def.gravity ? gravity : Vec3{}, out);
+        addElement(body.plan().links.empty() ? body.plan().inertia : body.plan().links[e], now.poses[e],
+                   now.velocities[e], now.angularVelocities[e], body.plan().def.gravity ? gravity : Vec3{}, out);
     return out;
 }
 
@@ -88,11 +88,12 @@ std::uint64_t hashOfDrive(const SofaScene& scene)
         hash.add(body->loads().pressure);
     }
     for (const auto& body : scene.rigid) {
-        addTo(hash, body->settings());
+        addTo(hash, body->settings(), true);
         if (body->plan().def.dynamic) continue;
         RigidState now;
         body->read(now);
-        hash.addAll(std::span<const Pose>(now.poses));
+        const bool jointed = !body->joints().empty(); // what moves its links is above
+        hash.addAll(std::span<const Pose>(now.poses).first(jointed ? 1 : now.poses.size()));
     }
     return hash.value();
 }

@@ -16,6 +16,13 @@ struct TiePoint {
     std::array<int, 4> nodes = {0, 0, 0, 0};
     std::array<double, 4> weights = {1, 0, 0, 0};
 };
+/// Whether a point of a soft body depends on one of these nodes (per node, 1).
+inline bool dependsOn(const TiePoint& point, const std::vector<char>& nodes)
+{
+    for (std::size_t k = 0; k < 4; ++k)
+        if (point.weights[k] != 0.0 && nodes[static_cast<std::size_t>(point.nodes[k])] != 0) return true;
+    return false;
+}
 
 /// Pairs of points of two states that are held together, or points of one that are held in space: constraints of SOFA
 /// with a compliance, so that a spring is as exact as a weld.

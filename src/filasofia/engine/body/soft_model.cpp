@@ -8,6 +8,7 @@
 #include "filasofia/engine/body/nodal_volume.h"
 #include "filasofia/engine/body/usable.h"
 #include "filasofia/engine/elastic/element_blocks.h"
+#include "filasofia/engine/rupture/cuttable.h"
 #include "filasofia/physics/check_clip.h"
 
 #include <algorithm>
@@ -129,12 +130,8 @@ std::string describe(const SoftModel& model) { return text(isRod(model) ? "rod '
 
 bool mayBeCut(const SoftModel& model, int group)
 {
-    if (!model.dynamicTopology) return false;
-    const auto ofGroup = [&](const CollisionModel& each) { return each.shape->group == group; };
-    const auto forBlades = [](const CollisionModel& each) { return each.shape->cutting; };
-    if (std::ranges::any_of(model.collision, forBlades))
-        return std::ranges::any_of(model.collision, [&](const auto& each) { return forBlades(each) && ofGroup(each); });
-    return model.collision.empty() ? group == 0 : std::ranges::any_of(model.collision, ofGroup);
+    const auto tagOf = [](const CollisionModel& each) { return BladeTag{each.shape->group, each.shape->cutting}; };
+    return model.dynamicTopology && mayBeCutBy(group, model.collision, tagOf);
 }
 
 namespace {

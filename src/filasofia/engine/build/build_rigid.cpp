@@ -1,5 +1,6 @@
 #include "filasofia/engine/build/build_rigid.h"
 
+#include "filasofia/engine/articulation/def_tree.h"
 #include "filasofia/engine/articulation/link_motion.h"
 #include "filasofia/engine/body/check_collision.h"
 #include "filasofia/engine/body/check_size.h"
@@ -16,24 +17,8 @@ namespace {
 void buildArticulation(const physics::RigidBodyDef& def, RigidModel& model)
 {
     ArticulationModel& out = model.articulation;
-    std::vector<LinkJoint> joints;
-    for (const physics::JointDef& joint : def.articulation.joints) {
-        joints.push_back({.prismatic = joint.kind == physics::JointKind::Prismatic,
-                          .axis = normalized(joint.axis),
-                          .parent = joint.parent,
-                          .child = joint.child,
-                          .parentOffset = physics::unitPose(joint.parentOffset, "parentOffset"),
-                          .childOffset = physics::unitPose(joint.childOffset, "childOffset"),
-                          .lower = joint.lower,
-                          .upper = joint.upper,
-                          .start = joint.start,
-                          .speed = joint.speed,
-                          .damping = joint.damping,
-                          .friction = joint.friction,
-                          .inertia = joint.inertia});
-        out.commands.push_back(joint.command.value_or(physics::JointPosition{joint.start}));
-    }
-    out.tree = linkTree(std::move(joints));
+    out.tree = treeOf(def.articulation);
+    out.commands = startCommands(def.articulation);
     out.to = def.articulation.to;
     out.toElement = def.articulation.toElement;
     out.offset = physics::unitPose(def.articulation.offset, "offset");

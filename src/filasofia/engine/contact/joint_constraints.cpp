@@ -87,7 +87,7 @@ void addJointConstraints(double dt, const Scene& scene, Coupling& coupling)
             const auto j = static_cast<std::size_t>(plan.free[f]);
             const LinkJoint& joint = tree.joints[j];
             const JointState& now = body.state.joints[j];
-            JointInfo info{.articulation = a, .joint = plan.free[f], .arm = plan.arms[f]};
+            JointInfo info{.articulation = a, .joint = plan.free[f], .arm = plan.step.arms[f]};
             if (std::isfinite(joint.lower))
                 coupling.constraints.push_back(
                     limitOf(info, plan, now.now.position - joint.lower, now.lowerLimitForce, dt));

@@ -10,7 +10,7 @@ ArticulationOperator::ArticulationOperator(const LinkTree& tree, const Articulat
       rightHandSide_(plan.free.size())
 {
     // Without constraints the solve gives the planned change.
-    engine::multiply(plan.matrix, plan.change, rightHandSide_);
+    engine::multiply(plan.step.matrix, plan.step.change, rightHandSide_);
 }
 
 double ArticulationOperator::begin(std::span<const ContactPoint> points)
@@ -21,7 +21,7 @@ double ArticulationOperator::begin(std::span<const ContactPoint> points)
         for (std::size_t f = 0; f < x_.size(); ++f) {
             const int joint = plan_.free[f];
             if (point.joint)
-                columns_.push_back(joint == *point.joint ? Vec3{plan_.arms[f], 0.0, 0.0} : Vec3{});
+                columns_.push_back(joint == *point.joint ? Vec3{plan_.step.arms[f], 0.0, 0.0} : Vec3{});
             else if (moves(tree_, joint, point.link)) {
                 const LinkMotion column =
                     columnAt(tree_, plan_.axes, joint, origins_[static_cast<std::size_t>(point.link)] + point.arm);
@@ -35,7 +35,7 @@ double ArticulationOperator::begin(std::span<const ContactPoint> points)
     r_ = rightHandSide_;
     double largest = 0.0; // the largest effective mass of a joint
     for (std::size_t f = 0; f < plan_.free.size(); ++f)
-        largest = std::max(largest, plan_.matrix(f, f) / (plan_.arms[f] * plan_.arms[f]));
+        largest = std::max(largest, plan_.step.matrix(f, f) / (plan_.step.arms[f] * plan_.step.arms[f]));
     return largest;
 }
 
@@ -44,7 +44,7 @@ Mat3 ArticulationOperator::compliance(int point) const
     const std::span<const Vec3> j = columnsOf(static_cast<std::size_t>(point));
     Mat3 sum;
     for (std::size_t a = 0; a < j.size(); ++a)
-        for (std::size_t b = 0; b < j.size(); ++b) sum += plan_.inverse(a, b) * outer(j[a], j[b]);
+        for (std::size_t b = 0; b < j.size(); ++b) sum += plan_.step.inverse(a, b) * outer(j[a], j[b]);
     return sum;
 }
 
@@ -69,18 +69,18 @@ Mat3 ArticulationOperator::block(int row, int column) const
     for (int i = 0; i < 3; ++i)
         for (int k = 0; k < 3; ++k) {
             const auto f = static_cast<std::size_t>(3 * row + i), g = static_cast<std::size_t>(3 * column + k);
-            out[i][k] = std::max(f, g) < x_.size() ? plan_.matrix(f, g) : f == g ? 1.0 : 0.0;
+            out[i][k] = std::max(f, g) < x_.size() ? plan_.step.matrix(f, g) : f == g ? 1.0 : 0.0;
         }
     return out;
 }
 
 double ArticulationOperator::multiply()
 {
-    engine::multiply(plan_.matrix, p_, q_);
+    engine::multiply(plan_.step.matrix, p_, q_);
     return product(p_, q_);
 }
 
-void ArticulationOperator::smooth() { engine::multiply(plan_.inverse, r_, w_); }
+void ArticulationOperator::smooth() { engine::multiply(plan_.step.inverse, r_, w_); }
 
 double ArticulationOperator::applyCoarse(std::span<const double>)
 {
@@ -92,7 +92,7 @@ void ArticulationOperator::subtractSmoothed(std::span<const Vec3> impulses)
 {
     Vector pushed(x_.size()), moved(x_.size());
     addTo(pushed, impulses);
-    engine::multiply(plan_.inverse, pushed, moved);
+    engine::multiply(plan_.step.inverse, pushed, moved);
     for (std::size_t i = 0; i < z_.size(); ++i) z_[i] -= moved[i];
 }
 

@@ -24,9 +24,7 @@ std::vector<double> positionsOf(const std::vector<JointState>& joints)
 /// The position of a joint with a position command at the end of the step.
 double endOf(const LinkJoint& joint, const JointState& state, double dt)
 {
-    const double end = std::clamp(std::get<JointPosition>(state.command).value, joint.lower, joint.upper);
-    const double way = end - state.now.position, maxWay = joint.speed * dt;
-    return std::abs(way) <= maxWay ? end : state.now.position + std::copysign(maxWay, way);
+    return positionAfter(joint, state.now.position, std::get<JointPosition>(state.command).value, dt);
 }
 
 /// The pose of an element that carries a base at the end of the step.
@@ -59,35 +57,6 @@ std::vector<LinkMass> massesOf(const RigidModel& model, const RigidState& state)
     return masses;
 }
 
-/// [m] The length that turns a joint's velocity into one in [m/s]: the radius of gyration of all that it moves, or 1 if
-/// the joint slides or moves no mass.
-double armOf(const LinkTree& tree, const std::vector<LinkMass>& masses, int joint, double inertia)
-{
-    if (slides(tree, joint)) return 1.0;
-    double mass = 0.0;
-    for (std::size_t link = 0; link < masses.size(); ++link)
-        if (moves(tree, joint, static_cast<int>(link))) mass += masses[link].mass;
-    return mass > 0.0 ? std::sqrt(inertia / mass) : 1.0;
-}
-
-/// [N m s] or [N s/m] The damping matrix of the free joints: their own damping and that of the body's motion.
-JointMatrix dampingOf(const RigidModel& model, const std::vector<LinkMass>& masses, const ArticulationPlan& plan)
-{
-    const LinkTree& tree = model.articulation.tree;
-    std::vector<LinkMass> slowed = masses;
-    for (LinkMass& link : slowed) {
-        link.mass *= plan.freeBase ? model.linearDamping : 0.0;
-        link.inertia *= plan.freeBase ? model.angularDamping : 0.0;
-    }
-    JointMatrix damping = massMatrix(tree, plan.axes, slowed, plan.free);
-    for (std::size_t f = 0; f < plan.free.size(); ++f) {
-        if (isOfBase(tree, plan.free[f])) continue;
-        const LinkJoint& joint = tree.joints[static_cast<std::size_t>(plan.free[f])];
-        damping(f, f) += joint.damping - joint.inertia;
-    }
-    return damping;
-}
-
 /// [N m] or [N] The force on a free joint: its command and the wrenches on the links that it moves.
 double givenForce(const LinkTree& tree, const std::vector<LinkMass>& masses, const RigidState& state,
                   const ArticulationPlan& plan, int joint)
@@ -98,8 +67,7 @@ double givenForce(const LinkTree& tree, const std::vector<LinkMass>& masses, con
     for (std::size_t link = 0; link < masses.size(); ++link) {
         const Wrench& wrench = state.wrenches[link];
         if (wrench == Wrench{} || !moves(tree, joint, static_cast<int>(link))) continue;
-        const LinkMotion column = columnAt(tree, plan.axes, joint, masses[link].centre);
-        force += dot(column.linear, wrench.force) + dot(column.angular, wrench.torque);
+        force += forceOn(tree, plan.axes, joint, masses[link].centre, wrench.force, wrench.torque);
     }
     return force;
 }
@@ -115,28 +83,21 @@ void planFree(const RigidModel& model, const RigidState& state, const RigidPlanE
     const LinkMotion moving{base.velocity, base.angularVelocity};
     const LinkMotion gaining{1.0 / dt * (base.velocity - state.velocities[0]), // zero if the base is free
                              1.0 / dt * (base.angularVelocity - state.angularVelocities[0])};
-    const std::vector<double> needed =
-        inverseDynamics({tree, out.axes, state.poses, masses, out.velocities, accelerations, moving, gaining},
-                        model.gravity ? gravity : Vec3{}, out.free);
-    out.matrix = massMatrix(tree, out.axes, masses, out.free);
-    const JointMatrix damping = dampingOf(model, masses, out);
-    std::vector<double> speeds, slowing(out.free.size()), impulses;
-    for (int joint : out.free) speeds.push_back(out.velocities[static_cast<std::size_t>(joint)]);
-    multiply(damping, speeds, slowing);
-    for (std::size_t f = 0; f < out.free.size(); ++f) {
-        out.arms.push_back(armOf(tree, masses, out.free[f], out.matrix(f, f)));
-        const double force = givenForce(tree, masses, state, out, out.free[f]);
-        impulses.push_back(dt * (force - slowing[f] - needed[f]));
-    }
-    for (std::size_t i = 0; i < damping.entries.size(); ++i) out.matrix.entries[i] += dt * damping.entries[i];
-    out.inverse = inverse(out.matrix);
-    out.change.assign(out.free.size(), 0.0);
-    multiply(out.inverse, impulses, out.change);
+    std::vector<double> forces;
+    for (const int joint : out.free) forces.push_back(givenForce(tree, masses, state, out, joint));
+    out.step = planJoints({tree, out.axes, state.poses, masses, out.velocities, accelerations, moving, gaining},
+                          {.free = out.free,
+                           .forces = forces,
+                           .gravity = model.gravity ? gravity : Vec3{},
+                           .freeBase = out.freeBase,
+                           .linearDamping = model.linearDamping,
+                           .angularDamping = model.angularDamping},
+                          dt);
 }
 
 /// Finds the free joints and all velocities. `ends` [rad] or [m]: gets the end positions of the kinematic joints.
-void planJoints(const RigidModel& model, const RigidState& now, double dt, std::vector<double>& ends,
-                ArticulationPlan& out)
+void findFree(const RigidModel& model, const RigidState& now, double dt, std::vector<double>& ends,
+              ArticulationPlan& out)
 {
     const LinkTree& tree = model.articulation.tree;
     out.place.assign(tree.joints.size(), -1);
@@ -170,7 +131,7 @@ ArticulationPlan planBody(const Scene& scene, double dt, std::size_t body, std::
     out.baseEnd = baseEnd(scene, plans, body);
     out.axes = jointAxes(tree, now.poses);
     std::vector<double> ends = positionsOf(now.joints);
-    planJoints(rigid, now, dt, ends, out);
+    findFree(rigid, now, dt, ends, out);
     if (dt == 0.0) return out;
 
     std::vector<Pose> endPoses(now.poses.size(), out.baseEnd);
@@ -195,7 +156,7 @@ ArticulationPlan planBody(const Scene& scene, double dt, std::size_t body, std::
     }
     if (out.free.empty()) return out;
     planFree(rigid, now, plan[first], dt, scene.gravity, out);
-    setChange(tree, std::vector<double>(out.change), out, plan);
+    setChange(tree, std::vector<double>(out.step.change), out, plan);
     return out;
 }
 
@@ -218,14 +179,11 @@ bool moveJoints(const LinkTree& tree, double dt, const ArticulationPlan& planned
             now.position = endOf(joint, joints[j], dt);
             continue;
         }
-        now.velocity += planned.change[static_cast<std::size_t>(planned.place[j])];
+        now.velocity += planned.step.change[static_cast<std::size_t>(planned.place[j])];
         if (!(std::abs(now.velocity) < physics::kFarthest)) return false;
-        now.position += dt * now.velocity;
-        // The solver's tolerance lets a joint pass its limit a little.
-        if (!(now.position > joint.lower && now.position < joint.upper)) {
-            now.position = std::clamp(now.position, joint.lower, joint.upper);
-            now.velocity = now.position == joint.lower ? std::max(0.0, now.velocity) : std::min(0.0, now.velocity);
-        }
+        const JointMotion end = moved(joint, now.position, now.velocity, dt);
+        now.position = end.position;
+        now.velocity = end.velocity;
     }
     placeLinks(tree, positionsOf(joints), poses);
     for (const Pose& pose : poses)
@@ -262,16 +220,10 @@ void planArticulations(const Scene& scene, double dt, RigidPlan& plan, Articulat
 
 void setChange(const LinkTree& tree, std::span<const double> change, ArticulationPlan& articulation, RigidPlan& plan)
 {
-    std::ranges::copy(change, articulation.change.begin());
-    std::vector<double> all(tree.joints.size() + kBaseJoints);
-    for (std::size_t f = 0; f < articulation.free.size(); ++f)
-        all[static_cast<std::size_t>(articulation.free[f])] = change[f];
-    const std::span<const double> base = std::span(all).subspan(tree.joints.size());
-    std::vector<LinkMotion> motion(tree.jointOf.size());
-    motion[0] = {{base[0], base[1], base[2]}, {base[3], base[4], base[5]}};
+    std::ranges::copy(change, articulation.step.change.begin());
     std::vector<Pose> poses;
-    for (std::size_t e = 0; e < motion.size(); ++e) poses.push_back(plan[articulation.first + e].start);
-    moveLinks(tree, articulation.axes, poses, all, motion);
+    for (std::size_t e = 0; e < tree.jointOf.size(); ++e) poses.push_back(plan[articulation.first + e].start);
+    const std::vector<LinkMotion> motion = linkChanges(tree, articulation.axes, poses, articulation.free, change);
     for (std::size_t e = 0; e < motion.size(); ++e)
         if (RigidPlanElement& link = plan[articulation.first + e]; link.dynamic)
             link.change = {motion[e].linear, motion[e].angular};

@@ -1,16 +1,11 @@
 #pragma once
 
-#include "filasofia/engine/articulation/link_motion.h"
+#include "filasofia/engine/articulation/joint_step.h"
 #include "filasofia/engine/rigid/rigid_step.h"
 
-/// A step of articulated bodies. Joints with a position command are kinematic: contacts do not stop them. Joints with a
-/// force command are free, and so is the base of a dynamic body, whose six degrees of freedom link_motion.h numbers
-/// after the joints. The velocities q' of the free joints are the unknowns of the body,
-///
-///     (M + h D) dq' = h (force - D q' - c(q, q', base)) + sum of J^T impulse,
-///
-/// with the mass matrix M, the damping D, the commands and wrenches `force`, and the inertial and gravity forces c
-/// (inverseDynamics): semi-implicit Euler in reduced coordinates. All links that a free joint moves are dynamic in the
+/// A step of articulated bodies (engine/articulation/joint_step.h). Joints with a position command are kinematic:
+/// contacts do not stop them. Joints with a force command are free, and so is the base of a dynamic body, whose six
+/// degrees of freedom link_motion.h numbers after the joints. All links that a free joint moves are dynamic in the
 /// plan.
 namespace filasofia::engine {
 
@@ -25,10 +20,7 @@ struct ArticulationPlan {
     std::vector<int> free;          ///< the free joints, ascending
     std::vector<int> place;         ///< per joint: its index in `free`; -1: not free
     bool freeBase = false;          ///< the base is free: its six degrees of freedom are the last of `free`
-    std::vector<double> arms;       ///< [m] per free joint: factor that turns its velocity into one in [m/s]
-    JointMatrix matrix;             ///< M + h D of the free joints
-    JointMatrix inverse;            ///< the inverse of `matrix`
-    std::vector<double> change;     ///< change of the free joints' velocities; constraints add theirs
+    JointStep step;                 ///< that of the free joints; constraints add their changes to its own
 };
 using ArticulationPlans = std::vector<ArticulationPlan>; ///< in the order of bodies
 

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/sorted.h"
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/rupture/pin_new_nodes.h"
 #include "filasofia/engine/topology/follow_surface.h"
 
 #include <algorithm>
@@ -80,23 +81,15 @@ std::vector<int> reachedNodes(const std::vector<int>& elements, const MeshTopolo
     return nodes;
 }
 
-/// A new node between two pinned nodes is pinned: by the groups that pin both, or if there is none, by all groups that
-/// pin one of them. A copy of a pinned node is pinned too. Spring pins stay with the original node and slide with it.
+/// A new node between two pinned nodes is pinned, and a copy of one. Spring pins stay with the original node and slide
+/// with it.
 void followPins(const TopologyEdit& edit, SoftModel& model)
 {
     Pins& pins = model.pins;
-    const auto holds = [](const PinGroup& group, int node) {
-        return group.stiffness == physics::kHard && std::ranges::binary_search(group.nodes, node);
-    };
     const auto add = [&](int node, int a, int b) {
         const bool held = pins.hard[static_cast<std::size_t>(a)] && pins.hard[static_cast<std::size_t>(b)];
         pins.hard.push_back(held);
-        if (!held) return;
-        const bool both =
-            std::ranges::any_of(pins.groups, [&](const PinGroup& group) { return holds(group, a) && holds(group, b); });
-        for (PinGroup& group : pins.groups)
-            if (both ? holds(group, a) && holds(group, b) : holds(group, a) || holds(group, b))
-                group.nodes.push_back(node);
+        if (held) pinBetween(a, b, pins.groups, [&](PinGroup& group) { group.nodes.push_back(node); });
     };
     for (const frame::TopologyOp& op : edit.ops)
         if (const auto* made = std::get_if<frame::NewNode>(&op)) {
