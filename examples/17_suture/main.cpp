@@ -15,7 +15,7 @@ Pose motion(double time)
     const auto part = [&](double from, double to) { return std::clamp((time - from) / (to - from), 0.0, 1.0); };
     const double angle = 20_deg + part(0.3, 2.3) * 175_deg + part(3.0, 3.6) * 160_deg + part(4.4, 6.4) * 150_deg;
     const Vec3 aside{0, 0, 25_mm * (part(2.6, 3.0) - part(3.6, 4.0))}; // open, from the needle's tail to its tip
-    const Vec3 drawn = part(6.4, 7.0) * Vec3{0, 16_mm, 0} + part(7.0, 9.0) * Vec3{-60_mm, 0, 0};
+    const Vec3 drawn = part(6.4, 7.0) * Vec3{0, 16_mm, 0} + part(7.0, 8.0) * Vec3{32_mm, 0, 0} + part(9.05, 9.5) * Vec3{60_mm, 80_mm, 0};
     return holding(angle, aside + drawn);
 }
 
@@ -43,25 +43,44 @@ try {
     needle.collision = {{.proximity = 0.2_mm}};
     needle.needle = NeedleDef{.line = line, .radius = 0.4_mm};
     const BodyId steel = sim.add(needle);
-    const Vec3 end{20_mm, 12_mm, -6_mm};
+    const Vec3 end{-20_mm, 12_mm, -6_mm};
     const BodyId hand = sim.add(RigidBodyDef{.name = "hand", .elements = {{end}}});
-    RodBodyDef thread{.name = "thread", .spacing = 1_mm, .radius = 0.15_mm, .youngModulus = 50_MPa};
+    RodBodyDef thread{.name = "thread", .spacing = getenv("SP") ? atof(getenv("SP")) : 0.4_mm, .radius = getenv("RA") ? atof(getenv("RA")) : 0.15_mm, .youngModulus = 50_MPa};
     thread.points = {transform(needle.elements[0], line.back()),
                      {14_mm, 7_mm, -7_mm},
-                     {40_mm, 10_mm, -20_mm},
-                     {40_mm, 32_mm, -14_mm},
+                     {12_mm, 24_mm, -18_mm},
+                     {-12_mm, 26_mm, -18_mm},
                      end};
     thread.straight = thread.gravity = false;
-    thread.friction = 0.1;
+    thread.yieldStrain = 0.1;
+    thread.friction = getenv("MU") ? atof(getenv("MU")) : 0.3;
     thread.rayleigh.mass = 20.0; // the air
-    thread.collision = RodCollision{.self = false};
+    thread.collision = RodCollision{};
     thread.attachments = {{.nodes = {0}, .to = steel}, {.ball = Ball{end, 0.5_mm}, .to = hand}};
     const BodyId silk = sim.add(thread);
     prefab::ArticulatedInstrument driver(sim,
                                          {.kind = InstrumentKind::NeedleDriver, .pose = motion(0), .opening = 0.08});
     sim.show(steel, {.material = MetalMaterial{}});
     sim.show(silk, {.material = TissueMaterial{.baseColor = {0.1, 0.1, 0.5}, .wetness = 0, .vessels = 0}});
+    prefab::KnotHands knot(sim, {.thread = silk, .place={0,0.5_mm,0}, .force = getenv("FORCE") ? atof(getenv("FORCE")) : 1.0, .holding=getenv("HOLD") ? atof(getenv("HOLD")) : 0.1, .speed=0.2});
+    int loose = 0; double lastPrint = 0;
     sim.everyStep([&](double time) {
+        if (time > 9.0) knot.begin();
+        if (time > 9.01 && !loose) { loose = 1; for (auto id : sim.physics().attachments(silk)) sim.physics().release(id); }
+        if (time > lastPrint + 0.1) { lastPrint = time;
+        const auto frame = sim.physics().latest();
+        if (frame) { double most = 0; Vec3 w{}; for (const auto& c : frame->contacts) if ((c.first == silk && c.second == driver.body()) || (c.second == silk && c.first == driver.body())) if (c.normalForce > most) { most = c.normalForce; w = c.point; }
+   if (most > 0) std::printf("%.2f driver %.2f at %.1f %.1f %.1f\n", time, most, 1e3*w.x, 1e3*w.y, 1e3*w.z); }
+if (frame && time > 8.9) {
+    double gap = 1.0; // between the edges
+    for (const Vec3& left : frame->softBody(edges[0])->positions)
+        for (const Vec3& right : frame->softBody(edges[1])->positions) gap = std::min(gap, distance(left, right));
+       const auto& x = frame->softBody(silk)->positions; double force[2]={0,0};
+       for (const auto& a : frame->attachments) for (int i : {0,1}) if (a.to == knot.hand(i)) force[i]=length(a.force);
+       std::printf("%.2f gap %.2f tied %d F %.2f %.2f  x0 %.1f %.1f %.1f  x1 %.1f %.1f %.1f\n", time, 1e3*gap, knot.tied(), force[0], force[1], 1e3*x.front().x, 1e3*x.front().y, 1e3*x.front().z, 1e3*x.back().x,1e3*x.back().y,1e3*x.back().z);
+       std::fflush(stdout);
+       }
+        }
         driver.move(motion(time));
         const bool open = time > 2.3 && time < 4.0;
         if (open && driver.holding()) driver.open(0.2);
