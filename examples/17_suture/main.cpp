@@ -15,8 +15,30 @@ Pose motion(double time)
     const auto part = [&](double from, double to) { return std::clamp((time - from) / (to - from), 0.0, 1.0); };
     const double angle = 20_deg + part(0.3, 2.3) * 175_deg + part(3.0, 3.6) * 160_deg + part(4.4, 6.4) * 150_deg;
     const Vec3 aside{0, 0, 25_mm * (part(2.6, 3.0) - part(3.6, 4.0))}; // open, from the needle's tail to its tip
-    const Vec3 drawn = part(6.4, 7.0) * Vec3{0, 16_mm, 0} + part(7.0, 8.0) * Vec3{32_mm, 0, 0} + part(9.05, 9.5) * Vec3{60_mm, 80_mm, 0};
+    const Vec3 drawn = part(6.4, 7.0) * Vec3{0, 16_mm, 0} + part(7.0, 8.0) * Vec3{32_mm, 0, 0} +
+                       part(9.05, 9.6) * Vec3{60_mm, 80_mm, 0};
     return holding(angle, aside + drawn);
+}
+
+// The scissors come from the right, the blades on both sides of the strands, and go again.
+Pose cutting(double since)
+{
+    const double near = std::clamp(since / 0.8 - 0.1, 0.0, 1.0) - std::clamp((since - 1.2) / 0.5, 0.0, 1.0);
+    return {{9_mm + 60_mm * (1.0 - near), 11_mm, 0}, axisAngle({0, 1, 0}, 90_deg) * axisAngle({0, 0, 1}, 90_deg)};
+}
+
+/// Draws the outer faces of the edges apart, with 1 N each.
+void load(Simulation& sim, const BodyId (&edges)[2])
+{
+    const auto frame = sim.physics().latest();
+    for (const int side : {-1, 1}) {
+        std::vector<NodalForce> forces;
+        const auto& nodes = frame->softBody(edges[side > 0])->positions;
+        for (int i = 0; i < std::ssize(nodes); ++i)
+            if (side * nodes[static_cast<std::size_t>(i)].x > 20_mm) forces.push_back({i, {}});
+        for (NodalForce& each : forces) each.force.x = side * 1.0 / static_cast<double>(forces.size());
+        sim.physics().setForces(edges[side > 0], forces);
+    }
 }
 
 int main(int argc, char** argv)
@@ -45,57 +67,65 @@ try {
     const BodyId steel = sim.add(needle);
     const Vec3 end{-20_mm, 12_mm, -6_mm};
     const BodyId hand = sim.add(RigidBodyDef{.name = "hand", .elements = {{end}}});
-    RodBodyDef thread{.name = "thread", .spacing = getenv("SP") ? atof(getenv("SP")) : 0.4_mm, .radius = getenv("RA") ? atof(getenv("RA")) : 0.15_mm, .youngModulus = 50_MPa};
+    RodBodyDef thread{.name = "thread", .spacing = 0.4_mm, .radius = 0.15_mm, .youngModulus = 50_MPa};
     thread.points = {transform(needle.elements[0], line.back()),
                      {14_mm, 7_mm, -7_mm},
                      {12_mm, 24_mm, -18_mm},
                      {-12_mm, 26_mm, -18_mm},
                      end};
     thread.straight = thread.gravity = false;
-    thread.yieldStrain = 0.1;
-    thread.friction = getenv("MU") ? atof(getenv("MU")) : 0.3;
+    thread.yieldStrain = 0.1;    // it keeps sharp bends
     thread.rayleigh.mass = 20.0; // the air
     thread.collision = RodCollision{};
+    thread.dynamicTopology = true; // it may be cut
     thread.attachments = {{.nodes = {0}, .to = steel}, {.ball = Ball{end, 0.5_mm}, .to = hand}};
     const BodyId silk = sim.add(thread);
     prefab::ArticulatedInstrument driver(sim,
                                          {.kind = InstrumentKind::NeedleDriver, .pose = motion(0), .opening = 0.08});
+    prefab::ArticulatedInstrument scissors(
+        sim, {.kind = InstrumentKind::SutureScissors, .pose = cutting(0), .opening = 0.3});
+    KnotHands knot(sim, {.thread = silk, .place = {0, 0.5_mm, 0}, .holding = 0.3, .speed = 0.2});
     sim.show(steel, {.material = MetalMaterial{}});
     sim.show(silk, {.material = TissueMaterial{.baseColor = {0.1, 0.1, 0.5}, .wetness = 0, .vessels = 0}});
-    prefab::KnotHands knot(sim, {.thread = silk, .place={0,0.5_mm,0}, .force = getenv("FORCE") ? atof(getenv("FORCE")) : 1.0, .holding=getenv("HOLD") ? atof(getenv("HOLD")) : 0.1, .speed=0.2});
-    int loose = 0; double lastPrint = 0;
+    double tied = physics::kNever, last = 0.0; // [s] when the knot was tied; the last step
     sim.everyStep([&](double time) {
-        if (time > 9.0) knot.begin();
-        if (time > 9.01 && !loose) { loose = 1; for (auto id : sim.physics().attachments(silk)) sim.physics().release(id); }
-        if (time > lastPrint + 0.1) { lastPrint = time;
-        const auto frame = sim.physics().latest();
-        if (frame) { double most = 0; Vec3 w{}; for (const auto& c : frame->contacts) if ((c.first == silk && c.second == driver.body()) || (c.second == silk && c.first == driver.body())) if (c.normalForce > most) { most = c.normalForce; w = c.point; }
-   if (most > 0) std::printf("%.2f driver %.2f at %.1f %.1f %.1f\n", time, most, 1e3*w.x, 1e3*w.y, 1e3*w.z); }
-if (frame && time > 8.9) {
-    double gap = 1.0; // between the edges
-    for (const Vec3& left : frame->softBody(edges[0])->positions)
-        for (const Vec3& right : frame->softBody(edges[1])->positions) gap = std::min(gap, distance(left, right));
-       const auto& x = frame->softBody(silk)->positions; double force[2]={0,0};
-       for (const auto& a : frame->attachments) for (int i : {0,1}) if (a.to == knot.hand(i)) force[i]=length(a.force);
-       std::printf("%.2f gap %.2f tied %d F %.2f %.2f  x0 %.1f %.1f %.1f  x1 %.1f %.1f %.1f\n", time, 1e3*gap, knot.tied(), force[0], force[1], 1e3*x.front().x, 1e3*x.front().y, 1e3*x.front().z, 1e3*x.back().x,1e3*x.back().y,1e3*x.back().z);
-       std::fflush(stdout);
-       }
-        }
         driver.move(motion(time));
         const bool open = time > 2.3 && time < 4.0;
         if (open && driver.holding()) driver.open(0.2);
         if (!open && !driver.holding()) driver.close();
-    });
-
-    if (const int problem = sim.run(argc, argv)) return problem; // --headless --steps 9000: see --help
-    const auto frame = sim.physics().latest();
-    if (!frame || frame->time < 8.9) return 0;
+        const auto reached = [&](double at) { return last < at && time >= at; };
+        if (reached(9.0)) knot.begin();
+        if (reached(9.01)) // the knot's hands have the thread: the needle and the first hand let go
+            for (const AttachmentId each : sim.physics().attachments(silk)) sim.physics().release(each);
+        if (knot.done()) tied = std::min(tied, time);
+        scissors.move(cutting(time - tied));
+        if (reached(tied + 1.0)) scissors.close();
+        if (reached(tied + 1.5)) knot.release();
+        if (reached(tied + 1.6)) load(sim, edges);
+        last = time;
+        if (getenv("DEBUG") && (int)(time*1e3) % 100 == 0) {
+        const auto frame = sim.physics().latest();
+        if (frame) {
     double gap = 1.0; // between the edges
     for (const Vec3& left : frame->softBody(edges[0])->positions)
         for (const Vec3& right : frame->softBody(edges[1])->positions) gap = std::min(gap, distance(left, right));
-    std::printf("the edges of the wound are %.2f mm apart\n", 1e3 * gap);
-    const auto follows = [&](const frame::Channel& each) { return each.through && each.inside == silk; };
-    return driver.holding() == steel && gap < 1_mm && std::ranges::count_if(frame->channels, follows) == 2 ? 0 : 1;
+       Vec3 c{}; int nc = 0; for (const auto& k : frame->contacts) if (k.first == silk && k.second == silk && k.normalForce > 0) { c += k.point; ++nc; } if (nc) c *= 1.0/nc; std::printf("knot %d at %.1f %.1f %.1f ", nc, 1e3*c.x,1e3*c.y,1e3*c.z); const auto& x = frame->softBody(silk)->positions; double force[2]={0,0};
+       for (const auto& a : frame->attachments) for (int i : {0,1}) if (a.to == knot.hand(i)) force[i]=length(a.force);
+       std::printf("t %.2f gap %.2f tied %d F %.2f %.2f  x0 %.1f %.1f %.1f  x1 %.1f %.1f %.1f cut %d\n", time, 1e3*gap, knot.tied(), force[0], force[1], 1e3*x.front().x, 1e3*x.front().y, 1e3*x.front().z, 1e3*x.back().x,1e3*x.back().y,1e3*x.back().z, (int)frame->softBody(silk)->cutEdges.size());
+       std::fflush(stdout);
+       }
+        }
+    });
+
+    if (const int problem = sim.run(argc, argv)) return problem; // --headless --steps 19000: see --help
+    const auto frame = sim.physics().latest();
+    if (!frame || frame->time < 18.9) return 0;
+    double gap = 1.0; // between the edges
+    for (const Vec3& left : frame->softBody(edges[0])->positions)
+        for (const Vec3& right : frame->softBody(edges[1])->positions) gap = std::min(gap, distance(left, right));
+    std::printf("%d throws; the edges of the wound are %.2f mm apart\n", knot.tied(), 1e3 * gap);
+    const bool cut = frame->softBody(silk)->cutEdges.size() >= 2;
+    return knot.tied() == 3 && cut && gap < 0.5_mm ? 0 : 1;
 } catch (const Error& error) {
     return report(error);
 }

@@ -4,6 +4,7 @@
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/physics/defs.h"
+#include "filasofia/prefab/knot_plan.h"
 #include "filasofia/prefab/remember.h"
 #include "filasofia/prefab/turns.h"
 
@@ -16,12 +17,13 @@
 namespace filasofia::prefab {
 namespace {
 
-constexpr double kCone = 25.0 * std::numbers::pi / 180.0; ///< [rad] between `up` and strands that are wound
-constexpr double kLow = 0.1;    ///< [-] hands that tighten are above the place by this share of their distance
-constexpr double kStill = 0.1;  ///< [s] a throw is tight once hands at full force have not moved for so long,
-constexpr double kCreep = 2e-3; ///< [m/s] that is, have been slower than this
-constexpr double kRamp = 0.2;   ///< [s] in which a force grows to its full value
-constexpr double kNear = 1e-3;  ///< [m] least distance of a hand from the place
+constexpr double kSkin = 1.5e-3; ///< [m] over the place: what is lower is no free strand
+constexpr double kLow = 0.1;     ///< [-] hands that tighten are above the place by this share of their distance
+constexpr double kStill = 0.1;   ///< [s] a throw is tight once hands at full force have not moved for so long,
+constexpr double kCreep = 2e-3;  ///< [m/s] that is, have been slower than this
+constexpr double kRamp = 0.2;    ///< [s] in which a force grows to its full value
+constexpr double kNear = 1e-3;   ///< [m] least distance of a hand from the place
+constexpr double kLead = 1.2;    ///< [-] length of strand up to the loops over its distance
 
 KnotDef checked(runtime::Simulation& simulation, KnotDef def)
 {
@@ -41,6 +43,7 @@ KnotDef checked(runtime::Simulation& simulation, KnotDef def)
     if (length(cross(up, across)) < 1e-3)
         fail(object, ": up and across must not be parallel, nor 0, got (", def.up.x, " ", def.up.y, " ", def.up.z,
              ") and (", def.across.x, " ", def.across.y, " ", def.across.z, ")");
+    if (!(def.height > def.loop)) fail(object, ": height must be > loop = ", def.loop, " m, got ", def.height);
     def.up = up;
     def.across = normalized(across - dot(across, up) * up);
     return def;
@@ -59,10 +62,13 @@ enum class Phase {
     Reach,   ///< jumps to the thread
     Take,    ///< holds it from the next step on
     Lift,    ///< brings both strands up, each on its side
-    Wind,    ///< goes around the other hand
-    Spread,  ///< comes down on the other side
+    Lay,     ///< brings the first strand across, behind the second one
+    Seize,   ///< fingers jump to the first strand
+    Loop,    ///< fingers form loops
+    Thread,  ///< the second hand goes through them
+    Spread,  ///< both come down, each on the other side
     Tighten, ///< draws
-    Done     ///< all throws are tied; draws
+    Done     ///< all throws are tied; holds both strands up
 };
 
 struct Hand {
@@ -71,6 +77,12 @@ struct Hand {
     Vec3 direction = {}; ///< [-] from the place
     double away = 0.0;   ///< [m] from the place
     double side = 1.0;   ///< 1 or -1, along `across`
+};
+
+struct Finger {
+    int node = 0;
+    Vec3 from = {}; ///< [m] where it took the thread
+    AttachmentId grip = {};
 };
 
 } // namespace
@@ -87,6 +99,15 @@ struct KnotHands::Impl {
         for (std::size_t i = 0; i < 2; ++i)
             hands[i].body = sim.add(physics::RigidBodyDef{
                 .name = text(def.name, i == 0 ? ": first hand" : ": second hand"), .elements = {Pose{def.place}}});
+        const auto most = static_cast<std::size_t>(kFingersPerTurn * std::ranges::max(def.turns) + 1);
+        fingersBody = sim.add(physics::RigidBodyDef{.name = def.name + ": fingers",
+                                                    .elements = std::vector<Pose>(most, Pose{def.place})});
+        const auto body = sim.physics().def(def.thread);
+        const auto& rod = std::get<physics::RodBodyDef>(*body);
+        frame = {def.place, def.across, def.up, cross(def.across, def.up)};
+        frame.loop = def.loop;
+        frame.height = def.height;
+        frame.pitch = std::max(6.0 * rod.radius, 2.0 / 3.0 * def.loop);
     }
 
     // Any thread.
@@ -103,6 +124,7 @@ struct KnotHands::Impl {
                 if (hand.grip) simulation.physics().release(hand.grip);
                 hand.grip = {};
             }
+            open();
             next(Phase::Idle);
         });
     }
@@ -110,17 +132,17 @@ struct KnotHands::Impl {
     // Stepping thread, before each step.
     void step(double time)
     {
-        const frame::FrameRef frame = simulation.physics().latest();
-        if (!frame) return;
+        const frame::FrameRef now = simulation.physics().latest();
+        if (!now) return;
         turns.now([&] {
-            const frame::SoftBodyFrame* thread = frame->softBody(def.thread);
-            if (thread == nullptr) return;
+            const frame::SoftBodyFrame* thread = now->softBody(def.thread);
+            if (thread == nullptr || phase == Phase::Idle) return;
             if (phase == Phase::Reach)
                 reach(*thread);
             else if (phase == Phase::Take)
                 take();
-            else if (phase != Phase::Idle)
-                move(*frame, std::max(time - frame->time, 0.0));
+            else
+                work(*now, *thread, std::max(time - now->time, 0.0));
             publish();
         });
     }
@@ -132,12 +154,16 @@ struct KnotHands::Impl {
         for (std::size_t i = 0; i < 2; ++i) {
             const Vec3 at = thread.positions[static_cast<std::size_t>(def.nodes[i])];
             simulation.physics().setPose(hands[i].body, Pose{at});
-            hands[i].away = std::max(distance(at, def.place), kNear);
-            hands[i].direction = normalized(at - def.place, def.up);
+            place(hands[i], at);
         }
         hands[0].side = dot(hands[0].direction - hands[1].direction, def.across) > 0.0 ? 1.0 : -1.0;
         hands[1].side = -hands[0].side;
         next(Phase::Take);
+    }
+    void place(Hand& hand, Vec3 at) const
+    {
+        hand.away = std::max(distance(at, def.place), kNear);
+        hand.direction = normalized(at - def.place, def.up);
     }
     void take()
     {
@@ -152,83 +178,159 @@ struct KnotHands::Impl {
         since = still = 0.0;
     }
 
-    /// Where a strand goes: `low` down on a hand's side, else up at an angle, `turn` [rad] around `up` from there.
-    [[nodiscard]] Vec3 wanted(const Hand& hand, bool low, double turn) const
+    /// Where a strand goes in this phase.
+    [[nodiscard]] Vec3 wanted(std::size_t which) const
     {
-        if (low) return normalized(hand.side * def.across + kLow * def.up);
-        const Vec3 out = rotate(axisAngle(def.up, turn), hand.side * def.across);
-        return std::cos(kCone) * def.up + std::sin(kCone) * out;
+        const double side = hands[which].side;
+        const auto along = [&](double x, double y, double z) {
+            return normalized(x * def.across + y * def.up + z * frame.front);
+        };
+        if (phase == Phase::Spread || phase == Phase::Tighten) return along(side, kLow, 0.0);
+        if (which == 1) return along(0.5 * side, 1.0, 0.7);
+        if (phase == Phase::Lift || phase == Phase::Done) return along(0.5 * side, 1.0, -0.4);
+        return along(-0.8 * side, 0.7, -0.7); // behind the second strand, to the other side
     }
-    /// [rad] A throw of n turns, as seen from above: n whole ones and the half one to the other side.
-    [[nodiscard]] double angleOf(int which) const
-    {
-        const double whole = def.turns[static_cast<std::size_t>(which)] + 0.5;
-        return (which % 2 == 0 ? 2.0 : -2.0) * std::numbers::pi * whole;
-    }
-
-    void move(const frame::Frame& frame, double dt)
+    void work(const frame::Frame& now, const frame::SoftBodyFrame& thread, double dt)
     {
         since += dt;
-        const bool low = phase == Phase::Spread || phase == Phase::Tighten || phase == Phase::Done;
-        if (phase == Phase::Wind) wind(dt);
-        const bool full = phase == Phase::Tighten || phase == Phase::Done;
-        const double grown = phase == Phase::Tighten ? std::min(since / kRamp, 1.0) : 1.0;
-        const double force = full ? def.holding + grown * (def.force - def.holding) : def.holding;
+        const bool full = phase == Phase::Tighten;
+        const double force = def.holding + (full ? std::min(since / kRamp, 1.0) * (def.force - def.holding) : 0.0);
         bool there = true, moving = false;
-        for (Hand& hand : hands) {
-            const Vec3 to = wanted(hand, low, angle);
-            hand.direction = turnedTowards(hand.direction, to, def.speed * dt / hand.away);
-            there = there && distance(hand.direction, to) < 1e-6;
-            moving = draw(hand, frame, force, dt) > kCreep * dt || moving;
+        for (std::size_t i = 0; i < 2; ++i) {
+            if (i == 1 && phase == Phase::Thread) continue;
+            const Vec3 to = wanted(i);
+            hands[i].direction = turnedTowards(hands[i].direction, to, def.speed * dt / hands[i].away);
+            there = there && distance(hands[i].direction, to) < 1e-6;
+            moving = draw(hands[i], now, force, dt) > kCreep * dt || moving;
         }
         still = moving ? 0.0 : still + dt;
-        if (there || full) advance();
-    }
-    void wind(double dt)
-    {
-        const double reach = std::sin(kCone) * std::max(hands[0].away, hands[1].away);
-        const double most = 0.9 * def.speed * dt / reach, left = angleOf(throws) - angle;
-        angle += std::clamp(left, -most, most);
+        advance(thread, there, dt);
     }
     /// Moves a hand along its strand so that it draws with this force; returns by how much [m].
-    double draw(Hand& hand, const frame::Frame& frame, double force, double dt)
+    double draw(Hand& hand, const frame::Frame& now, double force, double dt)
     {
-        const auto grip = std::ranges::find(frame.attachments, hand.grip, &frame::Attachment::id);
-        const double tension = grip != frame.attachments.end() ? dot(grip->force, hand.direction) : 0.0;
+        const auto grip = std::ranges::find(now.attachments, hand.grip, &frame::Attachment::id);
+        const double tension = grip != now.attachments.end() ? dot(grip->force, hand.direction) : 0.0;
         largest = std::max(largest, tension);
         const double most = def.speed * dt, by = std::clamp((force - tension) / def.stiffness, -most, most);
         hand.away = std::max(hand.away + by, kNear);
         simulation.physics().setPose(hand.body, Pose{def.place + hand.away * hand.direction});
         return std::abs(by);
     }
-    /// To the next phase, if this one has come to its end.
-    void advance()
+    /// What belongs to a phase beside the hands' strands; then the next phase, if this one has come to its end.
+    void advance(const frame::SoftBodyFrame& thread, bool there, double dt)
     {
-        if (phase == Phase::Lift) {
-            angle = 0.0;
-            next(Phase::Wind);
-        } else if (phase == Phase::Wind && angle == angleOf(throws)) {
-            for (Hand& hand : hands) hand.side = -hand.side;
-            next(Phase::Spread);
-        } else if (phase == Phase::Spread) {
-            next(Phase::Tighten);
-        } else if (phase == Phase::Tighten && since > kRamp && (still > kStill || since > def.patience)) {
-            angle = 0.0;
-            next(++throws < std::ssize(def.turns) ? Phase::Lift : Phase::Done);
+        switch (phase) {
+        case Phase::Lift:
+            if (there && still > kStill) next(Phase::Lay);
+            break;
+        case Phase::Lay:
+            if (there && still > kStill) seize(thread);
+            break;
+        case Phase::Seize:
+            grasp();
+            break;
+        case Phase::Loop:
+            form(dt);
+            break;
+        case Phase::Thread:
+            pass(dt);
+            break;
+        case Phase::Spread:
+            if (there) next(Phase::Tighten);
+            break;
+        case Phase::Tighten:
+            if (since > kRamp && (still > kStill || since > def.patience))
+                next(++throws < std::ssize(def.turns) ? Phase::Lift : Phase::Done);
+            break;
+        default:
+            break;
         }
     }
 
+    [[nodiscard]] Throw made() const
+    {
+        return {.turns = def.turns[static_cast<std::size_t>(throws)],
+                .side = hands[0].side,
+                .sense = throws % 2 == 0 ? 1.0 : -1.0};
+    }
+    /// Chooses the nodes for the fingers, and brings those there.
+    void seize(const frame::SoftBodyFrame& thread)
+    {
+        const auto at = [&](int node) { return thread.positions[static_cast<std::size_t>(node)]; };
+        const int inwards = def.nodes[1] > def.nodes[0] ? 1 : -1;
+        int node = def.nodes[0];
+        while (node != def.nodes[1] && dot(at(node) - def.place, def.up) > kSkin) node += inwards;
+        const std::vector<Vec3> loops = loopsOf(frame, made(), 0.0);
+        double left = kLead * distance(at(node), loops.front());
+        fingers.clear();
+        for (std::size_t i = 0; i < loops.size(); ++i) {
+            for (; left > 0.0 && node != def.nodes[0]; node -= inwards) left -= distance(at(node), at(node - inwards));
+            if (node == def.nodes[0]) break; // too short: as many loops as there is thread for
+            left += fingerStep(frame);
+            fingers.push_back({.node = node, .from = at(node)});
+            simulation.physics().setPose(fingersBody, Pose{at(node)}, static_cast<int>(i));
+        }
+        next(Phase::Seize);
+    }
+    void grasp()
+    {
+        for (std::size_t i = 0; i < fingers.size(); ++i)
+            fingers[i].grip = simulation.physics().attach(def.thread, {.nodes = {fingers[i].node},
+                                                                       .stiffness = def.stiffness,
+                                                                       .to = fingersBody,
+                                                                       .element = static_cast<int>(i)});
+        next(Phase::Loop);
+    }
+    void open()
+    {
+        for (const Finger& finger : fingers)
+            if (finger.grip) simulation.physics().release(finger.grip);
+        fingers.clear();
+    }
+    /// First the fingers go to a straight line, then the line winds up.
+    void form(double dt)
+    {
+        const double straight = 1.5 * def.height / def.speed, wound = 8.0 * def.loop / def.speed;
+        const std::vector<Vec3> loops = loopsOf(frame, made(), std::clamp((since - straight) / wound, 0.0, 1.0));
+        const double part = std::min(since / straight, 1.0);
+        for (std::size_t i = 0; i < fingers.size(); ++i)
+            simulation.physics().setPose(fingersBody, Pose{fingers[i].from + part * (loops[i] - fingers[i].from)},
+                                         static_cast<int>(i));
+        if (since < straight + wound + dt) return;
+        way = 0;
+        next(Phase::Thread);
+    }
+    void pass(double dt)
+    {
+        const std::vector<Vec3> points = wayThrough(frame, made());
+        Hand& hand = hands[1];
+        Vec3 at = def.place + hand.away * hand.direction;
+        const Vec3 to = points[static_cast<std::size_t>(way)];
+        const double left = distance(at, to), most = def.speed * dt;
+        at = left > most ? at + most / left * (to - at) : to;
+        place(hand, at);
+        simulation.physics().setPose(hand.body, Pose{at});
+        if (left > most || ++way < std::ssize(points)) return;
+        open();
+        for (Hand& each : hands) each.side = -each.side;
+        next(Phase::Spread);
+    }
+
     void publish() { told.write({.tied = throws, .done = phase == Phase::Done, .largest = largest}); }
-    using Kept = std::tuple<std::array<Hand, 2>, Phase, int, double, double, double, double>;
-    auto kept() { return std::tie(hands, phase, throws, angle, since, still, largest); }
+    using Kept = std::tuple<std::array<Hand, 2>, std::vector<Finger>, Phase, int, int, double, double, double>;
+    auto kept() { return std::tie(hands, fingers, phase, throws, way, since, still, largest); }
 
     runtime::Simulation& simulation;
     const KnotDef def;
+    KnotFrame frame;
+    BodyId fingersBody = {};
     Turns turns; // guards the members below
     std::array<Hand, 2> hands = {};
+    std::vector<Finger> fingers;
     Phase phase = Phase::Idle;
     int throws = 0;       ///< tied
-    double angle = 0.0;   ///< [rad] by which hands have gone around each other
+    int way = 0;          ///< the point of its way to which the second hand goes
     double since = 0.0;   ///< [s] in this phase
     double still = 0.0;   ///< [s] since a hand has moved
     double largest = 0.0; ///< [N]
