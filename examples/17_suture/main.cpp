@@ -15,7 +15,7 @@ Pose motion(double time)
     const auto part = [&](double from, double to) { return std::clamp((time - from) / (to - from), 0.0, 1.0); };
     const double angle = 20_deg + part(0.3, 2.3) * 175_deg + part(3.0, 3.6) * 160_deg + part(4.4, 6.4) * 150_deg;
     const Vec3 aside{0, 0, 25_mm * (part(2.6, 3.0) - part(3.6, 4.0))}; // open, from the needle's tail to its tip
-    const Vec3 drawn = part(6.4, 7.0) * Vec3{0, 16_mm, 0} + part(7.0, 8.0) * Vec3{32_mm, 0, 0} +
+    const Vec3 drawn = part(6.4, 7.0) * Vec3{0, 16_mm, 0} + part(7.0, 8.0) * Vec3{45_mm, 0, 0} +
                        part(9.05, 9.6) * Vec3{60_mm, 80_mm, 0};
     return holding(angle, aside + drawn);
 }
@@ -24,7 +24,7 @@ Pose motion(double time)
 Pose cutting(double since)
 {
     const double near = std::clamp(since / 0.8 - 0.1, 0.0, 1.0) - std::clamp((since - 1.2) / 0.5, 0.0, 1.0);
-    return {{9_mm + 60_mm * (1.0 - near), 11_mm, 0}, axisAngle({0, 1, 0}, 90_deg) * axisAngle({0, 0, 1}, 90_deg)};
+    return {{9_mm + 60_mm * (1.0 - near), 9_mm, 0}, axisAngle({0, 1, 0}, 90_deg) * axisAngle({0, 0, 1}, 90_deg)};
 }
 
 /// Draws the outer faces of the edges apart, with 1 N each.
@@ -35,7 +35,7 @@ void load(Simulation& sim, const BodyId (&edges)[2])
         std::vector<NodalForce> forces;
         const auto& nodes = frame->softBody(edges[side > 0])->positions;
         for (int i = 0; i < std::ssize(nodes); ++i)
-            if (side * nodes[static_cast<std::size_t>(i)].x > 20_mm) forces.push_back({i, {}});
+            if (side * nodes[static_cast<std::size_t>(i)].x > 20.5_mm) forces.push_back({i, {}});
         for (NodalForce& each : forces) each.force.x = side * 1.0 / static_cast<double>(forces.size());
         sim.physics().setForces(edges[side > 0], forces);
     }
@@ -50,8 +50,8 @@ try {
     for (const int side : {-1, 1}) {
         SoftBodyDef skin{.name = side < 0 ? "left edge" : "right edge",
                          .mesh = shapes::block({20_mm, 8_mm, 16_mm}, {10, 5, 8})};
-        skin.pose.position = {side * 11.5_mm, -4_mm, 0};
-        skin.material = FemMaterial{.youngModulus = 60_kPa, .poissonRatio = 0.45};
+        skin.pose.position = {side * 11_mm, -4_mm, 0};
+        skin.material = FemMaterial{.youngModulus = 50_kPa, .poissonRatio = 0.45};
         skin.attachments = {{.box = Box{{-1, -1, -1}, {1, -7.9_mm, 1}}}}; // its lower side is held
         skin.collision = {{.proximity = 0.3_mm}};
         skin.puncture = PunctureDef{.force = 0.25, .cutting = 0.08, .friction = 6.0};
@@ -70,8 +70,8 @@ try {
     RodBodyDef thread{.name = "thread", .spacing = 0.4_mm, .radius = 0.15_mm, .youngModulus = 50_MPa};
     thread.points = {transform(needle.elements[0], line.back()),
                      {14_mm, 7_mm, -7_mm},
-                     {12_mm, 24_mm, -18_mm},
-                     {-12_mm, 26_mm, -18_mm},
+                     {12_mm, 28_mm, -24_mm},
+                     {-16_mm, 32_mm, -24_mm},
                      end};
     thread.straight = thread.gravity = false;
     thread.yieldStrain = 0.1;    // it keeps sharp bends
@@ -84,7 +84,7 @@ try {
                                          {.kind = InstrumentKind::NeedleDriver, .pose = motion(0), .opening = 0.08});
     prefab::ArticulatedInstrument scissors(
         sim, {.kind = InstrumentKind::SutureScissors, .pose = cutting(0), .opening = 0.3});
-    KnotHands knot(sim, {.thread = silk, .place = {0, 0.5_mm, 0}, .holding = 0.3, .speed = 0.2});
+    KnotHands knot(sim, {.thread = silk, .place = {0, 0.5_mm, 0}, .force = getenv("FORCE") ? atof(getenv("FORCE")) : 0.6, .holding = getenv("HOLD") ? atof(getenv("HOLD")) : 0.2, .speed = 0.15});
     sim.show(steel, {.material = MetalMaterial{}});
     sim.show(silk, {.material = TissueMaterial{.baseColor = {0.1, 0.1, 0.5}, .wetness = 0, .vessels = 0}});
     double tied = physics::kNever, last = 0.0; // [s] when the knot was tied; the last step

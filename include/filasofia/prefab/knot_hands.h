@@ -29,25 +29,25 @@ struct KnotDef {
     double holding = 0.1;     ///< [N], > 0, with which each hand keeps its strand taut meanwhile
     double speed = 0.1;       ///< [m/s], > 0, largest speed of a hand
     double stiffness = 300.0; ///< [N/m], > 0, of a hand's grip, and of a finger's
-    double patience = 1.0;    ///< [s], > 0, longest time for which a throw is tightened
+    double patience = 1.0;    ///< [s], > 0, longest time for which hands wait until a strand rests
 };
 constexpr auto fields(const KnotDef*)
 {
     using T = KnotDef;
-    return describe("KnotDef", field("name", &T::name, "what errors and reports call it"),
-                    field("thread", &T::thread, "a rod"),
-                    field("nodes", &T::nodes, "-", nonNegative(), "the two nodes that hands hold; empty: its ends"),
-                    field("place", &T::place, "m", finite(), "where the knot is to lie"),
-                    field("up", &T::up, "-", finite(), "away from the tissue"),
-                    field("across", &T::across, "-", finite(), "across the wound: hands tighten along it"),
-                    field("turns", &T::turns, "-", closed(1, 5), "turns of the throws"),
-                    field("loop", &T::loop, "m", positive(), "radius of the loops"),
-                    field("height", &T::height, "m", positive(), "height of the loops over the place"),
-                    field("force", &T::force, "N", positive(), "with which each hand tightens a throw"),
-                    field("holding", &T::holding, "N", positive(), "with which each hand keeps its strand taut"),
-                    field("speed", &T::speed, "m/s", positive(), "largest speed of a hand"),
-                    field("stiffness", &T::stiffness, "N/m", positive(), "of a hand's grip, and of a finger's"),
-                    field("patience", &T::patience, "s", positive(), "longest time for which a throw is tightened"));
+    return describe(
+        "KnotDef", field("name", &T::name, "what errors and reports call it"), field("thread", &T::thread, "a rod"),
+        field("nodes", &T::nodes, "-", nonNegative(), "the two nodes that hands hold; empty: its ends"),
+        field("place", &T::place, "m", finite(), "where the knot is to lie"),
+        field("up", &T::up, "-", finite(), "away from the tissue"),
+        field("across", &T::across, "-", finite(), "across the wound: hands tighten along it"),
+        field("turns", &T::turns, "-", closed(1, 5), "turns of the throws"),
+        field("loop", &T::loop, "m", positive(), "radius of the loops"),
+        field("height", &T::height, "m", positive(), "height of the loops over the place"),
+        field("force", &T::force, "N", positive(), "with which each hand tightens a throw"),
+        field("holding", &T::holding, "N", positive(), "with which each hand keeps its strand taut"),
+        field("speed", &T::speed, "m/s", positive(), "largest speed of a hand"),
+        field("stiffness", &T::stiffness, "N/m", positive(), "of a hand's grip, and of a finger's"),
+        field("patience", &T::patience, "s", positive(), "longest time for which hands wait until a strand rests"));
 }
 
 /// Two hands that tie a knot. The first strand is laid across the wound, and fingers form loops of it in the air; the

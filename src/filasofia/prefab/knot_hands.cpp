@@ -100,8 +100,9 @@ struct KnotHands::Impl {
             hands[i].body = sim.add(physics::RigidBodyDef{
                 .name = text(def.name, i == 0 ? ": first hand" : ": second hand"), .elements = {Pose{def.place}}});
         const auto most = static_cast<std::size_t>(kFingersPerTurn * std::ranges::max(def.turns) + 1);
+        // Two more pinch the strands where they leave the last throw, or it would slip while the second one is slack.
         fingersBody = sim.add(physics::RigidBodyDef{.name = def.name + ": fingers",
-                                                    .elements = std::vector<Pose>(most, Pose{def.place})});
+                                                    .elements = std::vector<Pose>(most + 2, Pose{def.place})});
         const auto body = sim.physics().def(def.thread);
         const auto& rod = std::get<physics::RodBodyDef>(*body);
         frame = {def.place, def.across, def.up, cross(def.across, def.up)};
@@ -124,7 +125,8 @@ struct KnotHands::Impl {
                 if (hand.grip) simulation.physics().release(hand.grip);
                 hand.grip = {};
             }
-            open();
+            open(fingers);
+            open(pinching);
             next(Phase::Idle);
         });
     }
@@ -186,8 +188,9 @@ struct KnotHands::Impl {
             return normalized(x * def.across + y * def.up + z * frame.front);
         };
         if (phase == Phase::Spread || phase == Phase::Tighten) return along(side, kLow, 0.0);
+        if (phase == Phase::Done) return along(0.5 * side, 1.0, 0.0);
         if (which == 1) return along(0.5 * side, 1.0, 0.7);
-        if (phase == Phase::Lift || phase == Phase::Done) return along(0.5 * side, 1.0, -0.4);
+        if (phase == Phase::Lift) return along(0.5 * side, 1.0, -0.4);
         return along(-0.8 * side, 0.7, -0.7); // behind the second strand, to the other side
     }
     void work(const frame::Frame& now, const frame::SoftBodyFrame& thread, double dt)
@@ -222,10 +225,10 @@ struct KnotHands::Impl {
     {
         switch (phase) {
         case Phase::Lift:
-            if (there && still > kStill) next(Phase::Lay);
+            if (there && rests()) next(Phase::Lay);
             break;
         case Phase::Lay:
-            if (there && still > kStill) seize(thread);
+            if (there && rests()) seize(thread);
             break;
         case Phase::Seize:
             grasp();
@@ -237,17 +240,19 @@ struct KnotHands::Impl {
             pass(dt);
             break;
         case Phase::Spread:
-            if (there) next(Phase::Tighten);
+            if (!there || !rests()) break;
+            open(pinching);
+            next(Phase::Tighten);
             break;
         case Phase::Tighten:
-            if (since > kRamp && (still > kStill || since > def.patience))
-                next(++throws < std::ssize(def.turns) ? Phase::Lift : Phase::Done);
+            if (since > kRamp && rests()) next(++throws < std::ssize(def.turns) ? Phase::Lift : Phase::Done);
             break;
         default:
             break;
         }
     }
 
+    [[nodiscard]] bool rests() const { return still > kStill || since > def.patience; }
     [[nodiscard]] Throw made() const
     {
         return {.turns = def.turns[static_cast<std::size_t>(throws)],
@@ -259,8 +264,7 @@ struct KnotHands::Impl {
     {
         const auto at = [&](int node) { return thread.positions[static_cast<std::size_t>(node)]; };
         const int inwards = def.nodes[1] > def.nodes[0] ? 1 : -1;
-        int node = def.nodes[0];
-        while (node != def.nodes[1] && dot(at(node) - def.place, def.up) > kSkin) node += inwards;
+        int node = baseOf(thread, 0, inwards);
         const std::vector<Vec3> loops = loopsOf(frame, made(), 0.0);
         double left = kLead * distance(at(node), loops.front());
         fingers.clear();
@@ -271,22 +275,41 @@ struct KnotHands::Impl {
             fingers.push_back({.node = node, .from = at(node)});
             simulation.physics().setPose(fingersBody, Pose{at(node)}, static_cast<int>(i));
         }
+        pinching.clear();
+        for (int i = 0; throws > 0 && i < 2; ++i) {
+            const int base = baseOf(thread, i, i == 0 ? inwards : -inwards);
+            pinching.push_back({.node = base, .from = at(base)});
+            simulation.physics().setPose(fingersBody, Pose{at(base)}, static_cast<int>(loops.size()) + i);
+        }
         next(Phase::Seize);
+    }
+    /// The first node of a strand, from its hand on, that is near the tissue.
+    [[nodiscard]] int baseOf(const frame::SoftBodyFrame& thread, int hand, int inwards) const
+    {
+        const int other = def.nodes[static_cast<std::size_t>(1 - hand)];
+        int node = def.nodes[static_cast<std::size_t>(hand)];
+        const auto height = [&] { return dot(thread.positions[static_cast<std::size_t>(node)] - def.place, def.up); };
+        while (node != other && height() > kSkin) node += inwards;
+        return node;
     }
     void grasp()
     {
-        for (std::size_t i = 0; i < fingers.size(); ++i)
-            fingers[i].grip = simulation.physics().attach(def.thread, {.nodes = {fingers[i].node},
-                                                                       .stiffness = def.stiffness,
-                                                                       .to = fingersBody,
-                                                                       .element = static_cast<int>(i)});
+        const auto close = [&](Finger& finger, std::size_t element) {
+            finger.grip = simulation.physics().attach(def.thread, {.nodes = {finger.node},
+                                                                   .stiffness = def.stiffness,
+                                                                   .to = fingersBody,
+                                                                   .element = static_cast<int>(element)});
+        };
+        const std::size_t loops = loopsOf(frame, made(), 0.0).size();
+        for (std::size_t i = 0; i < fingers.size(); ++i) close(fingers[i], i);
+        for (std::size_t i = 0; i < pinching.size(); ++i) close(pinching[i], loops + i);
         next(Phase::Loop);
     }
-    void open()
+    void open(std::vector<Finger>& those)
     {
-        for (const Finger& finger : fingers)
+        for (const Finger& finger : those)
             if (finger.grip) simulation.physics().release(finger.grip);
-        fingers.clear();
+        those.clear();
     }
     /// First the fingers go to a straight line, then the line winds up.
     void form(double dt)
@@ -312,14 +335,15 @@ struct KnotHands::Impl {
         place(hand, at);
         simulation.physics().setPose(hand.body, Pose{at});
         if (left > most || ++way < std::ssize(points)) return;
-        open();
+        open(fingers);
         for (Hand& each : hands) each.side = -each.side;
         next(Phase::Spread);
     }
 
     void publish() { told.write({.tied = throws, .done = phase == Phase::Done, .largest = largest}); }
-    using Kept = std::tuple<std::array<Hand, 2>, std::vector<Finger>, Phase, int, int, double, double, double>;
-    auto kept() { return std::tie(hands, fingers, phase, throws, way, since, still, largest); }
+    using Kept = std::tuple<std::array<Hand, 2>, std::vector<Finger>, std::vector<Finger>, Phase, int, int, double,
+                            double, double>;
+    auto kept() { return std::tie(hands, fingers, pinching, phase, throws, way, since, still, largest); }
 
     runtime::Simulation& simulation;
     const KnotDef def;
@@ -327,7 +351,7 @@ struct KnotHands::Impl {
     BodyId fingersBody = {};
     Turns turns; // guards the members below
     std::array<Hand, 2> hands = {};
-    std::vector<Finger> fingers;
+    std::vector<Finger> fingers, pinching;
     Phase phase = Phase::Idle;
     int throws = 0;       ///< tied
     int way = 0;          ///< the point of its way to which the second hand goes
