@@ -8,6 +8,7 @@
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/physics/tissue.h"
 #include "filasofia/prefab/clip_applier.h"
+#include "filasofia/prefab/knot_hands.h"
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/overlays.h"
 #include "filasofia/prefab/perforation.h"
@@ -129,6 +130,8 @@ using prefab::ForceBar;
 using prefab::Guidance;
 using prefab::HandMove;
 using prefab::InstrumentKind;
+using prefab::KnotDef;
+using prefab::KnotHands;
 using prefab::Laparoscope;
 using prefab::LaparoscopeDef;
 using prefab::LaparoscopicInstrument;
