@@ -137,6 +137,13 @@ scene::ImportOptions importOptions(const RunCommandOptions& options)
     return import;
 }
 
+/// Says how far a task is that the run has left before its end; empty if it is over.
+std::string unfinishedLine(const prefab::Task& task)
+{
+    if (task.progress().state != prefab::TaskProgress::State::Running) return {};
+    return text("task '", prefab::shown(task.def().name), "' is not finished: ", task.status(), "\n");
+}
+
 /// A run must not overwrite what it is made from.
 void checkOutputs(const RunCommandOptions& options, std::vector<std::filesystem::path> read)
 {
@@ -173,8 +180,11 @@ int runFile(const RunCommandOptions& options)
     if (options.measures.empty() && isWatched(options.run)) return print(runReloading(load(), options, load));
     const LoadedScene scene = load();
     const RunReport report = scene.simulation->run(options.run);
+    if (scene.added.task) scene.added.task->leave();
     if (scene.added.tracker) scene.added.tracker->close();
-    return print(report);
+    const int code = print(report);
+    if (scene.added.task) std::cout << unfinishedLine(*scene.added.task);
+    return code;
 }
 
 int runScene(RunCommandOptions& options)
