@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import typing
 
@@ -10,7 +11,7 @@ import numpy as np
 
 import filasofia as fs
 
-from .state import EnvState, copied, restore, saved
+from .state import EnvState, restore, saved
 from .tool import Array, Tool
 
 
@@ -247,8 +248,8 @@ class SurgicalEnv(gymnasium.Env):
     def save_state(self) -> EnvState:
         """The present state: simulation, instruments, random numbers, and what the task's attributes hold.
 
-        It can be pickled, so that other processes continue from it, with the same bits. Numbers, arrays, lists, dicts
-        and plain objects of the task are copied.
+        It can be pickled, so that other processes continue from it, with the same bits. Attributes that cannot be
+        pickled are no part of it.
         """
         return saved(self)
 
@@ -265,7 +266,8 @@ class SurgicalEnv(gymnasium.Env):
 
     def _begin(self) -> Judgement:
         """Begins an episode with the random numbers that are next."""
-        self._began, self._random, self._actions = True, copied(self.np_random.bit_generator.state), []
+        self._began, self._actions = True, []
+        self._random = copy.deepcopy(dict(self.np_random.bit_generator.state))
         self.sim.restore(self._start)
         self.cuts.clear()
         self.steps = 0
@@ -278,7 +280,7 @@ class SurgicalEnv(gymnasium.Env):
     def _advance(self, action: typing.Any) -> tuple[bool, Judgement]:
         """One action; whether the simulation broke, and how the state is judged."""
         moves = self._moves(action)
-        self._actions.append(copied(np.asarray(action)))
+        self._actions.append(np.array(action))
         dt = self.frame_skip / self.rate
         for tool, move in zip(self.tools, moves):
             tool.place = self.limit(tool, tool.move(move, dt))

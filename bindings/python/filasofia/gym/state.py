@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import copy
 import dataclasses
+import io
+import pickle
 import typing
 
 import numpy as np
@@ -42,33 +44,56 @@ class EnvState:
         return {**self.__dict__, "kept": None}
 
 
-def copied(value: typing.Any) -> typing.Any:
-    """A value that later steps do not change. Bodies, meshes and simulations stay the same objects."""
-    if isinstance(value, np.ndarray):
-        return value.copy()
-    if type(value) in (list, tuple, set):
-        return type(value)(copied(each) for each in value)
-    if type(value) is dict:
-        return {name: copied(each) for name, each in value.items()}
-    if type(value).__module__.partition(".")[0] in ("filasofia", "gymnasium"):
-        return value
-    try:
-        return copy.deepcopy(value)
-    except (TypeError, fs.Error):  # it is of this process
-        return value
+class _Kept:
+    """Attributes of an object as they were. What belongs to an environment is that of the one that they return to."""
 
+    def __init__(self, env: SurgicalEnv, attributes: dict[str, typing.Any]):
+        self._objects: list[typing.Any] = []  # of the library, which never change
+        self._packed: dict[str, bytes] = {}
+        for name, value in attributes.items():
+            stream = io.BytesIO()
+            pickler = pickle.Pickler(stream)
+            pickler.persistent_id = lambda each: self._name(env, each)  # type: ignore[method-assign]
+            try:
+                pickler.dump(value)
+            except Exception:  # what cannot be pickled stays as it is
+                continue
+            self._packed[name] = stream.getvalue()
 
-def _put_back(target: typing.Any, kept: dict[str, typing.Any]) -> None:
-    """Gives an object the attributes that it had; lists and dicts stay the same objects, as others may hold them."""
-    for name, value in kept.items():
-        now = getattr(target, name, None)
-        if type(value) is list and type(now) is list:
-            now[:] = copied(value)
-        elif type(value) is dict and type(now) is dict:
-            now.clear()
-            now.update(copied(value))
-        else:
-            setattr(target, name, copied(value))
+    def _name(self, env: SurgicalEnv, value: typing.Any) -> tuple[str, typing.Any] | None:
+        if value is env or value is env.sim:
+            return ("env", None) if value is env else ("sim", None)
+        for number, tool in enumerate(env.tools):
+            if value is tool:
+                return "tool", number
+        if isinstance(value, int) or type(value).__module__.partition(".")[0] != "filasofia":
+            return None
+        for name, each in env.__dict__.items():
+            if each is value:
+                return "attribute", name
+        self._objects.append(value)
+        return "object", len(self._objects) - 1
+
+    def _find(self, env: SurgicalEnv, kind: str, which: typing.Any) -> typing.Any:
+        if kind == "tool":
+            return env.tools[which]
+        if kind == "attribute":
+            return getattr(env, which)
+        return self._objects[which] if kind == "object" else env.sim if kind == "sim" else env
+
+    def put_back(self, env: SurgicalEnv, target: typing.Any) -> None:
+        """Gives an object these attributes; lists and dicts stay the same objects, as others may hold them."""
+        for name, packed in self._packed.items():
+            unpickler = pickle.Unpickler(io.BytesIO(packed))
+            unpickler.persistent_load = lambda each: self._find(env, *each)  # type: ignore[method-assign]
+            value, now = unpickler.load(), getattr(target, name, None)
+            if type(value) is list and type(now) is list:
+                now[:] = value
+            elif type(value) is dict and type(now) is dict:
+                now.clear()
+                now.update(value)
+            else:
+                setattr(target, name, value)
 
 
 def saved(env: SurgicalEnv) -> EnvState:
@@ -77,9 +102,10 @@ def saved(env: SurgicalEnv) -> EnvState:
         raise fs.Error(f"{type(env).__name__}: save_state: no episode has begun: call reset() before")
     kept = {
         "sim": env.sim.save_state(),
-        "random": copied(env.np_random.bit_generator.state),
-        "tools": [copied(tool.__dict__) for tool in env.tools],
-        "rest": copied({name: value for name, value in env.__dict__.items() if name not in APART}),
+        "random": copy.deepcopy(env.np_random.bit_generator.state),
+        "tools": [_Kept(env, tool.__dict__) for tool in env.tools],
+        "names": set(env.__dict__),
+        "rest": _Kept(env, {name: value for name, value in env.__dict__.items() if name not in APART}),
     }
     return EnvState(*_same(env), env._random, tuple(env._actions), env._hash(), kept)
 
@@ -97,11 +123,11 @@ def restore(env: SurgicalEnv, state: EnvState) -> None:
         state.kept = saved(env).kept
         return
     env.sim.restore(state.kept["sim"])
-    for tool, kept in zip(env.tools, state.kept["tools"]):
-        _put_back(tool, kept)
-    for added in [each for each in env.__dict__ if each not in APART and each not in state.kept["rest"]]:
+    for added in set(env.__dict__) - state.kept["names"] - APART:
         delattr(env, added)
-    _put_back(env, state.kept["rest"])
+    for tool, kept in zip(env.tools, state.kept["tools"]):
+        kept.put_back(env, tool)
+    state.kept["rest"].put_back(env, env)
     _draw_from(env, state.kept["random"])
     env._began, env._random, env._actions = True, state.random, list(state.actions)
 
@@ -115,7 +141,7 @@ def _same(env: SurgicalEnv) -> tuple[str, dict[str, typing.Any]]:
 def _draw_from(env: SurgicalEnv, state: dict[str, typing.Any]) -> None:
     """Lets np_random go on from a state of it."""
     env.np_random = np.random.Generator(getattr(np.random, state["bit_generator"])())
-    env.np_random.bit_generator.state = copied(state)
+    env.np_random.bit_generator.state = copy.deepcopy(state)
 
 
 def _repeat(env: SurgicalEnv, state: EnvState) -> None:
