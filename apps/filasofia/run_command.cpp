@@ -107,7 +107,7 @@ private:
 };
 
 /// Runs a scene until its person ends it; begins it anew when its files have changed, or at Ctrl+R.
-RunReport runReloading(LoadedScene scene, const RunCommandOptions& options, const std::function<LoadedScene()>& load)
+RunReport runReloading(LoadedScene& scene, const RunCommandOptions& options, const std::function<LoadedScene()>& load)
 {
     std::shared_ptr<window::Window> window;
     const std::string again = text(options.scene, " is read again");
@@ -177,9 +177,9 @@ int runFile(const RunCommandOptions& options)
                                       {.file = options.measures, .session = {.trainee = options.run.trainee}});
         return scene;
     };
-    if (options.measures.empty() && isWatched(options.run)) return print(runReloading(load(), options, load));
-    const LoadedScene scene = load();
-    const RunReport report = scene.simulation->run(options.run);
+    LoadedScene scene = load();
+    const bool watched = options.measures.empty() && isWatched(options.run);
+    const RunReport report = watched ? runReloading(scene, options, load) : scene.simulation->run(options.run);
     if (scene.added.task) scene.added.task->leave();
     if (scene.added.tracker) scene.added.tracker->close();
     const int code = print(report);
