@@ -74,6 +74,8 @@ std::string header(const Report& report)
     if (!session.complete)
         out += "<p class=\"warning\">The record of this session is incomplete. All numbers describe the part that was "
                "recorded.</p>\n";
+    if (const metric::Event* event = metric::findUnfinished(session))
+        out += text("<p class=\"warning\">The task was not finished: ", escaped(shownName(event->what)), ".</p>\n");
     if (session.lost > 0)
         out += "<p class=\"warning\">Samples were lost because the disk did not keep up. Gaps are left out of every "
                "number.</p>\n";

@@ -45,6 +45,7 @@ Json metricJson(const Report& report, std::size_t i)
 std::string reportJson(const Report& report)
 {
     const metric::Session& session = report.session;
+    const metric::Event* unfinished = metric::findUnfinished(session);
     Json whole = {{"filasofia", kVersion},
                   {"session",
                    {{"trainee", session.trainee},
@@ -54,7 +55,8 @@ std::string reportJson(const Report& report)
                     {"seed", session.seed},
                     {"origin", report.origin},
                     {"lost", session.lost},
-                    {"complete", session.complete}}},
+                    {"complete", session.complete},
+                    {"unfinished", unfinished ? Json(unfinished->what) : Json(nullptr)}}},
                   {"metrics", Json::array()},
                   {"events", Json::array()},
                   {"sessions", Json::array()}};
@@ -107,6 +109,8 @@ std::string reportText(const Report& report)
     std::string out = text("trainee ", shown(session.trainee), ", case ", shown(session.task), ", ",
                            session.date.empty() ? "no date" : shownName(session.date), '\n');
     if (!session.complete) out += "the record of the session is incomplete\n";
+    if (const metric::Event* event = metric::findUnfinished(session))
+        out += text("the task was not finished: ", shownName(event->what), '\n');
     if (session.lost > 0) out += text(session.lost, " samples were lost\n");
     for (std::size_t i = 0; i < report.values.size(); ++i) {
         const metric::MetricInfo& info = metric::catalog()[i];

@@ -107,7 +107,7 @@ private:
 };
 
 /// Runs a scene until its person ends it; begins it anew when its files have changed, or at Ctrl+R.
-RunReport runReloading(LoadedScene scene, const RunCommandOptions& options, const std::function<LoadedScene()>& load)
+RunReport runReloading(LoadedScene& scene, const RunCommandOptions& options, const std::function<LoadedScene()>& load)
 {
     std::shared_ptr<window::Window> window;
     const std::string again = text(options.scene, " is read again");
@@ -135,6 +135,13 @@ scene::ImportOptions importOptions(const RunCommandOptions& options)
     scene::ImportOptions import{.anyFolder = options.anyFolder, .strict = options.strict};
     if (!options.package.empty()) import.packages = {options.package};
     return import;
+}
+
+/// Says how far a task is that the run has left before its end; empty if it is over.
+std::string unfinishedLine(const prefab::Task& task)
+{
+    if (task.progress().state != prefab::TaskProgress::State::Running) return {};
+    return text("task '", prefab::shown(task.def().name), "' is not finished: ", task.status(), "\n");
 }
 
 /// A run must not overwrite what it is made from.
@@ -170,11 +177,14 @@ int runFile(const RunCommandOptions& options)
                                       {.file = options.measures, .session = {.trainee = options.run.trainee}});
         return scene;
     };
-    if (options.measures.empty() && isWatched(options.run)) return print(runReloading(load(), options, load));
-    const LoadedScene scene = load();
-    const RunReport report = scene.simulation->run(options.run);
+    LoadedScene scene = load();
+    const bool watched = options.measures.empty() && isWatched(options.run);
+    const RunReport report = watched ? runReloading(scene, options, load) : scene.simulation->run(options.run);
+    if (scene.added.task) scene.added.task->leave();
     if (scene.added.tracker) scene.added.tracker->close();
-    return print(report);
+    const int code = print(report);
+    if (scene.added.task) std::cout << unfinishedLine(*scene.added.task);
+    return code;
 }
 
 int runScene(RunCommandOptions& options)

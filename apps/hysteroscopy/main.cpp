@@ -87,14 +87,15 @@ int train(const Training& training)
     MetricTrackerDef observed{.bodies = {{.body = forceps.body(), .tip = {0, 0, -4.5_mm}},
                                          {.body = scope.body(), .role = Role::Scope, .element = Endoscope::kCamera}},
                               .file = training.file};
-    observed.session = {.trainee = training.trainee,
-                        .task = text("hysteroscopy ", caseName, " ", difficulty.name),
-                        .software = "Filasofia",
-                        .seed = static_cast<std::uint64_t>(training.seed),
-                        .forceLimit = difficulty.warning,
-                        .fieldOfView = EndoscopeDef{}.fieldOfView,
-                        .targets = {"polyp"},
-                        .watched = {EventKind::Grasp, EventKind::Release, EventKind::Perforation}};
+    observed.session = {
+        .trainee = training.trainee,
+        .task = text("hysteroscopy ", caseName, " ", difficulty.name),
+        .software = "Filasofia",
+        .seed = static_cast<std::uint64_t>(training.seed),
+        .forceLimit = difficulty.warning,
+        .fieldOfView = EndoscopeDef{}.fieldOfView,
+        .targets = {"polyp"},
+        .watched = {EventKind::Grasp, EventKind::Release, EventKind::Perforation, EventKind::Unfinished}};
     const auto nodes = physics::worldMesh(std::get<SoftBodyDef>(*sim.physics().def(bodies.polyp))).nodes;
     const auto height = [&](Vec3 node) { return dot(node - patient.pose.position, patient.normal); };
     const auto top = static_cast<std::size_t>(std::ranges::max_element(nodes, {}, height) - nodes.begin());
@@ -150,6 +151,7 @@ int train(const Training& training)
     if (!moves.empty()) hands.play(moves);
     const int steps = static_cast<int>(1000 * durationOf(moves));
     if (const int problem = session.run(steps > 0 ? steps + 200 : 0)) return problem;
+    task.leave();
     tracker.close();
     const TaskProgress progress = task.progress();
     const bool done = progress.state == TaskProgress::State::Done;

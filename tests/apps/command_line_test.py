@@ -683,6 +683,9 @@ class Save(Program):
         session, numbers = self.at("biopsy.jsonl"), self.at("biopsy_numbers.json")
         said = self.output("run", biopsy, "--headless", "--steps", "2600", "--measures", session, "--trainee", "A. B.")
         self.assertIn("ended: task 'biopsy' is done", said)
+        self.assertNotIn("is not finished", said)
+        self.assertIn("task 'biopsy' is not finished: 0 of 3 steps done, next 'approach'\n",
+                      self.output("run", biopsy, "--headless", "--steps", "50"))
         self.assertIn('"trainee":"A. B."', Path(session).read_text().splitlines()[0])
         self.refused("run", "bunny", "--headless", "--measures", session, says=["--measures applies to scene files"])
 

@@ -100,6 +100,19 @@ class Outputs(Report):
         self.assertIn("the record of the session is incomplete", self.report(file))
         self.assertIn("is incomplete", (self.folder / "filasofia_report.html").read_text())
 
+    def test_a_task_that_was_not_finished_is_reported_with_a_warning(self):
+        lines = session().splitlines()
+        lines.insert(-1, json.dumps({"t": 2.0, "event": "unfinished", "what": "out of time <b>"}))
+        file = self.write("late.jsonl", "\n".join(lines) + "\n")
+        said = self.report(file, "--html", self.folder / "late.html", "--json", self.folder / "late.json")
+        self.assertIn("the task was not finished: out of time <b>\n", said)
+        self.assertIn("The task was not finished: out of time &lt;b&gt;.", (self.folder / "late.html").read_text())
+        written = json.loads((self.folder / "late.json").read_text())["session"]
+        self.assertEqual((written["unfinished"], written["complete"]), ("out of time <b>", True))
+        whole = self.write("whole.jsonl", session())
+        self.assertNotIn("not finished", self.report(whole, "--json", self.folder / "whole.json"))
+        self.assertIsNone(json.loads((self.folder / "whole.json").read_text())["session"]["unfinished"])
+
     def test_a_page_fetches_nothing(self):
         self.report("--example")
         page = (self.folder / "filasofia_report.html").read_text()

@@ -20,6 +20,11 @@ TEST_CASE("a slip is told the nearest known word, another word none")
     CHECK(didYouMean("colour", known).empty());
     CHECK(didYouMean("xyz", {"abc"}).empty());
     CHECK(didYouMean("bump", {}).empty());
+    const std::vector<std::string> body = {"mesh", "mass", "material", "pose"};
+    for (const char* word : {"totalMass", "total_mass", "massDensity"})
+        CHECK(didYouMean(word, body) == " (did you mean 'mass'?)");
+    CHECK(didYouMean("youngModulus", body) == " (did you mean 'material'?)");
+    CHECK(didYouMean("totalMass", {"radius"}).empty());
 }
 
 } // namespace suggestion_test

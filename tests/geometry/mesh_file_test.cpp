@@ -217,6 +217,8 @@ TEST_CASE("what is no mesh file at all is refused by name")
     CHECK_THAT(errorOf([] { loadTetMesh("a.obj"); }),
                Contains("must be a .msh, .vtk, .vtu, .node or .ele file, got '.obj'"));
     CHECK_THAT(errorOf([] { loadTetMesh("liver"); }), Contains("liver: a tetrahedral mesh must be"));
+    CHECK_THAT(errorOf([] { loadTetMesh("liver.msh", 1.0, "part"); }),
+               Contains("liver.msh: labels names a list of a .vtk or .vtu file, got 'part' for a '.msh' file"));
     for (const char* name : {"e.obj", "e.stl", "e.ply", "e.gltf", "e.glb"})
         CHECK_THAT(errorFor(name, ""), Contains(std::string(name) + ": is empty"));
     const TemporaryFile empty("e.msh", "");

@@ -79,7 +79,9 @@ TEST_CASE("the check of a tetrahedral mesh names what is wrong")
     SECTION("an inverted one")
     {
         std::swap(mesh.tetrahedra[4][1], mesh.tetrahedra[4][2]);
-        CHECK_THAT(message(), Contains("tetrahedron 4 is inverted: its volume must be > "));
+        CHECK_THAT(message(), Contains("tetrahedron 4 is inverted: its volume must be > ") && !Contains("other"));
+        for (const std::size_t t : {6, 9}) std::swap(mesh.tetrahedra[t][1], mesh.tetrahedra[t][2]);
+        CHECK_THAT(message(), Contains("tetrahedron 4 is inverted: ") && Contains("; 2 others are faulty, too"));
     }
     SECTION("a flat one")
     {

@@ -1,5 +1,7 @@
 #include "filasofia/geometry/vtk_reader.h"
 
+#include "filasofia/core/log.h"
+
 #include "geometry/sample_meshes.h"
 
 #include <bit>
@@ -103,6 +105,51 @@ TEST_CASE("a mesh with labels comes back from every version and form of VTK's fi
     CHECK(parseVtk(kFile, "a.vtk").tetrahedra == unitTetrahedron().tetrahedra);
     const std::string broken = kFile + "CELL_DATA 1\nSCALARS e float\nLOOKUP_TABLE default\n0.5\n";
     CHECK(parseVtk(broken, "a.vtk").labels.empty()); // no whole number
+}
+
+TEST_CASE(
+    "one list of several becomes the labels of a VTK file: the named one, or the first that does not number cells")
+{
+    const TetMesh mesh = labelledCube(2);
+    const std::size_t cells = mesh.tetrahedra.size() + 1;
+    std::string id = "\nSCALARS id int 1\nLOOKUP_TABLE default\n",
+                zone = "\nSCALARS zone short 1\nLOOKUP_TABLE default\n";
+    std::vector<int> zones;
+    for (std::size_t i = 0; i < cells; ++i) {
+        id += text(i, ' ');
+        zone += text(i % 4, ' ');
+        if (i > 0) zones.push_back(static_cast<int>(i % 4));
+    }
+    const std::string part = "\nSCALARS part int 1", plain = VtkWriter({}).write(mesh);
+    const std::string numbered = replaced(plain, part, id + part), three = replaced(plain, part, id + zone + part);
+    const auto logOf = [](const std::string& file, std::vector<int>& labels) {
+        std::string log;
+        setLogSink([&](LogLevel, std::string_view line) { log += text(line, '\n'); });
+        labels = parseVtk(file, "a.vtk").labels;
+        setLogSink({});
+        return log;
+    };
+    std::vector<int> labels;
+    CHECK(logOf(plain, labels).empty());
+    CHECK(labels == mesh.labels);
+    CHECK(logOf(numbered, labels) == "a.vtk: labels are 'part'; passed over, as each cell has its own number: 'id'\n");
+    CHECK(labels == mesh.labels);
+    CHECK(logOf(three, labels) ==
+          "a.vtk: labels are 'zone', the first of 'zone', 'part'; name another one with labels; "
+          "passed over, as each cell has its own number: 'id'\n");
+    CHECK(labels == zones);
+    const std::string alone = numbered.substr(0, numbered.find(part));
+    CHECK(logOf(alone, labels) == "a.vtk: no labels: 'id' gives each cell its own number; name it (labels) if these "
+                                  "are labels\n");
+    CHECK(labels.empty());
+    CHECK(parseVtk(three, "a.vtk", "part").labels == mesh.labels);
+    CHECK(parseVtk(alone, "a.vtk", "id").labels.size() == mesh.tetrahedra.size());
+    CHECK(errorOf([&] { parseVtk(three, "a.vtk", "organ"); }) ==
+          "a.vtk: labels must name a list of whole numbers per cell, got 'organ', which the file does not have; its "
+          "lists: 'id', 'zone', 'part'");
+    CHECK_THAT(errorOf([&] { parseVtk(three, "a.vtk", "quality"); }),
+               Contains("got 'quality', whose numbers are no whole ones; its lists: 'id', "));
+    CHECK_THAT(errorOf([&] { parseVtk(kFile, "a.vtk", "part"); }), Contains("its lists: none"));
 }
 
 TEST_CASE("the solids of VTK's files are split, however a wedge is turned")

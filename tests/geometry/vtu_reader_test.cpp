@@ -157,6 +157,9 @@ TEST_CASE("a mesh with labels comes back from every form of VTK's XML files, bit
         CHECK(read.tetrahedra == mesh.tetrahedra);
         CHECK(read.labels == mesh.labels);
     }
+    CHECK(parseVtu(VtuWriter({}).write(mesh), "a.vtu", "part").labels == mesh.labels);
+    CHECK_THAT(errorOf([&] { parseVtu(VtuWriter({}).write(mesh), "a.vtu", "organ"); }),
+               Contains("got 'organ', which the file does not have; its lists: 'part'"));
     CHECK(parseVtu(kFile, "a.vtu").labels.empty());
     CHECK(parseVtu(kFile, "a.vtu").tetrahedra == unitTetrahedron().tetrahedra);
 }

@@ -72,6 +72,15 @@ TEST_CASE("a mesh in pieces, or with doubled nodes, is told once, with its numbe
                Contains("soft body 'organ': the mesh is open along a seam: 6 of its 51 nodes lie on others"));
 }
 
+TEST_CASE("a body with thin elements is told how many, and which is the worst")
+{
+    const geometry::TetMesh block = *geometry::shapes::block({0.2, 0.002, 0.2}, {4, 4, 4});
+    CHECK_THAT(logOf(soft(block)), Contains("soft body 'organ': 384 of 384 tetrahedra are thin: longest edge over "
+                                            "smallest height is ") &&
+                                       Contains("(at most 100 is advised)"));
+    CHECK(logOf(soft(*geometry::shapes::block({0.1, 0.01, 0.1}, {4, 4, 4}))).empty());
+}
+
 TEST_CASE("a body as large as a bridge is told how millimetres are read, wherever it comes from")
 {
     const std::string log = logOf(soft(*geometry::shapes::block({20.0, 10.0, 10.0}, {2, 2, 2})));

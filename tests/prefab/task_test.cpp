@@ -103,7 +103,27 @@ TEST_CASE("a task fails at its time limit, and a step that takes too long is a m
     CHECK(over == std::vector{false});
     std::vector<metric::EventKind> kinds;
     for (const metric::Event& event : tracker.session().events) kinds.push_back(event.kind);
-    CHECK(kinds == std::vector{metric::EventKind::Mistake, metric::EventKind::Step});
+    using enum metric::EventKind;
+    CHECK(kinds == std::vector{Mistake, Step, Unfinished});
+    CHECK(metric::findUnfinished(tracker.session())->what ==
+          "out of time after 0.05 s: 1 of 2 steps done, next 'never'");
+}
+
+TEST_CASE("a task that a run leaves before its end is unfinished in the session, and one that is done is not")
+{
+    for (const double last : {1.0, 0.03}) {
+        Simulation sim;
+        const BodyId probe = sim.add(physics::RigidBodyDef{.name = "probe"});
+        MetricTracker tracker(sim, {.bodies = {{.body = probe}}, .keep = true});
+        const Task task(sim, {.steps = {after(0.02, "first"), after(last, "last")}, .tracker = &tracker});
+        run(sim, 50);
+        CHECK(task.status() == (last == 1.0 ? "1 of 2 steps done, next 'last'" : "2 of 2 steps done"));
+        task.leave();
+        tracker.close();
+        const metric::Event* event = metric::findUnfinished(tracker.session());
+        REQUIRE((event != nullptr) == (last == 1.0));
+        if (event) CHECK(event->what == "the run ended: 1 of 2 steps done, next 'last'");
+    }
 }
 
 TEST_CASE("a wrong task Def is refused with its name and field")

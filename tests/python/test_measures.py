@@ -29,6 +29,19 @@ def test_the_path_of_a_tool_is_measured_as_it_was_moved(tmp_path):
     assert any("there" in json.dumps(line) for line in lines[1:])
 
 
+def test_a_task_that_is_left_before_its_end_is_unfinished_in_the_session(tmp_path):
+    scene = os.path.join(os.environ["FILASOFIA_ROOT"], "examples/scenes/biopsy.json")
+    found = []
+    for steps in (1000, 2600):
+        file = tmp_path / f"{steps}.jsonl"
+        sim = fs.load(scene, measures=file)
+        sim.step(steps)
+        sim.close()
+        lines = [json.loads(line) for line in file.read_text().splitlines()]
+        found.append([line["what"] for line in lines if line.get("event") == "unfinished"])
+    assert found == [["the run ended: 1 of 3 steps done, next 'grasp'"], []]
+
+
 def test_a_scene_is_measured_by_its_task(tmp_path):
     scene = os.path.join(os.environ["FILASOFIA_ROOT"], "examples/scenes/biopsy.json")
     file = tmp_path / "biopsy.jsonl"

@@ -78,6 +78,8 @@ def test_shapes_and_files():
     assert len(fs.load_triangle_mesh(fs.asset("meshes/bunny.obj")).triangles) > 1000
     with pytest.raises(fs.Error, match="nothing.msh"):
         fs.load_tet_mesh("nothing.msh")
+    with pytest.raises(fs.Error, match="labels names a list of a .vtk or .vtu file, got 'part'"):
+        fs.load_tet_mesh(fs.asset("meshes/bunny_756.msh"), labels="part")
     with pytest.raises(fs.Error, match="nothing.msh"):
         fs.asset("meshes/nothing.msh")
 

@@ -328,6 +328,35 @@ def test_the_library_of_tissues():
         fs.tissue("livr")
 
 
+def test_the_report_says_what_of_a_body_fell_out_of_the_scene():
+    sim = fs.Simulation(gravity=(0, 0, 0))
+    tissue = sim.add(
+        block(mesh=fs.shapes.block((0.06, 0.02, 0.02), (6, 2, 2)), dynamic_topology=True, attachments=[
+            fs.AttachmentDef(box=fs.Box((-1, -1, -1), (-0.029, 1, 1)))]))
+    plane = fs.TriangleMesh(vertices=[[0, 0, -0.03], [0, 0, 0.03], [0, 0.05, 0.03], [0, 0.05, -0.03]],
+                            triangles=[[0, 1, 2], [0, 2, 3]])
+    knife = sim.add(
+        fs.RigidBodyDef(name="knife", elements=[(0.011, 0.03, 0)], mesh=plane, collision=[fs.CollisionDef(cutting=True)])
+    )
+    sim.step()
+    sim.step(60, {knife: (0.011, -0.03, 0)})
+    assert not sim.report().lost and "lost by" not in str(sim.report())
+    mass = 1000 * 0.06 * 0.02 * 0.02  # [kg]
+    away = np.flatnonzero(sim.frame[tissue].positions[:, 0] > 0.012)
+    sim.apply(fs.SetForces(id=tissue, forces=[fs.NodalForce(int(node), (0.0, -0.3, 0.0)) for node in away]))
+    lost = []
+    for _ in range(1000):
+        lost += sim.step().topology.lost_pieces
+        if lost:
+            break
+    assert len(lost) == 1 and lost[0].body == tissue and lost[0].piece > 0
+    assert lost[0].mass == pytest.approx(mass / 3, rel=0.15) and lost[0].share == pytest.approx(1 / 3, rel=0.15)
+    report = sim.report()
+    assert [(each.body, each.pieces, each.mass) for each in report.lost] == [("block", 1, lost[0].mass)]
+    assert "lost by 'block': 1 piece, " in str(report) and " fallen farther than 10 m and removed" in str(report)
+    assert repr(report) == str(report)
+
+
 def test_paused_steps_move_nothing():
     sim, tissue, _ = poke()
     sim.step(3)

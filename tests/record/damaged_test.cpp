@@ -1,4 +1,5 @@
 #include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
 #include "filasofia/engine/native_engine.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/recording.h"
@@ -129,6 +130,36 @@ TEST_CASE("a record without one of its fields names the field")
     CHECK(refusal(2, "\"digest\"", "\"x\"") == ": record 2: field 'digest' is missing");
     CHECK(refusal(3, "\"youngModulus\"", "\"x\"") ==
           ": record 3: field 'commands[1].AddBody.def.SoftBodyDef.material.FemMaterial.youngModulus' is missing");
+}
+
+TEST_CASE("fields that a recording of another revision does not have get their defaults, which the log tells once")
+{
+    auto lines = smallRecording();
+    const std::string friction = "\"friction\":0.3,",
+                      revision = text("\"revision\":\"", record::sourceRevision(), "\"");
+    for (const auto& [line, field] : {std::pair{2, friction}, {2, std::string("\"nodes\":[0],")}, {0, revision}}) {
+        const auto place = lines[line].find(field);
+        REQUIRE(place != std::string::npos);
+        lines[line].replace(place, field.size(), field == revision ? "\"revision\":\"abc\"" : "");
+    }
+    const record::ScratchFile file("older.rec");
+    file.write(record::framed(joined(lines)));
+    std::vector<std::string> logged;
+    setLogSink([&](LogLevel, std::string_view line) { logged.emplace_back(line); });
+    const record::Recording read = record::readRecording(file.path());
+    setLogSink({});
+    const auto& def = *std::get<AddBody>(read.steps.front().commands[1]).def;
+    CHECK(std::get<SoftBodyDef>(def).friction == SoftBodyDef{}.friction);
+    CHECK(std::get<SoftBodyDef>(def).attachments.front().nodes.empty());
+    const auto told = [&](const char* field) {
+        return text(file.name(), ": another revision wrote it; it has no ", field, ", which gets its default");
+    };
+    CHECK(logged == std::vector{told("AttachmentDef.nodes"), told("SoftBodyDef.friction")});
+    // What is newer than the reader is refused as always, and both programs are named.
+    lines[2].insert(lines[2].find("\"pressure\""), "\"color\":3,");
+    CHECK(refusal(record::framed(joined(lines))).find("unknown field 'color'") != std::string::npos);
+    CHECK_THAT(refusal(record::framed(joined(lines))),
+               Catch::EndsWith(text("revision abc, wrote it; this is revision ", record::sourceRevision(), ")")));
 }
 
 TEST_CASE("a field that does not belong is named")

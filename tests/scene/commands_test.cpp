@@ -168,6 +168,27 @@ TEST_CASE("scenes: doubled nodes are joined where the mesh is read")
     CHECK(nodes(R"(, "join": true)") == 5);
 }
 
+TEST_CASE("scenes: a list of a VTK file is chosen by its name")
+{
+    const SceneFolder folder;
+    folder.write("two.vtk",
+                 "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 5 double\n0 0 0 1 0 0 0 1 0\n"
+                 "0 0 1 1 1 1\nCELLS 2 10\n4 0 1 2 3\n4 1 2 3 4\nCELL_TYPES 2\n10 10\nCELL_DATA 2\n"
+                 "SCALARS id int\nLOOKUP_TABLE default\n0 1\nSCALARS part int\nLOOKUP_TABLE default\n7 7\n");
+    const auto load = [&](const std::string& labels) {
+        return folder.load(R"({"bodies": [{"name": "a", "mesh": {"type": "tetrahedra", "file": "two.vtk")" + labels +
+                           "}}]}");
+    };
+    const auto labelsOf = [&](const std::string& labels) {
+        const SceneDef scene = load(labels);
+        return std::get<std::shared_ptr<const geometry::TetMesh>>(std::get<SoftBodyDef>(scene.bodies[0].def).mesh)
+            ->labels;
+    };
+    CHECK(labelsOf("") == std::vector{0, 1});
+    CHECK(labelsOf(R"(, "labels": "part")") == std::vector{7, 7});
+    CHECK_THROWS_WITH(load(R"(, "labels": "organ")"), Catch::Contains("its lists: 'id', 'part'"));
+}
+
 TEST_CASE("scenes: wrong shapes and labels say what they have and where it belongs")
 {
     const auto with = [](const std::string& body) {

@@ -192,6 +192,8 @@ TEST_CASE("scene files: every mistake is one line with its place, its bound and 
     const auto body = [](const std::string& rest) { return text("{\"bodies\": [\n{", kCube, rest, "}]}"); };
     CHECK(folder.errorOf(body(R"(, "frction": 1)")) ==
           "scene.json:2:60: unknown field 'frction' in bodies[0], a SoftBodyDef (did you mean 'friction'?)");
+    CHECK(folder.errorOf(body(R"(, "totalMass": 0.15)")) ==
+          "scene.json:2:62: unknown field 'totalMass' in bodies[0], a SoftBodyDef (did you mean 'mass'?)");
     CHECK(folder.errorOf(body(R"(, "friction": -1)")) == "scene.json:2:61: bodies[0].friction must be >= 0, got -1");
     CHECK(folder.errorOf(body(R"(, "pressure": "5 mm")")) ==
           "scene.json:2:61: bodies[0].pressure must be in Pa or a unit like it, got \"5 mm\"");

@@ -185,12 +185,19 @@ double achieved(const runtime::RunReport& report)
     return static_cast<double>(report.timing.stepCount) / report.timing.wallSeconds;
 }
 
-std::vector<PhysicsRow> measurePhysics(bool quick)
+struct PhysicsRows {
+    std::vector<PhysicsRow> rows;
+    bool interrupted = false; ///< by Ctrl-C or SIGTERM: the rest is not measured
+};
+
+PhysicsRows measurePhysics(bool quick)
 {
     std::printf("\nphysics, 3004 tetrahedra, steps of 1 ms\n%-14s %-5s %9s %9s %9s %9s %8s %7s\n", "beside", "pace",
                 "steps/s", "step ms", "p99", "clamped", "pictures", "others");
-    std::vector<PhysicsRow> rows;
+    PhysicsRows all;
+    std::vector<PhysicsRow>& rows = all.rows;
     const auto add = [&](Beside what, bool freeRunning) {
+        if (all.interrupted) return;
         const OthersLoad load;
         try {
             rows.push_back({what, freeRunning, runBeside(what, freeRunning, quick ? 0.5 : 10.0), 0.0});
@@ -200,6 +207,13 @@ std::vector<PhysicsRow> measurePhysics(bool quick)
         }
         PhysicsRow& row = rows.back();
         row.others = load.cores();
+        if (row.report.finished == "interrupted") { // too short to say anything
+            std::printf("%-14s %-5s interrupted: the rest is not measured, and no limit is judged\n", nameOf(what),
+                        freeRunning ? "free" : "1 ms");
+            rows.pop_back();
+            all.interrupted = true;
+            return;
+        }
         const Spread cost = row.report.timing.cost();
         std::printf("%-14s %-5s %9.1f %9.3f %9.3f %9llu %8ld %7.2f\n", nameOf(what), freeRunning ? "free" : "1 ms",
                     achieved(row.report), 1e3 * cost.median, 1e3 * cost.p99,
@@ -213,7 +227,7 @@ std::vector<PhysicsRow> measurePhysics(bool quick)
     add(Beside::Nothing, true);
     // Free-running physics beside software drawing is left out: drawing would take the cores.
     add(Beside::Mapping, true);
-    return rows;
+    return all;
 }
 
 Verdict judgeBudget(const std::vector<FrameRow>& rows)
@@ -308,7 +322,8 @@ json benchVisual(bool quick)
     const std::vector<FrameRow> frames = measureFrames(quick);
     const std::vector<PictureRow> pictures = measurePictures(quick);
     const std::vector<TopologyRow> topology = measureTopology(quick);
-    const std::vector<PhysicsRow> physics = measurePhysics(quick);
+    const auto [physics, interrupted] = measurePhysics(quick);
+    const json limits = interrupted ? json::array() : printVerdicts({judgeBudget(frames), judgePhysics(physics)});
     return {{"bench", "visual"},
             {"quick", quick},
             {"cores", usableCores()},
@@ -317,7 +332,8 @@ json benchVisual(bool quick)
             {"frames", listToJson(frames)},
             {"topology", listToJson(topology)},
             {"physics", listToJson(physics)},
-            {"limits", printVerdicts({judgeBudget(frames), judgePhysics(physics)})}};
+            {"interrupted", interrupted},
+            {"limits", limits}};
 }
 
 } // namespace filasofia::app

@@ -162,7 +162,7 @@ void bindSoft(nb::module_& module)
             return rowsOf<int, 3>(self.body->boundary->triangles, self.frame);
         },
         nb::for_getter(nb::sig("def boundary(self) -> numpy.typing.NDArray[numpy.int32] | None")),
-        "(m, 3) nodes of its surface after cuts and tears, or None if its mesh was never changed.");
+        "(m, 3) nodes of its surface, which follows cuts and tears; None without dynamic_topology.");
     soft.def_prop_ro(
         "rest",
         [](const SoftPart& self) -> nb::object {
@@ -170,8 +170,7 @@ void bindSoft(nb::module_& module)
             return rowsOf<double, 3>(self.body->boundary->rest, self.frame);
         },
         nb::for_getter(nb::sig("def rest(self) -> numpy.typing.NDArray[numpy.float64] | None")),
-        "(n, 3) [m] where the nodes are at rest, those that cuts have made too, or None if its mesh was never "
-        "changed.");
+        "(n, 3) [m] where the nodes are at rest, those that cuts have made too; None without dynamic_topology.");
     soft.def("__repr__", [](const SoftPart& self) {
         return text("SoftBodyFrame(id=", self.body->id.value, ", ", self.body->positions.size(), " nodes)");
     });

@@ -20,7 +20,7 @@ metric::EventKind kindOf(const std::string& word, const char* what)
     if (const std::optional<metric::EventKind> kind = metric::eventKind(word)) return *kind;
     fail(what,
          " must be one of grasp, release, tear, cut, perforation, blood, energy, activation, in_air, burn, removed, "
-         "seen, residual, step, mistake, note, "
+         "seen, residual, step, mistake, unfinished, note, "
          "got '",
          word, "'");
 }
@@ -70,15 +70,16 @@ void addMeasures(nb::module_& module, nb::class_<HeldSimulation>& sim)
                 fail("measure: force_limit must be > 0 N, got ", *forceLimit);
             for (const std::string& each : watched) session.watched.push_back(kindOf(each, "measure: watched"));
             if (!steps.empty())
-                session.watched.insert(session.watched.end(), {metric::EventKind::Step, metric::EventKind::Mistake});
+                session.watched.insert(session.watched.end(), {metric::EventKind::Step, metric::EventKind::Mistake,
+                                                               metric::EventKind::Unfinished});
             measure(self, definition, session);
         },
         nb::arg("definition").none(), nb::arg("trainee"), nb::arg("task"), nb::arg("steps"), nb::arg("targets"),
         nb::arg("watched"), nb::arg("force_limit").none());
     sim.def("mark", &mark, nb::arg("kind"), nb::arg("what") = "", nb::arg("amount").none() = nb::none(),
             "Notes an event at the present time in the session that measure() writes: kind is grasp, release, tear, "
-            "cut, perforation, blood, energy, activation, in_air, burn, removed, seen, residual, step, mistake or "
-            "note. Error if nothing is measured.");
+            "cut, perforation, blood, energy, activation, in_air, burn, removed, seen, residual, step, mistake, "
+            "unfinished or note. Error if nothing is measured.");
     module.def("measures", &measuresOf, nb::arg("file").none(),
                nb::sig("def measures(file: str | os.PathLike[str]) -> dict[str, float | None]"),
                "The measures of a session file by their names (docs/guide/metrics.md), in SI units; None if the "

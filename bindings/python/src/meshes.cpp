@@ -300,16 +300,18 @@ void bindFiles(nb::module_& module)
 {
     module.def(
         "load_tet_mesh",
-        [](nb::handle file, double scale, bool join) {
+        [](nb::handle file, double scale, bool join, const std::string& labels) {
             const auto name = readArgument<std::string>(file, "load_tet_mesh", "file");
-            TetMesh mesh = geometry::loadTetMesh(name, scale);
+            TetMesh mesh = geometry::loadTetMesh(name, scale, labels);
             if (join) mesh = geometry::withJoinedNodes(mesh, name);
             return Tetrahedra{std::make_shared<const TetMesh>(std::move(mesh))};
         },
-        nb::arg("file").none(), nb::arg("scale") = 1.0, nb::arg("join") = false,
-        nb::sig("def load_tet_mesh(file: str | os.PathLike[str], scale: float = 1.0, join: bool = False) -> TetMesh"),
+        nb::arg("file").none(), nb::arg("scale") = 1.0, nb::arg("join") = false, nb::arg("labels") = "",
+        nb::sig("def load_tet_mesh(file: str | os.PathLike[str], scale: float = 1.0, join: bool = False, labels: str "
+                "= '') -> TetMesh"),
         "Reads a .msh, .vtk, .vtu or .node/.ele file; `scale` [m] is the length of one unit of it. With `join`, nodes "
-        "that lie on each other become one.");
+        "that lie on each other become one. `labels` names the list of whole numbers per cell of a VTK file that "
+        "become the labels; without it, the first one that does not number the cells.");
     module.def(
         "load_triangle_mesh",
         [](nb::handle file, double scale) {

@@ -20,27 +20,30 @@ bool hasSurface(const physics::BodyDef& def)
     return !file || !file->empty();
 }
 
-/// If the user chose nothing to be drawn, everything that has a surface is.
+/// If the user chose nothing to be drawn, everything that has a surface is, but for what a library has shown.
 void showAll(HeldSimulation& self)
 {
     if (self.shown) return;
     Session& session = *self.session;
     for (const BodyId id : session.physics().bodies()) {
         const auto def = session.physics().def(id);
-        if (self.shownByUs.contains(id) || !hasSurface(*def)) continue;
+        if (self.shownByUs.contains(id) || self.shownBeside.contains(id) || !hasSurface(*def)) continue;
         self.shownByUs[id] = session.simulation().show(
             id, physics::isRigid(*def) ? runtime::ShowDef{.material = visual::MetalMaterial{}} : runtime::ShowDef{});
     }
 }
 
-/// What the user says of a body takes the place of what we showed of it.
-nb::object show(HeldSimulation& self, nb::handle body, nb::handle def)
+/// What the user says of a body takes the place of what we showed of it. `beside`: others are drawn as before.
+nb::object show(HeldSimulation& self, nb::handle body, nb::handle def, bool beside)
 {
     const auto read = readDef<runtime::ShowDef>(def, "show");
     Session& session = usable(self, "show");
     const auto id = readArgument<BodyId>(body, "show", "body");
     const runtime::ShownId shown = session.simulation().show(id, read);
-    self.shown = true;
+    if (beside)
+        self.shownBeside.insert(id);
+    else
+        self.shown = true;
     if (const auto ours = self.shownByUs.extract(id)) session.simulation().unshow(ours.mapped());
     return Convert<runtime::ShownId>::make(shown);
 }
@@ -101,7 +104,7 @@ void withViewer(HeldSimulation& self, void (Session::*act)())
 
 void addPictures(nb::class_<HeldSimulation>& sim)
 {
-    sim.def("_show", &show);
+    sim.def("_show", &show, nb::arg("body"), nb::arg("definition"), nb::arg("beside") = false);
     sim.def(
         "set_visible",
         [](HeldSimulation& self, nb::handle shown, bool visible) {

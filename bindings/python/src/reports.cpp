@@ -109,9 +109,16 @@ void bindRuptures(nb::module_& module)
     addId(rupture, "body", &Rupture::body);
     addVector(rupture, "place", &Rupture::place, "[m]");
 
+    nb::class_<LostPiece> lost(module, "LostPiece", "A piece that went farther than 10 m and was removed.");
+    lost.def_ro("piece", &LostPiece::piece)
+        .def_ro("mass", &LostPiece::mass, "[kg]")
+        .def_ro("share", &LostPiece::share, "[-], of the mass that the body had as a whole");
+    addId(lost, "body", &LostPiece::body);
+
     nb::class_<TopologyReport>(module, "TopologyReport", "Cuts and tears of a step.")
         .def_ro("ruptures", &TopologyReport::ruptures)
-        .def_ro("lost", &TopologyReport::lost)
+        .def_ro("lost", &TopologyReport::lost, "pieces that went farther than 10 m and were removed")
+        .def_ro("lost_pieces", &TopologyReport::lostPieces)
         .def_ro("pending", &TopologyReport::pending)
         .def_ro("blade_not_finite", &TopologyReport::bladeNotFinite, "blades whose position is not finite")
         .def_ro("blade_no_length", &TopologyReport::bladeNoLength, "blades without length")
@@ -223,8 +230,14 @@ void bindRun(nb::module_& module)
         .def_ro("body", &DuctReport::body, "its name")
         .def_ro("duct", &DuctReport::duct, "the duct's name")
         .def_ro("balance", &DuctReport::balance);
+    using runtime::LostPiecesReport;
+    nb::class_<LostPiecesReport>(module, "LostPiecesReport", "What a body has lost in a run.")
+        .def_ro("body", &LostPiecesReport::body, "its name")
+        .def_ro("pieces", &LostPiecesReport::pieces, "that went farther than 10 m and were removed")
+        .def_ro("mass", &LostPiecesReport::mass, "[kg]")
+        .def_ro("share", &LostPiecesReport::share, "[-], of the mass that the body had as a whole");
     nb::class_<RunReport>(module, "RunReport",
-                          "How a run went. str() of it is the summary that the command line prints.")
+                          "How a run went. As text it is the summary that the command line prints.")
         .def_ro("steps", &RunReport::steps)
         .def_ro("time", &RunReport::time, "[s], simulated")
         .def_ro("hash", &RunReport::hash)
@@ -239,6 +252,7 @@ void bindRun(nb::module_& module)
         .def_ro("contacts", &RunReport::contacts)
         .def_ro("ducts", &RunReport::ducts)
         .def_ro("clips", &RunReport::clips, "in all steps")
+        .def_ro("lost", &RunReport::lost, "one per body that lost pieces")
         .def_prop_ro(
             "cut_area", [](const RunReport& self) { return self.opened.cut; }, "[m^2], one side, at rest")
         .def_prop_ro(
@@ -250,13 +264,7 @@ void bindRun(nb::module_& module)
         .def_ro("finished", &RunReport::finished)
         .def_prop_ro(
             "wall_seconds", [](const RunReport& self) { return self.timing.wallSeconds; }, "[s] in steps")
-        .def("__repr__",
-             [](const RunReport& self) {
-                 return text("RunReport(steps=", self.steps, ", time=", self.time, ", undone=", self.undone,
-                             ", not_converged=", self.notConverged, ", inverted=", self.inverted,
-                             ", intersecting=", self.intersecting, ", finished='", self.finished, "')");
-             })
-        .def("__str__", [](const RunReport& self) { return runtime::summary(self); });
+        .def("__repr__", [](const RunReport& self) { return runtime::summary(self); });
 }
 
 } // namespace

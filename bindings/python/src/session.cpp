@@ -187,6 +187,7 @@ void Session::close()
     const Closing last{closed_};
     {
         const std::scoped_lock lock(trackersMutex_);
+        if (scene_.task) scene_.task->leave();
         for (const auto& each : trackers_) each->close();
     }
     final_ = report();

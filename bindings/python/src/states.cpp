@@ -35,7 +35,15 @@ void addStates(nb::module_& module, nb::class_<HeldSimulation>& sim)
 {
     nb::class_<HeldState>(module, "SavedState", "What Simulation.restore() returns to; it never changes.")
         .def_ro("time", &HeldState::time, "[s]")
-        .def_ro("steps", &HeldState::steps, "Number of steps made.");
+        .def_ro("steps", &HeldState::steps, "Number of steps made.")
+        .def(
+            "__reduce__",
+            [](const HeldState&) -> nb::object {
+                throw nb::type_error("SavedState: it is memory of its process and cannot be copied or pickled. A "
+                                     "recording (record) makes the same steps in another one; so do states of "
+                                     "filasofia.gym (SurgicalEnv.save_state), which can be pickled.");
+            },
+            nb::sig("def __reduce__(self) -> tuple[typing.Any, ...]"));
     sim.def(
         "save_state", &save,
         "The present state: bodies, cut meshes, contacts, attachments, time, warm starts, the commands that wait for "

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <vector>
 
 namespace filasofia::python {
@@ -29,6 +30,7 @@ struct HeldSimulation {
     bool shown = false; ///< the user chose what is drawn
     /// Else all bodies are. The interpreter's lock guards it, like all members.
     std::map<BodyId, runtime::ShownId> shownByUs = {};
+    std::set<BodyId> shownBeside = {}; ///< by a library, which leaves it at showing all
     ~HeldSimulation();
 };
 

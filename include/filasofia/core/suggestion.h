@@ -10,7 +10,8 @@ namespace filasofia {
 /// other.
 int editDistance(std::string_view a, std::string_view b);
 
-/// " (did you mean 'run'?)" for the known word nearest to `word`, or nothing if none is near.
+/// " (did you mean 'run'?)" for the known word nearest to `word`, or that of the same meaning (totalMass: mass);
+/// nothing if there is none.
 std::string didYouMean(std::string_view word, const std::vector<std::string>& known);
 
 } // namespace filasofia

@@ -4,6 +4,7 @@
 #include "filasofia/geometry/triangle_mesh.h"
 
 #include <filesystem>
+#include <string>
 
 namespace filasofia::geometry {
 
@@ -11,9 +12,11 @@ namespace filasofia::geometry {
 /// an XML .vtu) or of a TetGen .node/.ele pair (either name) and checks them. Hexahedra, prisms and pyramids are split
 /// into tetrahedra. Other elements (points, lines, triangles, quadrangles) are skipped, and nodes that no tetrahedron
 /// uses are dropped; the rest keep their order. Solids of second order are refused. `scale` [m], > 0, is the length of
-/// one unit of the file: 1e-3 for millimetres. Throws an Error naming the file, the line (ASCII) or byte (binary), the
-/// element, and the bound.
-TetMesh loadTetMesh(const std::filesystem::path& file, double scale = 1.0);
+/// one unit of the file: 1e-3 for millimetres. `labels` names the list of whole numbers per cell of a VTK file that
+/// become the labels. Empty: the first one, unless it numbers the cells; the log says which if there are several.
+/// Throws an Error naming the file, the line (ASCII) or byte (binary), the element, and the bound; or, with the names
+/// that there are, if there is no such list.
+TetMesh loadTetMesh(const std::filesystem::path& file, double scale = 1.0, const std::string& labels = {});
 
 /// Reads a triangle mesh from OBJ, STL, PLY, glTF (.gltf, .glb) or legacy polydata of VTK (.vtk). Polydata keep their
 /// points in double precision and in their order, and their polygons. With all others: all meshes of the file become

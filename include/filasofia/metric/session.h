@@ -59,6 +59,7 @@ enum class EventKind {
     Residual,    ///< the share of the target that is left; amount: [-], in [0, 1]
     Step,        ///< a step of the task is done; `what` is one of Session::steps
     Mistake,     ///< a mistake as defined by the task
+    Unfinished,  ///< the task ended before it was done; `what` says why
     Note
 };
 std::string_view name(EventKind kind); ///< "tear"
@@ -96,6 +97,9 @@ struct Session {
 
 /// Takes back the samples and events that are later than `time` [s], because a saved state was restored.
 void takeBack(Session& session, double time);
+
+/// The last Unfinished event, unless a step was done after it; or nullptr.
+const Event* findUnfinished(const Session& session);
 
 /// The track of a role after skipping the first `skip` of them, or nullptr.
 const Track* findTrack(const Session& session, Role role, int skip = 0);

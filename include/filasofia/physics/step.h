@@ -127,6 +127,14 @@ struct Rupture {
     std::vector<int> cavities = {};        ///< cavities of the body that were opened, as their indices
 };
 
+/// A piece that went farther than 10 m and was removed.
+struct LostPiece {
+    BodyId body = {};
+    int piece = 0;      ///< its number: LoosePiece::piece
+    double mass = 0.0;  ///< [kg]
+    double share = 0.0; ///< [-], in (0, 1], of the mass that the body had as a whole
+};
+
 /// Statistics of the mesh edits of a step: all bodies, cuts and tears. Edits are atomic: a refused edit leaves its body
 /// unchanged.
 struct TopologyReport {
@@ -142,6 +150,7 @@ struct TopologyReport {
     int lost = 0;         ///< pieces that went farther than 10 m and were removed
     int putOff = 0;       ///< faces that could not be opened yet and are tried again
     int pending = 0;      ///< crossings and tears that wait for the next step
+    std::vector<LostPiece> lostPieces = {}; ///< what `lost` counts, in ascending order of bodies
     [[nodiscard]] int refused() const { return bladesRefused() + edgeGone + tearClosed + noPiece; }
     [[nodiscard]] int bladesRefused() const
     {

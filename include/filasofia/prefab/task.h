@@ -38,7 +38,8 @@ struct TaskDef {
     std::vector<TaskStep> steps = {}; ///< at least one, done in this order
     /// [s], > 0, for the whole task; after it the task has failed.
     double timeLimit = std::numeric_limits<double>::infinity();
-    MetricTracker* tracker = nullptr; ///< gets a Step for each completed step and a Mistake for each that took too long
+    /// Gets a Step for each completed step, a Mistake for each that took too long, and Unfinished if the time is up.
+    MetricTracker* tracker = nullptr;
     std::function<void(bool)> over = {}; ///< called once on the stepping thread: whether the task was done
 };
 constexpr auto fields(const TaskDef*)
@@ -69,7 +70,11 @@ public:
     [[nodiscard]] TaskProgress progress() const; ///< any thread
     [[nodiscard]] const TaskDef& def() const;
     [[nodiscard]] std::string instruction() const; ///< the next step's; empty if there is none
-    void restart();                                ///< at the simulation's next step
+    /// How far it is, in words: "1 of 3 steps done, next 'grasp'".
+    [[nodiscard]] std::string status() const;
+    /// To be called after a run, before the tracker is closed: a task that is still running gets Unfinished.
+    void leave() const;
+    void restart(); ///< at the simulation's next step
 
 private:
     struct Impl;

@@ -3,6 +3,7 @@
 #include "filasofia/physics/step_record.h"
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -25,10 +26,14 @@ struct RecordingHeader {
     std::string date = {};               ///< start of the session, from dateNow(): any text
 };
 
+/// Told of a field that a recording of another revision does not have, as "CollisionDef.selfOnceCut".
+using MissingField = std::function<void(const std::string&)>;
+
 /// What was drawn and how, in the format of the room that draws: a recording stores it without reading it.
 struct SceneRecord {
     std::string words = "{}";                                                 ///< a JSON object
     std::vector<std::shared_ptr<const geometry::TriangleMesh>> surfaces = {}; ///< `words` refers to them by index
+    MissingField missing = {}; ///< set by the reader if another revision wrote it: its missing fields have defaults
 };
 
 /// The git revision of this program's source; its version if it was configured without git.
@@ -60,9 +65,10 @@ private:
 };
 
 /// Reads a recording step by step. Throws an Error naming the file, and the byte or record, if it is not a recording,
-/// of another version, damaged or cut off; all steps before that place are read first. The file is not trusted: the
-/// memory that it makes the reader allocate is bounded by its own length. It must be a regular file, because a pipe or
-/// a device might never end.
+/// of another version, damaged or cut off; all steps before that place are read first. If another revision of this
+/// version wrote it, fields that it does not have get their defaults, and the log tells each once. The file is not
+/// trusted: the memory that it makes the reader allocate is bounded by its own length. It must be a regular file,
+/// because a pipe or a device might never end.
 class RecordingReader {
 public:
     explicit RecordingReader(const std::filesystem::path& file);

@@ -79,6 +79,14 @@ struct OpenedSurfaces {
     std::uint64_t cavities = 0; ///< [-], cavities of bodies that were opened
 };
 
+/// What a body has lost in a run: pieces that went farther than 10 m and were removed.
+struct LostPiecesReport {
+    std::string body = {};    ///< its name
+    std::uint64_t pieces = 0; ///< [-]
+    double mass = 0.0;        ///< [kg]
+    double share = 0.0;       ///< [-], in (0, 1], of the mass that the body had as a whole
+};
+
 /// Blades that were not used in a run (physics::TopologyReport).
 struct RefusedBlades {
     std::uint64_t steps = 0;  ///< [-], steps with such a blade
@@ -147,6 +155,7 @@ struct RunReport {
     std::string finished;             ///< why it ended
     std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
     std::vector<BloodReport> blood;          ///< one per body that bleeds, ascending by their ids
+    std::vector<LostPiecesReport> lost;      ///< one per body that lost pieces, ascending by their ids
     std::vector<HeatReport> heat;            ///< one per body that burns, ascending by their ids
     std::vector<EnergyReport> energy;        ///< one per electrode, in the order in which they were added
     std::vector<DuctReport> ducts;           ///< one per duct, in the order in which they were added

@@ -3,8 +3,33 @@
 #include "filasofia/core/text.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 
 namespace filasofia {
+namespace {
+
+/// SOFA's words for what has another name here or is one level deeper, without case and underscores.
+constexpr std::array<std::array<std::string_view, 2>, 9> kOtherWords = {{{"totalmass", "mass"},
+                                                                         {"massdensity", "mass"},
+                                                                         {"density", "mass"},
+                                                                         {"youngmodulus", "material"},
+                                                                         {"poissonratio", "material"},
+                                                                         {"rayleighmass", "rayleigh"},
+                                                                         {"rayleighstiffness", "rayleigh"},
+                                                                         {"translation", "pose"},
+                                                                         {"rotation", "pose"}}};
+
+std::string_view otherWordFor(std::string_view word)
+{
+    std::string plain;
+    for (const char letter : word)
+        if (letter != '_') plain += static_cast<char>(std::tolower(static_cast<unsigned char>(letter)));
+    const auto* found = std::ranges::find(kOtherWords, plain, [](const auto& each) { return each[0]; });
+    return found == kOtherWords.end() ? std::string_view() : (*found)[1];
+}
+
+} // namespace
 
 // Optimal string alignment: Levenshtein with swaps of neighbours, row by row.
 int editDistance(std::string_view a, std::string_view b)
@@ -26,6 +51,8 @@ int editDistance(std::string_view a, std::string_view b)
 
 std::string didYouMean(std::string_view word, const std::vector<std::string>& known)
 {
+    if (const std::string_view other = otherWordFor(word); std::ranges::find(known, other) != known.end())
+        return text(" (did you mean '", other, "'?)");
     const std::string* nearest = nullptr;
     int smallest = std::max(2, static_cast<int>(word.size()) / 3) + 1; // a larger distance is another word, not a slip
     for (const std::string& candidate : known) {

@@ -11,6 +11,9 @@ namespace filasofia::geometry {
 /// empty if it is sound. check() and the file readers share this bound.
 std::string elementFault(const TetMesh& mesh, const Tetrahedron& tetrahedron);
 
+/// How many tetrahedra from `first` on are not sound either, as the end of such a sentence; empty if all are.
+std::string furtherFaults(const TetMesh& mesh, std::size_t first);
+
 /// Two tetrahedra, the lower index first, that have a face on the same side: one listed twice, or two that overlap.
 /// Every element of the mesh must pass elementFault().
 std::optional<std::array<int, 2>> sameSidePair(const TetMesh& mesh);

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/user_file.h"
+#include "filasofia/core/word.h"
 #include "filasofia/geometry/announced_size.h"
 #include "filasofia/geometry/assimp_reader.h"
 #include "filasofia/geometry/gmsh_reader.h"
@@ -36,13 +37,16 @@ TetMesh loadTetGen(std::filesystem::path file)
     return parseTetGen({nodeBytes, nodes.string()}, {elementBytes, elements.string()});
 }
 
-TetMesh readTetMesh(const std::filesystem::path& file)
+TetMesh readTetMesh(const std::filesystem::path& file, const std::string& labels)
 {
     const std::string extension = extensionOf(file);
+    if (extension == ".vtk") return parseVtk(bytesOf(file), file.string(), labels);
+    if (extension == ".vtu") return parseVtu(bytesOf(file), file.string(), labels);
+    if (!labels.empty())
+        fail(file.string(), ": labels names a list of a .vtk or .vtu file, got ", shownWord(labels), " for a '",
+             extension, "' file");
     if (extension == ".msh") return parseGmsh(bytesOf(file), file.string());
     if (extension == ".node" || extension == ".ele") return loadTetGen(file);
-    if (extension == ".vtk") return parseVtk(bytesOf(file), file.string());
-    if (extension == ".vtu") return parseVtu(bytesOf(file), file.string());
     fail(file.string(), ": a tetrahedral mesh must be a .msh, .vtk, .vtu, .node or .ele file, got '", extension, "'");
 }
 
@@ -72,10 +76,10 @@ void checkScale(const std::filesystem::path& file, double scale)
 
 } // namespace
 
-TetMesh loadTetMesh(const std::filesystem::path& file, double scale)
+TetMesh loadTetMesh(const std::filesystem::path& file, double scale, const std::string& labels)
 {
     checkScale(file, scale);
-    TetMesh mesh = readTetMesh(file);
+    TetMesh mesh = readTetMesh(file, labels);
     multiply(mesh.nodes, scale);
     return mesh;
 }

@@ -173,6 +173,23 @@ double NumberSource::real(std::string_view what, int rawSize)
     return value;
 }
 
+double NumberSource::anyRealIn(std::string_view word) const
+{
+    try {
+        return realIn(word, "a number");
+    } catch (const Error&) {
+        return std::numeric_limits<double>::quiet_NaN();
+    }
+}
+
+double NumberSource::anyReal(std::string_view what, int rawSize)
+{
+    if (binary_) return rawSize == 4 ? static_cast<double>(raw<float>(what)) : raw<double>(what);
+    const std::string_view next = word();
+    if (next.empty()) failHere("the file ends before ", what);
+    return anyRealIn(next);
+}
+
 void NumberSource::boundCount(std::int64_t count, std::string_view what, std::size_t numbers,
                               std::size_t rawBytes) const
 {

@@ -53,6 +53,8 @@ public:
     std::int64_t integer(std::string_view what, int rawSize = 4);
     /// A finite number: text, or 4 (float) or 8 (double) binary bytes.
     double real(std::string_view what, int rawSize = 8);
+    /// The same, but anything that is no finite number becomes NaN.
+    double anyReal(std::string_view what, int rawSize = 8);
     /// The number of items that follow, each of at least `numbers` numbers (text) or `rawBytes` bytes (binary): never
     /// more than the rest of the file can hold, whatever the file announces.
     std::size_t count(std::string_view what, std::size_t numbers, std::size_t rawBytes, int rawSize);
@@ -62,6 +64,7 @@ public:
     /// The number that a word spells, whole or finite.
     std::int64_t integerIn(std::string_view word, std::string_view what) const;
     double realIn(std::string_view word, std::string_view what) const;
+    double anyRealIn(std::string_view word) const; ///< NaN if it spells no finite number
 
     template <class... Parts> [[noreturn]] void failHere(const Parts&... parts) const { failAt(place(), parts...); }
     template <class... Parts> [[noreturn]] void failAt(std::size_t where, const Parts&... parts) const

@@ -87,6 +87,7 @@ TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const Numbe
     mesh.nodes.reserve(raw.nodes.size());
     for (const RawTetMesh::Node& node : raw.nodes) mesh.nodes.push_back(node.position);
     mesh.tetrahedra.reserve(raw.elements.size());
+    std::size_t faulty = raw.elements.size(); // the first one
     for (const RawTetMesh::Element& element : raw.elements) {
         Tetrahedron& t = mesh.tetrahedra.emplace_back();
         for (int i = 0; i < 4; ++i) {
@@ -98,9 +99,11 @@ TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const Numbe
                                    order.empty() ? 0 : numberOf(order.back()));
             t[i] = *found;
         }
-        if (const std::string fault = elementFault(mesh, t); !fault.empty())
-            elementFile.failAt(element.place, solidName(element), fault);
+        if (faulty == raw.elements.size() && !elementFault(mesh, t).empty()) faulty = mesh.tetrahedra.size() - 1;
     }
+    if (faulty < raw.elements.size())
+        elementFile.failAt(raw.elements[faulty].place, solidName(raw.elements[faulty]),
+                           elementFault(mesh, mesh.tetrahedra[faulty]), furtherFaults(mesh, faulty + 1));
     if (raw.labelled) {
         for (const RawTetMesh::Element& element : raw.elements) mesh.labels.push_back(element.label);
         mesh.labelNames = raw.labelNames;

@@ -63,6 +63,14 @@ std::string elementFault(const TetMesh& mesh, const Tetrahedron& t)
                 " m^3 (1e-12 times its longest edge cubed), got ", volume);
 }
 
+std::string furtherFaults(const TetMesh& mesh, std::size_t first)
+{
+    std::size_t count = 0;
+    for (std::size_t i = first; i < mesh.tetrahedra.size(); ++i)
+        if (!elementFault(mesh, mesh.tetrahedra[i]).empty()) ++count;
+    return count == 0 ? "" : text("; ", count, count == 1 ? " other is" : " others are", " faulty, too");
+}
+
 // Two neighbours orient their common face in opposite directions; the same direction means that both lie on one side.
 std::optional<std::array<int, 2>> sameSidePair(const TetMesh& mesh)
 {
@@ -79,7 +87,7 @@ void check(const TetMesh& mesh, std::string_view name)
     checkPoints(mesh.nodes, name, "node");
     for (std::size_t i = 0; i < mesh.tetrahedra.size(); ++i)
         if (const std::string fault = elementFault(mesh, mesh.tetrahedra[i]); !fault.empty())
-            fail(name, ": tetrahedron ", i, fault);
+            fail(name, ": tetrahedron ", i, fault, furtherFaults(mesh, i + 1));
     checkEveryNodeIsUsed(mesh, name);
     checkLabels(mesh, name);
     if (const auto pair = sameSidePair(mesh))

@@ -1,7 +1,11 @@
 #include "filasofia/geometry/vtk_cells.h"
 
+#include "filasofia/core/log.h"
+#include "filasofia/core/word.h"
+
 #include <algorithm>
 #include <optional>
+#include <set>
 
 namespace filasofia::geometry {
 namespace {
@@ -37,7 +41,62 @@ std::optional<Solid> toSolid(std::int64_t type, std::vector<std::int64_t>& nodes
     return Solid::Prism;
 }
 
+/// Meshes with fewer solids may well have a label for each.
+constexpr std::size_t kFewSolids = 16;
+
+/// Whether a list gives every solid a number of its own, as identifiers do.
+bool numbersTheSolids(const VtkCells& cells, const std::vector<int>& list)
+{
+    std::set<int> seen;
+    std::size_t solids = 0;
+    for (std::size_t cell = 0; cell < cells.types.size(); ++cell) {
+        if (isFlat(cells.types[cell])) continue;
+        if (!seen.insert(list[cell]).second) return false;
+        ++solids;
+    }
+    return solids >= kFewSolids;
+}
+
+std::string namesOf(const std::vector<const CellNumbers*>& lists)
+{
+    std::string all;
+    for (const CellNumbers* each : lists) all += text(all.empty() ? "'" : ", '", shortened(each->name), "'");
+    return all.empty() ? "none" : all;
+}
+
+const CellNumbers* labelsNamed(const VtkCells& cells, const std::string& asked, std::string_view file)
+{
+    const auto found = std::ranges::find(cells.numbers, asked, &CellNumbers::name);
+    if (found != cells.numbers.end() && !found->whole.empty()) return &*found;
+    std::vector<const CellNumbers*> whole;
+    for (const CellNumbers& each : cells.numbers)
+        if (!each.whole.empty()) whole.push_back(&each);
+    fail(file, ": labels must name a list of whole numbers per cell, got '", shortened(asked), "', ",
+         found == cells.numbers.end() ? "which the file does not have" : "whose numbers are no whole ones",
+         "; its lists: ", namesOf(whole));
+}
+
 } // namespace
+
+const CellNumbers* labelsAmong(const VtkCells& cells, const std::string& asked, std::string_view file)
+{
+    if (!asked.empty()) return labelsNamed(cells, asked, file);
+    std::vector<const CellNumbers*> lists, numberings;
+    for (const CellNumbers& each : cells.numbers)
+        if (!each.whole.empty()) (numbersTheSolids(cells, each.whole) ? numberings : lists).push_back(&each);
+    const std::string passed =
+        numberings.empty() ? "" : text("; passed over, as each cell has its own number: ", namesOf(numberings));
+    if (lists.empty() && !numberings.empty())
+        logWarning(file, ": no labels: ", namesOf(numberings),
+                   " gives each cell its own number; name it (labels) if "
+                   "these are labels");
+    if (lists.empty()) return nullptr;
+    if (lists.size() + numberings.size() > 1)
+        logInfo(file, ": labels are '", shortened(lists.front()->name), "'",
+                lists.size() > 1 ? text(", the first of ", namesOf(lists), "; name another one with labels") : "",
+                passed);
+    return lists.front();
+}
 
 void checkOffsets(const VtkCells& cells, const NumberSource& file, std::size_t place)
 {
@@ -47,9 +106,9 @@ void checkOffsets(const VtkCells& cells, const NumberSource& file, std::size_t p
         file.failAt(place, "the offsets of cells must ascend from 0 to the number of their nodes, ", end);
 }
 
-void addCells(const VtkCells& cells, const NumberSource& file, RawTetMesh& mesh)
+void addCells(const VtkCells& cells, const CellNumbers* labels, const NumberSource& file, RawTetMesh& mesh)
 {
-    mesh.labelled = !cells.labels.empty();
+    mesh.labelled = labels != nullptr;
     std::vector<std::int64_t> nodes;
     for (std::size_t cell = 0; cell < cells.types.size(); ++cell) {
         if (isFlat(cells.types[cell])) continue;
@@ -64,7 +123,7 @@ void addCells(const VtkCells& cells, const NumberSource& file, RawTetMesh& mesh)
         addSolid(nodes,
                  {.number = static_cast<std::int64_t>(cell),
                   .place = cells.places[cell],
-                  .label = mesh.labelled ? cells.labels[cell] : 0,
+                  .label = labels ? labels->whole[cell] : 0,
                   .partOf = *solid},
                  file, mesh);
     }

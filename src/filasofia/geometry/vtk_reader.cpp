@@ -30,11 +30,11 @@ class VtkReader {
 public:
     VtkReader(std::string_view bytes, std::string_view name) : in_(bytes, name), name_(name) {}
 
-    TetMesh read()
+    TetMesh read(const std::string& labels)
     {
         readSections("UNSTRUCTURED_GRID");
         if (cells_.types.empty()) fail(name_, ": must have CELLS and CELL_TYPES sections, found none");
-        addCells(cells_, in_, mesh_);
+        addCells(cells_, labelsAmong(cells_, labels, name_), in_, mesh_);
         return resolve(mesh_, in_, in_, name_);
     }
     TriangleMesh readSurface()
@@ -56,9 +56,9 @@ private:
     [[nodiscard]] TriangleMesh triangles() const;
     [[nodiscard]] int corner(std::size_t polygon, std::int64_t at) const;
     void readAttribute(const std::string& keyword);
-    void readArray(std::int64_t components, std::int64_t tuples, const NumberType& type);
+    void readArray(std::string_view name, std::int64_t components, std::int64_t tuples, const NumberType& type);
     void passOver(std::size_t count, const NumberType& type);
-    void readLabels(const NumberType& type);
+    void readNumbers(std::string_view name, const NumberType& type);
     [[nodiscard]] NumberType type();
     std::int64_t textCount(std::string_view what, std::size_t numbers, std::size_t rawBytes);
     std::vector<std::int64_t> readIntegers(std::size_t count, std::string_view what, int bytes);
@@ -214,7 +214,7 @@ void VtkReader::readTypes()
     cells_.types = readIntegers(static_cast<std::size_t>(count), "a cell's type", 4);
 }
 
-// Values of points and cells. They are passed over, but for the first list of whole numbers of cells.
+// Values of points and cells. They are passed over, but for lists of one number per cell: any may be the labels.
 void VtkReader::readAttribute(const std::string& keyword)
 {
     if (keyword == "field") {
@@ -226,7 +226,7 @@ void VtkReader::readAttribute(const std::string& keyword)
             if (name.empty()) in_.failHere("the file ends before an array");
             const std::int64_t components = in_.integerIn(in_.word(), "a number of components");
             const std::int64_t tuples = in_.integerIn(in_.word(), "a number of values");
-            readArray(components, tuples, type());
+            readArray(name, components, tuples, type());
         }
         return;
     }
@@ -237,24 +237,25 @@ void VtkReader::readAttribute(const std::string& keyword)
         const std::string_view components = in_.wordOnThisLine();
         if (lowered(in_.word()) != "lookup_table") in_.failHere("SCALARS must have a LOOKUP_TABLE");
         in_.word();
-        return readArray(components.empty() ? 1 : in_.integerIn(components, "a number of components"), attributes_, of);
+        return readArray(name, components.empty() ? 1 : in_.integerIn(components, "a number of components"),
+                         attributes_, of);
     }
-    if (keyword == "vectors" || keyword == "normals") return readArray(3, attributes_, type());
-    if (keyword == "tensors") return readArray(9, attributes_, type());
-    if (keyword == "global_ids" || keyword == "pedigree_ids") return readArray(1, attributes_, type());
+    if (keyword == "vectors" || keyword == "normals") return readArray(name, 3, attributes_, type());
+    if (keyword == "tensors") return readArray(name, 9, attributes_, type());
+    if (keyword == "global_ids" || keyword == "pedigree_ids") return readArray(name, 1, attributes_, type());
     const NumberType colour = in_.isBinary() ? NumberType{"unsigned_char", 1} : NumberType{"float", 4, true};
     if (keyword == "texture_coordinates") {
         if (surface_ && !ofCells_ && uv_.empty()) return readTextureCoordinates();
         const std::int64_t dimension = in_.integerIn(in_.word(), "a dimension");
-        return readArray(dimension, attributes_, type());
+        return readArray(name, dimension, attributes_, type());
     }
     if (keyword == "color_scalars")
-        return readArray(in_.integerIn(in_.word(), "a number of components"), attributes_, colour);
-    if (keyword == "lookup_table") return readArray(4, in_.integerIn(in_.word(), "the size of a table"), colour);
+        return readArray(name, in_.integerIn(in_.word(), "a number of components"), attributes_, colour);
+    if (keyword == "lookup_table") return readArray(name, 4, in_.integerIn(in_.word(), "the size of a table"), colour);
     in_.failHere("a section must be one of VTK's, got ", quoted(keyword));
 }
 
-void VtkReader::readArray(std::int64_t components, std::int64_t tuples, const NumberType& of)
+void VtkReader::readArray(std::string_view name, std::int64_t components, std::int64_t tuples, const NumberType& of)
 {
     in_.boundCount(components, "a number of components", 1, 1);
     in_.boundCount(tuples, "a number of values", 1, 1);
@@ -263,8 +264,8 @@ void VtkReader::readArray(std::int64_t components, std::int64_t tuples, const Nu
     in_.boundCount(components * tuples, "a number of values", 1, static_cast<std::size_t>(of.bytes));
     const auto count = static_cast<std::size_t>(components * tuples);
     beginRaw();
-    if (ofCells_ && cells_.labels.empty() && components == 1 && count == cells_.types.size())
-        readLabels(of);
+    if (ofCells_ && !surface_ && components == 1 && count == cells_.types.size())
+        readNumbers(name, of);
     else
         passOver(count, of);
 }
@@ -280,7 +281,7 @@ void VtkReader::readTextureCoordinates()
 {
     const std::int64_t dimension = in_.integerIn(in_.word(), "a dimension");
     const NumberType of = type();
-    if (dimension != 2) return readArray(dimension, attributes_, of);
+    if (dimension != 2) return readArray({}, dimension, attributes_, of);
     if (attributes_ != static_cast<std::int64_t>(mesh_.nodes.size()))
         in_.failHere("POINT_DATA must have one value per point (", mesh_.nodes.size(), "), got ", attributes_);
     beginRaw();
@@ -322,24 +323,31 @@ TriangleMesh VtkReader::triangles() const
     return mesh;
 }
 
-// Values that are no whole numbers make no labels.
-void VtkReader::readLabels(const NumberType& of)
+// Values that are no whole numbers make no labels: the rest of such a list is passed over.
+void VtkReader::readNumbers(std::string_view name, const NumberType& of)
 {
-    std::vector<int> found;
-    bool whole = true;
-    for (std::size_t i = 0; i < cells_.types.size(); ++i) {
-        const double value = of.real ? in_.real("a cell's value", of.bytes)
-                                     : static_cast<double>(in_.integer("a cell's value", of.bytes));
+    const bool loose = cells_.haveLabels();
+    CellNumbers& out = cells_.numbers.emplace_back(CellNumbers{std::string(name), {}});
+    const std::size_t count = cells_.types.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        const double value =
+            of.real ? loose ? in_.anyReal("a cell's value", of.bytes) : in_.real("a cell's value", of.bytes)
+                    : static_cast<double>(in_.integer("a cell's value", of.bytes));
         const std::optional<int> label = labelOf(value);
-        whole = whole && label;
-        found.push_back(label.value_or(0));
+        if (!label) {
+            out.whole.clear();
+            return passOver(count - i - 1, of);
+        }
+        out.whole.push_back(*label);
     }
-    if (whole) cells_.labels = std::move(found);
 }
 
 } // namespace
 
-TetMesh parseVtk(std::string_view bytes, std::string_view name) { return VtkReader(bytes, name).read(); }
+TetMesh parseVtk(std::string_view bytes, std::string_view name, const std::string& labels)
+{
+    return VtkReader(bytes, name).read(labels);
+}
 TriangleMesh parseVtkSurface(std::string_view bytes, std::string_view name)
 {
     return VtkReader(bytes, name).readSurface();

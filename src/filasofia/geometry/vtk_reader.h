@@ -3,11 +3,14 @@
 #include "filasofia/geometry/tet_mesh.h"
 #include "filasofia/geometry/triangle_mesh.h"
 
+#include <string>
+#include <string_view>
+
 namespace filasofia::geometry {
 
 /// Reads the solids of a legacy VTK file (an unstructured grid, versions 1 to 5.1, ASCII or binary) from its bytes, as
 /// loadTetMesh() promises for .vtk; `name` is the file's name for Errors.
-TetMesh parseVtk(std::string_view bytes, std::string_view name);
+TetMesh parseVtk(std::string_view bytes, std::string_view name, const std::string& labels = {});
 
 /// Reads the polygons of legacy VTK polydata, as loadTriangleMesh() promises for .vtk.
 TriangleMesh parseVtkSurface(std::string_view bytes, std::string_view name);

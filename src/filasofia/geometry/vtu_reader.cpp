@@ -37,13 +37,13 @@ class VtuReader {
 public:
     VtuReader(std::string_view bytes, std::string_view name) : file_(bytes, name), bytes_(bytes), name_(name) {}
 
-    TetMesh read();
+    TetMesh read(const std::string& labels);
 
 private:
     void parse();
     void readPoints(const pugi::xml_node& piece);
     void readCells(const pugi::xml_node& piece);
-    void readLabels(const pugi::xml_node& piece);
+    void readNumbers(const pugi::xml_node& piece);
 
     [[nodiscard]] std::size_t lineAt(std::ptrdiff_t offset) const;
     /// The line on which an element or a text begins.
@@ -57,9 +57,9 @@ private:
     [[nodiscard]] NumberSource attributeOf(const pugi::xml_node& node, const char* name) const;
     [[nodiscard]] std::int64_t countOf(const pugi::xml_node& piece, const char* name) const;
 
-    /// The numbers of an array. Floating-point numbers cannot become whole ones.
-    template <class Number> std::vector<Number> numbersOf(const pugi::xml_node& array) const;
-    template <class Number> std::vector<Number> textOf(const pugi::xml_node& array) const;
+    /// The numbers of an array. Floating-point numbers cannot become whole ones. `loose`: a word that is none is NaN.
+    template <class Number> std::vector<Number> numbersOf(const pugi::xml_node& array, bool loose = false) const;
+    template <class Number> std::vector<Number> textOf(const pugi::xml_node& array, bool loose) const;
     template <class Raw, class Number> std::vector<Number> rawOf(const pugi::xml_node& array) const;
     [[nodiscard]] std::string bytesOf(const pugi::xml_node& array) const;
     [[nodiscard]] std::string inflated(ArrayBytes& from, const pugi::xml_node& array) const;
@@ -138,7 +138,7 @@ void VtuReader::parse()
     appendedBase64_ = std::string_view(root.child("AppendedData").attribute("encoding").as_string("base64")) != "raw";
 }
 
-TetMesh VtuReader::read()
+TetMesh VtuReader::read(const std::string& labels)
 {
     parse();
     const pugi::xml_node grid = child(document_.child("VTKFile"), "UnstructuredGrid"), piece = child(grid, "Piece");
@@ -146,8 +146,8 @@ TetMesh VtuReader::read()
         failAt(second, "the grid must have one Piece, got a second one; merge them before");
     readPoints(piece);
     readCells(piece);
-    readLabels(piece);
-    addCells(cells_, file_, mesh_);
+    readNumbers(piece);
+    addCells(cells_, labelsAmong(cells_, labels, name_), file_, mesh_);
     return resolve(mesh_, file_, file_, name_);
 }
 
@@ -182,25 +182,24 @@ void VtuReader::readCells(const pugi::xml_node& piece)
     cells_.places.assign(count, lineOf(connectivity));
 }
 
-// The first array of whole numbers.
-void VtuReader::readLabels(const pugi::xml_node& piece)
+// Every array of one number per cell: any may be the labels.
+void VtuReader::readNumbers(const pugi::xml_node& piece)
 {
     for (const pugi::xml_node& array : piece.child("CellData").children("DataArray")) {
         if (array.attribute("NumberOfComponents").as_int(1) > 1) continue;
-        const std::vector<double> values = numbersOf<double>(array);
+        const std::vector<double> values = numbersOf<double>(array, cells_.haveLabels());
         if (values.size() != cells_.types.size())
             failAt(array, "must have one number per cell (", cells_.types.size(), "), got ", values.size());
-        cells_.labels.clear();
+        CellNumbers& out = cells_.numbers.emplace_back(CellNumbers{array.attribute("Name").value(), {}});
         for (const double value : values)
-            if (const std::optional<int> label = labelOf(value)) cells_.labels.push_back(*label);
-        if (cells_.labels.size() == values.size()) return;
+            if (const std::optional<int> label = labelOf(value)) out.whole.push_back(*label);
+        if (out.whole.size() < values.size()) out.whole.clear();
     }
-    cells_.labels.clear();
 }
 
-template <class Number> std::vector<Number> VtuReader::numbersOf(const pugi::xml_node& array) const
+template <class Number> std::vector<Number> VtuReader::numbersOf(const pugi::xml_node& array, bool loose) const
 {
-    if (std::string_view(array.attribute("format").as_string("ascii")) == "ascii") return textOf<Number>(array);
+    if (std::string_view(array.attribute("format").as_string("ascii")) == "ascii") return textOf<Number>(array, loose);
     const std::string_view type = array.attribute("type").value();
     if (type == "Int8") return rawOf<std::int8_t, Number>(array);
     if (type == "UInt8") return rawOf<std::uint8_t, Number>(array);
@@ -218,14 +217,14 @@ template <class Number> std::vector<Number> VtuReader::numbersOf(const pugi::xml
            quoted(type));
 }
 
-template <class Number> std::vector<Number> VtuReader::textOf(const pugi::xml_node& array) const
+template <class Number> std::vector<Number> VtuReader::textOf(const pugi::xml_node& array, bool loose) const
 {
     const pugi::xml_text content = array.text();
     NumberSource in(content.get(), name_, content ? lineOf(content.data()) : lineOf(array));
     std::vector<Number> out;
     for (std::string_view word = in.word(); !word.empty(); word = in.word()) {
         if constexpr (std::floating_point<Number>)
-            out.push_back(in.realIn(word, "a number"));
+            out.push_back(loose ? in.anyRealIn(word) : in.realIn(word, "a number"));
         else
             out.push_back(in.integerIn(word, "a number"));
     }
@@ -308,6 +307,9 @@ std::string VtuReader::inflated(ArrayBytes& from, const pugi::xml_node& array) c
 
 } // namespace
 
-TetMesh parseVtu(std::string_view bytes, std::string_view name) { return VtuReader(bytes, name).read(); }
+TetMesh parseVtu(std::string_view bytes, std::string_view name, const std::string& labels)
+{
+    return VtuReader(bytes, name).read(labels);
+}
 
 } // namespace filasofia::geometry

@@ -29,6 +29,7 @@ constexpr std::array kKinds = {
     KindName{EventKind::Residual, "residual"},
     KindName{EventKind::Step, "step"},
     KindName{EventKind::Mistake, "mistake"},
+    KindName{EventKind::Unfinished, "unfinished"},
     KindName{EventKind::Note, "note"},
 };
 
@@ -55,6 +56,17 @@ std::optional<EventKind> eventKind(std::string_view name)
     for (const KindName& each : kKinds)
         if (each.name == name) return each.kind;
     return std::nullopt;
+}
+
+const Event* findUnfinished(const Session& session)
+{
+    const Event* last = nullptr;
+    for (const Event& event : session.events)
+        if (event.kind == EventKind::Unfinished)
+            last = &event;
+        else if (event.kind == EventKind::Step)
+            last = nullptr;
+    return last;
 }
 
 const Track* findTrack(const Session& session, Role role, int skip)

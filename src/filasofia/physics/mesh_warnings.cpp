@@ -4,6 +4,8 @@
 #include "filasofia/geometry/box.h"
 #include "filasofia/geometry/mesh_pieces.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace filasofia::physics {
@@ -45,6 +47,39 @@ void warnOfPieces(const std::string& object, const geometry::TetMesh& mesh)
                "join=True))");
 }
 
+/// Thin elements are stiff: solvers need more iterations, and a small strain inverts them.
+constexpr double kLargestAspect = 100.0; ///< [-]
+
+/// [-] Longest edge over smallest height; 1.22 for a regular tetrahedron.
+double aspectOf(const geometry::TetMesh& mesh, std::size_t tetrahedron)
+{
+    std::array<Vec3, 4> at;
+    for (std::size_t i = 0; i < 4; ++i) at[i] = mesh.nodes[static_cast<std::size_t>(mesh.tetrahedra[tetrahedron][i])];
+    double longest = 0.0, largest = 0.0; // [m], [m^2]
+    for (std::size_t i = 0; i < 4; ++i) {
+        for (std::size_t k = 0; k < i; ++k) longest = std::max(longest, distance(at[i], at[k]));
+        const Vec3 &a = at[(i + 1) % 4], &b = at[(i + 2) % 4], &c = at[(i + 3) % 4];
+        largest = std::max(largest, 0.5 * length(cross(b - a, c - a)));
+    }
+    return longest * largest / (3.0 * geometry::signedVolume(mesh, static_cast<int>(tetrahedron)));
+}
+
+void warnOfThinElements(const std::string& object, const geometry::TetMesh& mesh)
+{
+    std::size_t count = 0, worst = 0;
+    double most = kLargestAspect;
+    for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
+        const double aspect = aspectOf(mesh, t);
+        if (aspect > kLargestAspect) ++count;
+        if (aspect > most) most = aspect, worst = t;
+    }
+    if (count > 0)
+        logWarning(object, ": ", count, " of ", mesh.tetrahedra.size(),
+                   count == 1 ? " tetrahedra is" : " tetrahedra are", " thin: longest edge over smallest height is ",
+                   std::round(most), " in tetrahedron ", worst, " (at most ", kLargestAspect,
+                   " is advised); solvers need more iterations, and little strain turns them inside out");
+}
+
 } // namespace
 
 void warnOfMesh(const BodyDef& def)
@@ -58,6 +93,7 @@ void warnOfMesh(const BodyDef& def)
     if (const auto* solid = std::get_if<std::shared_ptr<const geometry::TetMesh>>(&soft->mesh)) {
         warnOfSize(object, (*solid)->nodes, scaleOf("tetrahedra", "loadTetMesh", "load_tet_mesh"));
         warnOfPieces(object, **solid);
+        warnOfThinElements(object, **solid);
     }
 }
 

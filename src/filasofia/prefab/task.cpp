@@ -21,6 +21,13 @@ TaskDef checked(TaskDef def)
     return def;
 }
 
+std::string statusOf(const TaskDef& def, int done)
+{
+    const auto step = static_cast<std::size_t>(done);
+    return text(done, " of ", def.steps.size(), def.steps.size() == 1 ? " step done" : " steps done",
+                step < def.steps.size() ? text(", next '", shown(def.steps[step].name), "'") : std::string());
+}
+
 } // namespace
 
 struct Task::Impl {
@@ -67,8 +74,15 @@ struct Task::Impl {
             end(false);
     }
 
+    void unfinished(const std::string& why) const
+    {
+        if (def.tracker != nullptr)
+            def.tracker->mark(metric::EventKind::Unfinished, text(why, ": ", statusOf(def, progress.step)));
+    }
+
     void end(bool done)
     {
+        if (!done) unfinished(text("out of time after ", def.timeLimit, " s"));
         progress.state = done ? TaskProgress::State::Done : TaskProgress::State::Failed;
         progress.target = {};
         publish();
@@ -105,6 +119,15 @@ std::string Task::instruction() const
 {
     const auto step = static_cast<std::size_t>(progress().step);
     return step < impl_->def.steps.size() ? impl_->def.steps[step].instruction : std::string();
+}
+
+std::string Task::status() const { return statusOf(impl_->def, progress().step); }
+
+void Task::leave() const
+{
+    impl_->turns.wait([&] {
+        if (impl_->progress.state == TaskProgress::State::Running) impl_->unfinished("the run ended");
+    });
 }
 
 void Task::restart()

@@ -16,6 +16,7 @@ MetricTrackerDef observedBy(const Training& training, const TrainerTaskDef& def)
     out.session.seed = static_cast<std::uint64_t>(training.seed);
     out.session.steps.clear();
     for (const TaskStep& step : def.steps) out.session.steps.push_back(step.name);
+    out.session.watched.push_back(metric::EventKind::Unfinished);
     return out;
 }
 
@@ -71,6 +72,7 @@ int TrainerTask::run(int steps, const std::function<std::string()>& said)
 {
     Impl& it = *impl_;
     if (const int problem = it.session.run(steps)) return problem;
+    it.task.leave();
     it.tracker.close();
     const TaskProgress progress = it.task.progress();
     const bool done = progress.state == TaskProgress::State::Done;

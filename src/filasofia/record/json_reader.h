@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/record/json_shapes.h"
+#include "filasofia/record/recording.h"
 
 #include <limits>
 #include <utility>
@@ -22,7 +23,8 @@ struct Place {
 /// Turns JSON into values. Strict: a field that is missing, unknown or of the wrong kind is an Error naming its path.
 class JsonReader {
 public:
-    std::vector<Mesh> meshes; ///< by number
+    std::vector<Mesh> meshes;  ///< by number
+    MissingField missing = {}; ///< not empty: fields of a type that are missing have their defaults, and it is told
 
     template <class T> void read(const Json& json, T& out, const Place& place) const
     {
@@ -71,6 +73,11 @@ public:
     }
 
 private:
+    template <class T> static const T& defaultOf() // a temporary would be uninitialized, GCC 12 says
+    {
+        static const T made = {};
+        return made;
+    }
     static const Json& find(const Json& object, std::string_view name, const Place* outer);
     [[noreturn]] static void unknown(const std::string& name, const Place* outer);
     static double number(const Json& json, const Place& place);
@@ -145,13 +152,16 @@ private:
     template <class T> void readObject(const Json& json, T& out, const Place& place) const
     {
         if (!json.is_object()) place.refuse("must be an object", json);
-        [[maybe_unused]] std::size_t index = 0;
+        std::size_t index = 0;
+        std::size_t read = 0;
         forEachField<T>([&](const auto& each) {
-            if constexpr (HasAddedFields<T>)
-                if (index++ >= firstFields<T>() && !json.contains(std::string(each.name))) {
-                    out.*(each.member) = T{}.*(each.member);
-                    return;
-                }
+            const bool added = index++ >= firstFields<T>();
+            if ((added || missing) && !json.contains(std::string(each.name))) {
+                if (!added) missing(text(typeName<T>(), ".", each.name));
+                out.*(each.member) = defaultOf<T>().*(each.member);
+                return;
+            }
+            ++read;
             member(json, each.name, out.*(each.member), &place);
         });
         const auto known = [](std::string_view name) {
@@ -159,7 +169,7 @@ private:
             forEachField<T>([&](const auto& each) { found = found || each.name == name; });
             return found;
         };
-        refuseUnknown(json, fieldCount<T>(), known, &place);
+        refuseUnknown(json, read, known, &place);
     }
 };
 

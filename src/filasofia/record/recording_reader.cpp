@@ -1,5 +1,7 @@
 #include "filasofia/core/hash.h"
+#include "filasofia/core/log.h"
 #include "filasofia/core/user_file.h"
+#include "filasofia/core/word.h"
 #include "filasofia/record/chunks.h"
 #include "filasofia/record/json_limits.h"
 #include "filasofia/record/json_reader.h"
@@ -9,6 +11,7 @@
 #include <algorithm>
 #include <charconv>
 #include <limits>
+#include <set>
 #include <utility>
 
 namespace filasofia::record {
@@ -36,11 +39,29 @@ std::uint64_t hashOf(const Json& json, const char* name, const JsonReader& reade
     return hash;
 }
 
-RecordingHeader headerOf(const Json& json, const JsonReader& reader)
+/// The program that wrote a recording, and this one.
+std::string madeBy(const RecordingHeader& header)
+{
+    return text("Filasofia ", shortened(oneLine(header.filasofia)), ", revision ",
+                header.revision.empty() ? "unknown" : shortened(oneLine(header.revision)),
+                ", wrote it; this is revision ", sourceRevision());
+}
+
+/// Logs each field once.
+MissingField tellingOnce(const std::string& file)
+{
+    return [file, told = std::make_shared<std::set<std::string>>()](const std::string& field) {
+        if (told->insert(field).second)
+            logWarning(file, ": another revision wrote it; it has no ", field, ", which gets its default");
+    };
+}
+
+RecordingHeader headerOf(const Json& json, JsonReader& reader)
 {
     RecordingHeader header;
     reader.member(json, "filasofia", header.filasofia);
     reader.member(json, "revision", header.revision);
+    if (header.revision == sourceRevision()) reader.missing = {};
     reader.member(json, "simd", header.simd);
     reader.member(json, "period", header.period);
     reader.member(json, "contact", header.contact);
@@ -133,7 +154,7 @@ struct RecordingReader::Impl {
     bool ended = false;
     std::string problem = {}; ///< why reading ended before the end
 
-    explicit Impl(const std::string& name) : stream(name) {}
+    explicit Impl(const std::string& name) : stream(name) { reader.missing = tellingOnce(name); }
 
     [[noreturn]] void cutOff() const
     {
@@ -151,7 +172,8 @@ struct RecordingReader::Impl {
         } catch (const FileDamage&) {
             throw;
         } catch (const Error& wrong) {
-            fail(stream.name(), ": record ", record, ": ", wrong.what());
+            fail(stream.name(), ": record ", record, ": ", wrong.what(),
+                 reader.missing && record > 1 ? text(" (", madeBy(header), ")") : std::string());
         }
     }
     void readHeader()
@@ -195,6 +217,7 @@ struct RecordingReader::Impl {
     void readScene(const Json& json)
     {
         SceneRecord& out = scene.emplace_back();
+        out.missing = reader.missing;
         if (!json["scene"].is_object()) Place{nullptr, "scene"}.refuse("must be an object", json["scene"]);
         out.words = json["scene"].dump(-1, ' ', false, Json::error_handler_t::replace);
         physics::TriangleMeshSource surface;

@@ -4,6 +4,7 @@
 #include "filasofia/runtime/run.h"
 
 #include <cstdint>
+#include <map>
 
 namespace filasofia::runtime {
 
@@ -21,6 +22,7 @@ public:
         mostStrained_ = {};
         opened_ = {};
         refused_ = {};
+        lost_.clear();
         clips_ = {};
         nothing_.begin();
     }
@@ -50,6 +52,12 @@ public:
             opened_.pieces += each.detached.size();
             opened_.cavities += each.cavities.size();
         }
+        for (const physics::LostPiece& each : report.topology.lostPieces) {
+            Lost& lost = lost_[each.body];
+            ++lost.pieces;
+            lost.mass += each.mass;
+            lost.share += each.share;
+        }
         clips_.applied += report.clips.applied;
         clips_.missed += report.clips.missed;
         clips_.slipped += report.clips.slipped;
@@ -63,6 +71,9 @@ public:
     /// The steps of all runs, paused ones included.
     [[nodiscard]] std::uint64_t stepsEver() const { return stepsEver_; }
     [[nodiscard]] const NothingWatch& nothing() const { return nothing_; }
+    /// What bodies have lost, without their names.
+    using Lost = LostPiecesReport;
+    [[nodiscard]] const std::map<BodyId, Lost>& lost() const { return lost_; }
     void fill(RunReport& report) const
     {
         report.undone = undone_;
@@ -93,6 +104,7 @@ private:
     physics::StrainedElements mostStrained_; ///< in the step with the largest strain in relation to its range
     OpenedSurfaces opened_;
     RefusedBlades refused_;
+    std::map<BodyId, Lost> lost_;
     physics::ClipReport clips_;
     NothingWatch nothing_;
     physics::Unrest unrest_; ///< in the step with the fastest body

@@ -45,6 +45,7 @@ record::SceneRecord recordOf(const SceneEvent& event)
 SceneEvent eventOf(const record::SceneRecord& record)
 {
     record::JsonReader reader;
+    reader.missing = record.missing;
     for (const auto& surface : record.surfaces) reader.meshes.emplace_back(surface);
     SceneEvent event;
     reader.read(record::parsed(record.words), event, record::Place{nullptr, "scene"});

@@ -46,6 +46,9 @@ void warn(const RunReport& report)
         logWarning(steps(report.intersecting), " surfaces passed through each other, by up to ",
                    std::round(1e5 * report.deepestIntersection.depth) / 100.0, " mm, of '", report.deepestBodies[0],
                    "' and '", report.deepestBodies[1], "' (Intersecting)");
+    for (const LostPiecesReport& lost : report.lost)
+        logWarning("'", lost.body, "' lost ", lost.pieces, lost.pieces == 1 ? " piece" : " pieces",
+                   " that fell farther than 10 m: ", std::round(1e3 * lost.share) / 10.0, " % of its mass");
     if (report.refused.steps > 0)
         logWarning(steps(report.refused.steps),
                    " a blade jumped, or was off and pushed on into tissue: it cut nothing");

@@ -300,6 +300,10 @@ void Simulation::Impl::fill(RunReport& report) const
     }
     if (report.beyondStrain > 0) report.worstStrainedBody = nameOf(report.worstStrained.body, physics);
     if (report.restless > 0) report.worstUnrestBody = nameOf(report.worstUnrest.body, physics);
+    for (auto [body, lost] : counters.lost()) {
+        lost.body = nameOf(body, physics);
+        report.lost.push_back(lost);
+    }
     report.contacts = contacts.report(physics);
     bleedings.fill(report);
     burnings.fill(report);

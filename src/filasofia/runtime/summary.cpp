@@ -114,6 +114,14 @@ std::string refusedLine(const RefusedBlades& refused)
     return out + "\n";
 }
 
+/// What is cut through and held by nothing falls out of the scene.
+std::string lostLine(const LostPiecesReport& lost)
+{
+    return line("lost by '%s': %llu %s, %.3g g (%.3g %% of it), fallen farther than 10 m and removed",
+                oneLine(shortened(lost.body)).c_str(), static_cast<unsigned long long>(lost.pieces),
+                lost.pieces == 1 ? "piece" : "pieces", lost.mass * 1e3, lost.share * 100.0);
+}
+
 std::string bloodLine(const BloodReport& report)
 {
     const surface::BloodBalance& b = report.balance;
@@ -182,6 +190,7 @@ std::string summary(const RunReport& report)
     if (report.beyondStrain > 0) out += strainedLine(report);
     if (report.restless > 0) out += unrestLine(report);
     if (report.opened.steps > 0) out += openedLine(report.opened);
+    for (const LostPiecesReport& lost : report.lost) out += lostLine(lost);
     if (report.refused.steps > 0) out += refusedLine(report.refused);
     out += contactTable(report.contacts);
     for (const BloodReport& blood : report.blood) out += bloodLine(blood);

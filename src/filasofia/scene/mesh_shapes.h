@@ -89,10 +89,11 @@ struct ScaledSurface {
 struct ScaledTetrahedra {
     std::string file = {};
     double scale = 1.0;
+    std::string labels = {};
     bool join = false;
     [[nodiscard]] TetPtr make() const
     {
-        geometry::TetMesh mesh = geometry::loadTetMesh(file, scale);
+        geometry::TetMesh mesh = geometry::loadTetMesh(file, scale, labels);
         if (join) mesh = geometry::withJoinedNodes(mesh, file);
         return std::make_shared<const geometry::TetMesh>(std::move(mesh));
     }
@@ -182,6 +183,7 @@ constexpr auto fields(const ScaledTetrahedra*)
     using T = ScaledTetrahedra;
     return describe("tetrahedra", field("file", &T::file, "a mesh file"),
                     field("scale", &T::scale, "-", positive(), "metres per unit of the file"),
+                    field("labels", &T::labels, "which list of numbers per cell of a VTK file are labels"),
                     field("join", &T::join, "nodes that lie on each other become one"));
 }
 

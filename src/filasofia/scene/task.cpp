@@ -258,7 +258,8 @@ std::shared_ptr<prefab::MetricTracker> addTracker(runtime::Simulation& simulatio
     def.session.watched = {metric::EventKind::Cut, metric::EventKind::Tear};
     if (scene.task) {
         def.session.task = scene.task->name;
-        def.session.watched.insert(def.session.watched.end(), {metric::EventKind::Step, metric::EventKind::Mistake});
+        def.session.watched.insert(def.session.watched.end(), {metric::EventKind::Step, metric::EventKind::Mistake,
+                                                               metric::EventKind::Unfinished});
         for (const SceneTaskStep& step : withNames(*scene.task).steps) {
             def.session.steps.push_back(step.name);
             if (const auto* parted = std::get_if<Parted>(&step.done))

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 #include <optional>
 
 namespace filasofia::sofaengine {
@@ -141,6 +142,16 @@ bool takesNodes(const TieState& tie, BodyId id, const std::vector<char>& gone)
     });
 }
 
+/// [kg] of the nodes that elements which are left have.
+double heldMass(const SoftPlan& plan)
+{
+    const std::vector<char> gone = goneNodes(plan);
+    double mass = 0.0;
+    for (std::size_t node = 0; node < gone.size(); ++node)
+        if (gone[node] == 0) mass += plan.masses[node];
+    return mass;
+}
+
 } // namespace
 
 void ruptureBodies(const SceneMotion& before, double dt, SofaScene& scene, physics::StepReport& report)
@@ -176,8 +187,15 @@ void removeLostPieces(SofaScene& scene, physics::StepReport& report)
         if (!scene.soft[b]->cuts() || scene.soft[b]->cuts()->revision == 0) continue;
         SoftState now;
         scene.soft[b]->read(now);
-        for (const int piece : piecesBeyond(physics::kLostDistance, *scene.soft[b]->cuts(), now.positions))
-            report.topology.lost += removePieceOf(scene.soft[b]->id(), piece, scene) == Removal::Done ? 1 : 0;
+        for (const int piece : piecesBeyond(physics::kLostDistance, *scene.soft[b]->cuts(), now.positions)) {
+            const double before = heldMass(scene.soft[b]->plan());
+            if (removePieceOf(scene.soft[b]->id(), piece, scene) != Removal::Done) continue;
+            const std::vector<double>& masses = scene.soft[b]->plan().masses;
+            const double mass = before - heldMass(scene.soft[b]->plan());
+            const double whole = std::reduce(masses.begin(), masses.end());
+            ++report.topology.lost;
+            report.topology.lostPieces.push_back({scene.soft[b]->id(), piece, mass, mass / whole});
+        }
     }
 }
 

@@ -392,7 +392,13 @@ TEST_CASE("a piece that fell out of the scene is removed once, and the rest goes
     SoftBodyDef def = tissueBlock();
     def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}}};
     CutScene scene(def, 0.0262);
-    CHECK(detachedOf(scene.move(0.04, -0.01)) == 1);
+    const std::vector<double>& masses = scene.stage.model().masses;
+    const double whole = std::accumulate(masses.begin(), masses.end(), 0.0);
+    const StepReport cut = scene.move(0.04, -0.01);
+    CHECK(detachedOf(cut) == 1);
+    physics::LoosePiece loose;
+    for (const physics::Rupture& each : cut.topology.ruptures)
+        if (!each.detached.empty()) loose = each.detached.front();
     scene.stage.post(SetPose{scene.blade, 0, scene.poseAt(1.0)});
     REQUIRE(scene.stage.model().pieces.size() == 2);
     for (const int node : scene.stage.model().pieces[1].nodes)
@@ -402,9 +408,15 @@ TEST_CASE("a piece that fell out of the scene is removed once, and the rest goes
         const StepReport report = scene.stage.step(1e-3);
         all.flags |= report.flags;
         all.topology.lost += report.topology.lost;
+        for (const physics::LostPiece& each : report.topology.lostPieces) all.topology.lostPieces.push_back(each);
     }
     CHECK(all.flags == 0);
     CHECK(all.topology.lost == 1);
+    REQUIRE(all.topology.lostPieces.size() == 1);
+    const physics::LostPiece& lost = all.topology.lostPieces.front();
+    CHECK(lost.body == scene.stage.model().id);
+    CHECK(lost.mass == Approx(loose.mass));
+    CHECK(lost.share == Approx(loose.mass / whole));
     check(scene.stage.model(), scene.stage.soft());
 }
 

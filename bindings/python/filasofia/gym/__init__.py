@@ -10,6 +10,7 @@ except ImportError:
 from .cuts import PolypRemoval, PrecisionCutting
 from .environment import Judgement, SurgicalEnv
 from .laparoscopy import ClipAndCut, PatternCutting, PegTransfer
+from .state import EnvState
 from .stitches import LigatingLoop, Suture
 from .tasks import (
     BimanualTissueManipulation,
@@ -51,6 +52,7 @@ __all__ = [
     "BimanualTissueManipulation",
     "ClipAndCut",
     "DeflectSpheres",
+    "EnvState",
     "GraspLift",
     "Joint",
     "Judgement",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import typing
 
@@ -10,6 +11,7 @@ import numpy as np
 
 import filasofia as fs
 
+from .state import EnvState, restore, saved
 from .tool import Array, Tool
 
 
@@ -31,12 +33,15 @@ class SurgicalEnv(gymnasium.Env):
     something, all about in [-1, 1]; "rgb" is a picture (height, width, 3), uint8; "rgbd" is a dict of it
     as "rgb" and of "depth": (height, width), [m] along the viewing direction, at most the `far` of the lens.
 
-    Actions: "box" is in [-1, 1], for each tool its velocity along x, y, z, that of each of its joints, and for tools
-    that grip one more component: above 0.3 it closes, below -0.3 it opens. "discrete" is one of: nothing; for each tool
-    a move along -x, +x, -y, +y, -z or +z, of each joint back or on, and, if it grips, close and open.
+    Actions: "box" is in [-1, 1], and clipped to it: for each tool its velocity along x, y, z, that of each of its
+    joints, and for tools that grip one more component: above 0.3 it closes, below -0.3 it opens. "discrete" is one of:
+    nothing; for each tool a move along -x, +x, -y, +y, -z or +z, of each joint back or on, and, if it grips, close and
+    open.
 
     Each episode starts from the same saved state, also after cuts; only what arrange() draws from `np_random` differs.
     The same seed and the same actions give the same bits.
+
+    Pictures show all bodies, unless the task calls self.sim.show(): then those, and what the functions below add.
     """
 
     metadata: dict[str, typing.Any] = {"render_modes": ["rgb_array"], "render_fps": 50}
@@ -79,6 +84,9 @@ class SurgicalEnv(gymnasium.Env):
         self.tools = self.build()
         self._sizes = [tool.size for tool in self.tools]
         self.sim.on(fs.CutEvent, self.cuts.append)
+        self._began = False
+        self._random: dict[str, typing.Any] = {}  # of np_random, where the episode began
+        self._actions: list[Array] = []  # since then
         self.sim.step()
         self.prepare()
         self._start = self.sim.save_state()
@@ -153,7 +161,7 @@ class SurgicalEnv(gymnasium.Env):
         fields.setdefault("material", fs.FemMaterial(young_modulus=5e3, poisson_ratio=0.45))
         fields.setdefault("collision", [fs.CollisionDef()])
         body = self.sim.add(fs.SoftBodyDef(name=name, mesh=mesh, **fields))
-        self.sim.show(body, material=look)
+        self._draw(body, material=look)
         return body
 
     def tip(self, name: str, start: typing.Any, radius: float = 0.004) -> fs.BodyId:
@@ -166,7 +174,7 @@ class SurgicalEnv(gymnasium.Env):
         rod = fs.shapes.cylinder(0.6 * radius, 0.06)
         shaft = fs.TriangleMesh(vertices=np.asarray(rod.vertices) + (0, 0.03, 0), triangles=rod.triangles)
         for surface in (fs.shapes.sphere(radius), shaft):
-            self.sim.show(body, surface=surface, material=fs.MetalMaterial(), cast_shadows=False)
+            self._draw(body, surface=surface, material=fs.MetalMaterial(), cast_shadows=False)
         return body
 
     def blade(
@@ -176,13 +184,13 @@ class SurgicalEnv(gymnasium.Env):
         surface = fs.TriangleMesh(vertices=corners, triangles=[[0, 1, 2], [0, 2, 3]])
         cutting = [fs.CollisionDef(mesh=surface, cutting=True)]
         body = self.sim.add(fs.RigidBodyDef(name=name, elements=[start], mesh=surface, collision=cutting))
-        self.sim.show(body, surface=fs.shapes.box(drawn), material=look)
+        self._draw(body, surface=fs.shapes.box(drawn), material=look)
         return body
 
     def marker(self, name: str, color: typing.Any, radius: float = 0.003) -> fs.BodyId:
         """Adds a ball that touches nothing and glows, to show a place."""
         body = self.sim.add(fs.RigidBodyDef(name=name, elements=[(0, 0, 0)], mesh=fs.shapes.sphere(radius)))
-        self.sim.show(body, material=fs.UnlitMaterial(color=color), cast_shadows=False)
+        self._draw(body, material=fs.UnlitMaterial(color=color), cast_shadows=False)
         return body
 
     def put(self, marker: fs.BodyId, place: Array) -> None:
@@ -227,6 +235,39 @@ class SurgicalEnv(gymnasium.Env):
         self, *, seed: int | None = None, options: dict[str, typing.Any] | None = None
     ) -> tuple[Array, dict[str, typing.Any]]:
         super().reset(seed=seed)
+        judgement = self._begin()
+        return self._observe(), self._info(judgement)
+
+    def step(self, action: typing.Any) -> tuple[Array, float, bool, bool, dict[str, typing.Any]]:
+        if not self._began:
+            raise fs.Error(f"{type(self).__name__}: step: no episode has begun: call reset() before")
+        broken, judgement = self._advance(action)
+        reward = float(sum(judgement.reward.values()))
+        return self._observe(), reward, judgement.success or broken, self.steps >= self.max_steps, self._info(judgement)
+
+    def save_state(self) -> EnvState:
+        """The present state: simulation, instruments, random numbers, and what the task's attributes hold.
+
+        It can be pickled, so that other processes continue from it, with the same bits. Attributes that cannot be
+        pickled are no part of it.
+        """
+        return saved(self)
+
+    def restore_state(self, state: EnvState) -> None:
+        """Returns to a state of this environment, or of another one of this class with the same options.
+
+        A state that was pickled is reached by making the steps that led to it, the first time. Error if these lead
+        somewhere else, because something besides the actions has changed the episode.
+        """
+        restore(self, state)
+
+    def _hash(self) -> str:
+        return f"{self.sim.state_hash:016x}"
+
+    def _begin(self) -> Judgement:
+        """Begins an episode with the random numbers that are next."""
+        self._began, self._actions = True, []
+        self._random = copy.deepcopy(dict(self.np_random.bit_generator.state))
         self.sim.restore(self._start)
         self.cuts.clear()
         self.steps = 0
@@ -234,11 +275,12 @@ class SurgicalEnv(gymnasium.Env):
             tool.reset()
         self.arrange()
         self.sim.step()
-        judgement = self.judge()
-        return self._observe(), self._info(judgement)
+        return self.judge()
 
-    def step(self, action: typing.Any) -> tuple[Array, float, bool, bool, dict[str, typing.Any]]:
+    def _advance(self, action: typing.Any) -> tuple[bool, Judgement]:
+        """One action; whether the simulation broke, and how the state is judged."""
         moves = self._moves(action)
+        self._actions.append(np.array(action))
         dt = self.frame_skip / self.rate
         for tool, move in zip(self.tools, moves):
             tool.place = self.limit(tool, tool.move(move, dt))
@@ -247,9 +289,7 @@ class SurgicalEnv(gymnasium.Env):
         report = self.sim.step(self.frame_skip, self.moves())
         self.steps += 1
         judgement = self.judge()
-        broken = fs.StepFlag.UNDONE in report.flags
-        reward = float(sum(judgement.reward.values()))
-        return self._observe(), reward, judgement.success or broken, self.steps >= self.max_steps, self._info(judgement)
+        return fs.StepFlag.UNDONE in report.flags, judgement
 
     def render(self) -> Array | None:
         """A picture of image_size, (height, width, 3), uint8; None without a render_mode."""
@@ -259,6 +299,10 @@ class SurgicalEnv(gymnasium.Env):
         self.sim.close()
 
     # The rest.
+
+    def _draw(self, body: fs.BodyId, **fields: typing.Any) -> None:
+        """Shows a body; unlike self.sim.show() this leaves it at showing all others, too."""
+        self.sim._show(body, fs.ShowDef(**fields), True)  # type: ignore[attr-defined]
 
     def _grip(self, tool: Tool, command: float) -> None:
         if command < -0.3 and tool.grasp is not None:
@@ -315,7 +359,7 @@ class SurgicalEnv(gymnasium.Env):
             "is_success": bool(judgement.success),
             "reward_terms": judgement.reward,
             "measures": judgement.measures,
-            "state_hash": f"{self.sim.state_hash:016x}",
+            "state_hash": self._hash(),
         }
 
     def _check(self, name: str, value: typing.Any, known: tuple[typing.Any, ...]) -> None:

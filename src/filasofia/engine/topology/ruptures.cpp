@@ -13,6 +13,7 @@
 #include "filasofia/physics/limits.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace filasofia::engine {
@@ -125,14 +126,32 @@ std::vector<physics::LoosePiece> loosePieces(const frame::TopologyEdit& edit, Bo
 
 } // namespace
 
+namespace {
+
+/// What a piece is of the whole body; its mass [kg] remains in the model when it is removed.
+physics::LostPiece lossOf(int piece, const SoftModel& model)
+{
+    const auto found = std::ranges::find(model.pieces, piece, &BodyPiece::number);
+    physics::LostPiece loss{.body = model.id, .piece = piece};
+    if (found == model.pieces.end()) return loss;
+    for (const int node : found->nodes) loss.mass += model.masses[static_cast<std::size_t>(node)];
+    loss.share = loss.mass / std::reduce(model.masses.begin(), model.masses.end());
+    return loss;
+}
+
+} // namespace
+
 void removeLostPieces(Scene& scene, physics::StepReport& report)
 {
     for (SoftBody& body : scene.soft) {
-        int lost = 0;
-        for (int piece : piecesBeyond(physics::kLostDistance, body.model, body.state))
-            lost += removePiece(piece, body, scene, report) ? 1 : 0;
-        if (lost == 0) continue;
-        report.topology.lost += lost;
+        const int before = report.topology.lost;
+        for (int piece : piecesBeyond(physics::kLostDistance, body.model, body.state)) {
+            const physics::LostPiece loss = lossOf(piece, body.model);
+            if (!removePiece(piece, body, scene, report)) continue;
+            ++report.topology.lost;
+            report.topology.lostPieces.push_back(loss);
+        }
+        if (report.topology.lost == before) continue;
         body.system.outdated = true; // rebuilt in the next step, with what its commands change
         body.system.tuned = true;    // no longer as its Def describes it
     }
