@@ -70,8 +70,7 @@ void addMeasures(nb::module_& module, nb::class_<HeldSimulation>& sim)
                 fail("measure: force_limit must be > 0 N, got ", *forceLimit);
             for (const std::string& each : watched) session.watched.push_back(kindOf(each, "measure: watched"));
             if (!steps.empty())
-                session.watched.insert(session.watched.end(), {metric::EventKind::Step, metric::EventKind::Mistake,
-                                                               metric::EventKind::Unfinished});
+                session.watched.insert(session.watched.end(), {metric::EventKind::Step, metric::EventKind::Mistake});
             measure(self, definition, session);
         },
         nb::arg("definition").none(), nb::arg("trainee"), nb::arg("task"), nb::arg("steps"), nb::arg("targets"),
