@@ -16,7 +16,7 @@ struct KnotFrame {
     Vec3 place = {}, across = {}, up = {}, front = {};
     double loop = 0.0;   ///< [m] radius of the loops
     double pitch = 0.0;  ///< [m] from loop to loop
-    double height = 0.0; ///< [m] of the loops' axis over the place
+    double height = 0.0; ///< [m] the loops' axis over the place
     [[nodiscard]] Vec3 at(double x, double y, double z) const { return place + x * across + y * up + z * front; }
 };
 

@@ -71,7 +71,7 @@ TEST_CASE("a flap that hangs by its root rests on its bed, if its organ collides
     for (const bool collides : {true, false}) {
         Severed flap({.selfOnceCut = collides}, 0.026, 5e3);
         REQUIRE(flap.stage.model().pieces.size() < 2);
-        double sunk = 0.0; // [m] of the flap's free end
+        double sunk = 0.0; // [m] how far the flap's free end hangs
         for (const std::size_t i : flap.end) sunk = std::max(sunk, 20e-3 - flap.stage.soft().x[i].y);
         REQUIRE(!flap.end.empty());
         CAPTURE(collides, sunk);

@@ -4,12 +4,12 @@
 
 namespace filasofia::engine {
 
-/// [-] Boxes around the normals of a closed surface: of all triangles that share a vertex with an element, in the order
-/// of the elements, and of a node's elements. Parts of one surface touch only where their outsides face each other, so
-/// most pairs of neighbours need no test (Volino and Magnenat-Thalmann 1994 use cones for it).
+/// [-] Boxes around the normals of a closed surface: those of all triangles that share a vertex with an element, in
+/// the order of the elements, and those of a node's elements. Parts of one surface touch only where their outsides face
+/// each other, so most pairs of neighbours need no test (Volino and Magnenat-Thalmann 1994 use cones for it).
 struct NormalBounds {
     std::vector<Bounds> vertices, elements, nodes;
-    std::vector<Bounds> own; ///< of each element's triangle alone
+    std::vector<Bounds> own; ///< each element's triangle alone
 };
 
 /// Computes the boxes from the current vertices.
