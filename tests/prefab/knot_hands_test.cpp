@@ -8,7 +8,12 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstdio>
+#include <numbers>
+#include <vector>
 
 namespace knot_hands_test {
 
@@ -162,9 +167,9 @@ TEST_CASE("the second strand goes through loops that wind about its way, and aga
             CHECK(distance(loops[i], loops[i - 1]) == Approx(fingerStep(frame)));
             CHECK(distance(straight[i], straight[i - 1]) == Approx(fingerStep(frame)));
             const auto at = [&](std::size_t k) { return std::atan2(loops[k].y - 8_mm, loops[k].z); };
-            angle += std::remainder(at(i) - at(i - 1), 2.0 * M_PI);
+            angle += std::remainder(at(i) - at(i - 1), 2.0 * std::numbers::pi);
         }
-        CHECK(angle == Approx(side * 4.0 * M_PI));
+        CHECK(angle == Approx(side * 4.0 * std::numbers::pi));
         const std::vector<Vec3> way = wayThrough(frame, made);
         CHECK((way.back().x - way.front().x) * (loops.back().x - loops.front().x) < 0.0);
     }

@@ -245,7 +245,11 @@ struct KnotHands::Impl {
             next(Phase::Tighten);
             break;
         case Phase::Tighten:
-            if (since > kRamp && rests()) next(++throws < std::ssize(def.turns) ? Phase::Lift : Phase::Done);
+            if (since <= kRamp || !rests()) break;
+            if (still <= kStill)
+                logWarning("knot '", def.name, "': throw ", throws + 1, " still moved after ", def.patience,
+                           " s: it may not be tight");
+            next(++throws < std::ssize(def.turns) ? Phase::Lift : Phase::Done);
             break;
         default:
             break;
@@ -275,6 +279,9 @@ struct KnotHands::Impl {
             fingers.push_back({.node = node, .from = at(node)});
             simulation.physics().setPose(fingersBody, Pose{at(node)}, static_cast<int>(i));
         }
+        if (fingers.size() < loops.size())
+            logWarning("knot '", def.name, "': the first strand is too short for throw ", throws + 1, ": ",
+                       fingers.size(), " of ", loops.size(), " fingers find a node of it");
         pinching.clear();
         for (int i = 0; throws > 0 && i < 2; ++i) {
             const int base = baseOf(thread, i, i == 0 ? inwards : -inwards);

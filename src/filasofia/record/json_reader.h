@@ -20,7 +20,7 @@ struct Place {
     [[noreturn]] void refuse(std::string_view must, const Json& got) const;
 };
 
-/// Turns JSON into values. Strict: a field that is missing, unknown or of the wrong kind is an Error naming its path.
+/// Turns JSON into values. A field that is unknown, of the wrong kind, or missing unless `missing` is set, is an Error.
 class JsonReader {
 public:
     std::vector<Mesh> meshes;  ///< by number

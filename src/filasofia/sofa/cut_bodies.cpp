@@ -192,7 +192,7 @@ void removeLostPieces(SofaScene& scene, physics::StepReport& report)
             if (removePieceOf(scene.soft[b]->id(), piece, scene) != Removal::Done) continue;
             const std::vector<double>& masses = scene.soft[b]->plan().masses;
             const double mass = before - heldMass(scene.soft[b]->plan());
-            const double whole = std::reduce(masses.begin(), masses.end());
+            const double whole = std::accumulate(masses.begin(), masses.end(), 0.0);
             ++report.topology.lost;
             report.topology.lostPieces.push_back({scene.soft[b]->id(), piece, mass, mass / whole});
         }

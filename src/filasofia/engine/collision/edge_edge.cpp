@@ -121,8 +121,8 @@ Facing facingOf(const SurfacePair& meeting, int first, int second, const EdgeCro
     return {};
 }
 
-// Calls visit(n) with the normal at rest of each triangle that has all vertices of a feature, as long as as twice its
-// area.
+// Whether visit(n) is true of the normal at rest, as long as twice its area, of some triangle that has all vertices of
+// a feature.
 template <class Visit>
 bool anyNormalAtRest(const CollisionShape& shape, const std::array<int, 3>& feature, const Visit& visit)
 {

@@ -12,7 +12,7 @@ bool isFragment(const CollisionSurface& surface, int element)
     return surface.pieceOf[static_cast<std::size_t>(surface.shape->elements[element].vertices[0])] < 0;
 }
 
-bool facing(const CollisionSurface& surface, int i, int k, const NormalBounds& normals)
+bool mayTouch(const CollisionSurface& surface, int i, int k, const NormalBounds& normals)
 {
     if (!mayFace(normals.elements[i], normals.elements[k])) return false;
     const std::array<int, 3>&a = surface.shape->elements[i].vertices, &b = surface.shape->elements[k].vertices;
@@ -26,7 +26,7 @@ void collectLeafPairs(const CollisionSurface& a, const CollisionSurface& b, Coll
     const bool same = &a == &b && na.first == nb.first, pieces = &a == &b && !a.pieceOf.empty();
     for (int i = na.first; i < na.first + na.count; ++i)
         for (int k = same ? i + 1 : nb.first; k < nb.first + nb.count; ++k)
-            if (meet(a.elementBounds[i], b.elementBounds[k]) && (normals == nullptr || facing(a, i, k, *normals)) &&
+            if (meet(a.elementBounds[i], b.elementBounds[k]) && (normals == nullptr || mayTouch(a, i, k, *normals)) &&
                 !(pieces && (isFragment(a, i) || isFragment(b, k))))
                 pairs.push_back({i, k});
 }

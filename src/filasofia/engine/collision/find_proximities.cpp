@@ -126,9 +126,9 @@ void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerP
     scratch.nextSides.clear();
     for (const auto& [i, k] : scratch.surfacePairs) {
         const SurfacePair meeting{{&surfaces[i], &surfaces[k]}, {i, k}, reach};
-        const bool facing = meeting.ownSolid();
-        if (facing) boundNormals(surfaces[i], scratch.normals);
-        collectElementPairs(surfaces[i], surfaces[k], facing ? &scratch.normals : nullptr, scratch);
+        const bool ownSolid = meeting.ownSolid();
+        if (ownSolid) boundNormals(surfaces[i], scratch.normals);
+        collectElementPairs(surfaces[i], surfaces[k], ownSolid ? &scratch.normals : nullptr, scratch);
         testElementPairs(meeting, pool, scratch);
         keepMinima(meeting, sides, scratch, found);
     }

@@ -33,21 +33,23 @@ SheetSide sideNow(const SurfacePair& meeting, const PointMinimum& m)
             m.proximity.vertices[1 - m.source]};
 }
 
-// A place of the point's own surface that it is behind, and was not outside of before: the other wall of a thin part.
-bool otherWall(const SurfacePair& meeting, const std::vector<SheetSide>& sides, const PointMinimum& m)
+// Leaves out the places of a point's own surface that it is behind, and was not outside of before: the other walls of
+// thin parts.
+void leaveOutOtherWalls(const SurfacePair& meeting, const std::vector<SheetSide>& sides, ProximityScratch& scratch)
 {
-    return meeting.ownSolid() && m.proximity.gap < 0.0 && sideBefore(sides, sideNow(meeting, m)) <= 0;
+    forEachMinimum(scratch, [&](PointMinimum& m) {
+        if (m.proximity.gap < 0.0 && sideBefore(sides, sideNow(meeting, m)) <= 0) m.distance = kNone;
+    });
 }
 
 // Finds the signed distance of the nearest place for each point: below 0 if the point is inside. Entries are reset for
 // all points with a minimum before any is compared.
-void findNearest(const SurfacePair& meeting, const std::vector<SheetSide>& sides, ProximityScratch& scratch)
+void findNearest(ProximityScratch& scratch)
 {
-    forEachMinimum(scratch, [&](PointMinimum& m) {
+    forEachMinimum(scratch, [&](const PointMinimum& m) {
         std::vector<double>& nearest = scratch.nearest[m.source];
         if (nearest.size() <= static_cast<std::size_t>(m.point)) nearest.resize(static_cast<std::size_t>(m.point) + 1);
         nearest[m.point] = kNone;
-        if (otherWall(meeting, sides, m)) m.distance = kNone;
     });
     forEachMinimum(scratch, [&](const PointMinimum& m) {
         double& nearest = scratch.nearest[m.source][m.point];
@@ -96,7 +98,8 @@ bool secondary(const SurfacePair& meeting, const PointMinimum& m)
 void keepMinima(const SurfacePair& meeting, const std::vector<SheetSide>& sides, ProximityScratch& scratch,
                 std::vector<Proximity>& found)
 {
-    findNearest(meeting, sides, scratch);
+    if (meeting.ownSolid()) leaveOutOtherWalls(meeting, sides, scratch);
+    findNearest(scratch);
     scratch.vertexPairs.clear();
     forEachMinimum(scratch, [&](PointMinimum& m) {
         const CollisionShape& target = *meeting.sides[1 - m.source]->shape;

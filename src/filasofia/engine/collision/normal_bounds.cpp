@@ -1,5 +1,6 @@
 #include "filasofia/engine/collision/normal_bounds.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace filasofia::engine {

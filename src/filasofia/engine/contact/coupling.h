@@ -17,10 +17,10 @@ struct IntersectionWatch {
     std::vector<physics::Intersection> told; ///< at the last test
     /// The same, of bodies that pass through themselves because they do not collide with themselves.
     std::vector<physics::Intersection> folded;
-    /// Two bodies whose surfaces pass through each other deeper than any contact between them knows.
+    /// Two surfaces that pass through each other deeper than any contact between them knows.
     struct Unseen {
-        BodyId first, second;
-        double since = 0.0; ///< [s] simulated time of the first test in a row
+        std::array<SurfaceName, 2> surfaces; ///< ascending
+        double since = 0.0;                  ///< [s] simulated time of the first test in a row
     };
     std::vector<Unseen> unseen;
 };

@@ -166,14 +166,14 @@ private:
             if (detection_.followed[i] != 0 && each.surfaces == meeting.places) known = std::max(known, -each.gap);
         }
         for (const SurfaceCrossing& each : crossings_) deepest = std::max(deepest, each.depth);
-        const auto [first, second] = std::minmax(meeting.sides[0]->name.body, meeting.sides[1]->name.body);
-        const auto then = std::ranges::find_if(
-            before, [&](const auto& each) { return each.first == first && each.second == second; });
+        std::array<SurfaceName, 2> surfaces{meeting.sides[0]->name, meeting.sides[1]->name};
+        std::ranges::sort(surfaces);
+        const auto then = std::ranges::find(before, surfaces, &IntersectionWatch::Unseen::surfaces);
         // A contact that finds such a place in one step loses it in the next: only parting ends it.
         if (then != before.end()) known = 0.0;
         if (!(deepest > known + kShallow * meeting.proximities())) return false;
         const double since = then != before.end() ? then->since : scene_.time;
-        watch_.unseen.push_back({first, second, since});
+        watch_.unseen.push_back({surfaces, since});
         return scene_.time - since >= kUnseenFor;
     }
 

@@ -1,5 +1,6 @@
 #include "filasofia/engine/topology/ruptures.h"
 
+#include "filasofia/core/assert.h"
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/contact/clip_holds.h"
 #include "filasofia/engine/topology/apply_edit.h"
@@ -124,18 +125,14 @@ std::vector<physics::LoosePiece> loosePieces(const frame::TopologyEdit& edit, Bo
     return loose;
 }
 
-} // namespace
-
-namespace {
-
 /// What a piece is of the whole body; its mass [kg] remains in the model when it is removed.
 physics::LostPiece lossOf(int piece, const SoftModel& model)
 {
     const auto found = std::ranges::find(model.pieces, piece, &BodyPiece::number);
+    FILASOFIA_ASSERT(found != model.pieces.end());
     physics::LostPiece loss{.body = model.id, .piece = piece};
-    if (found == model.pieces.end()) return loss;
     for (const int node : found->nodes) loss.mass += model.masses[static_cast<std::size_t>(node)];
-    loss.share = loss.mass / std::reduce(model.masses.begin(), model.masses.end());
+    loss.share = loss.mass / std::accumulate(model.masses.begin(), model.masses.end(), 0.0);
     return loss;
 }
 
