@@ -36,10 +36,10 @@ struct Stage {
         physics.add(physics::RigidBodyDef{.name = "table"});
         physics.add(physics::RigidBodyDef{.name = "ball"});
     }
-    std::vector<Kind> observe(const std::vector<frame::Contact>& contacts)
+    std::vector<Kind> observe(const std::vector<frame::Contact>& contacts, bool solved = true)
     {
         posted.clear();
-        CHECK(watch.observe(contacts, [&](std::unique_ptr<ContactEvent> event) {
+        CHECK(watch.observe(contacts, solved, [&](std::unique_ptr<ContactEvent> event) {
             posted.push_back(std::move(event));
             return true;
         }));
@@ -107,7 +107,7 @@ TEST_CASE("only contacts that go on merge, and only with those of the same pair"
 TEST_CASE("a lost event is reported, and the pair's state goes on")
 {
     Stage stage;
-    CHECK_FALSE(stage.watch.observe({contact(kA, kB, 1.0)}, [](std::unique_ptr<ContactEvent>) { return false; }));
+    CHECK_FALSE(stage.watch.observe({contact(kA, kB, 1.0)}, true, [](std::unique_ptr<ContactEvent>) { return false; }));
     CHECK(stage.observe({contact(kA, kB, 1.0)}) == std::vector{Kind::Persist});
 }
 
@@ -142,6 +142,35 @@ TEST_CASE("the report has means over the steps in contact, the largest values, a
     CHECK(report[0].maxFrictionForce == Approx(0.3));
     CHECK(report[0].deepest == 3e-4);
     CHECK(report[1].second == "body 3 (removed)");
+}
+
+TEST_CASE("forces of steps whose solver stopped short of its tolerance are counted apart, and the summary says so")
+{
+    Stage stage;
+    stage.observe({contact(kA, kB, 1.0, 0.0, {0.1, 0, 0})});
+    stage.observe({contact(kA, kB, 40.0, 0.0, {9, 0, 0})}, false); // a sheet of 5 g pressed with 40 N
+    stage.observe({contact(kA, kB, 3.0, 0.0, {0.3, 0, 0}), contact(kB, kC, 2.0)});
+    auto pairs = stage.watch.report(stage.physics);
+    REQUIRE(pairs.size() == 2);
+    CHECK(pairs[0].steps == 3);
+    CHECK(pairs[0].unsolved == 1);
+    CHECK(pairs[0].maxUnsolvedForce == 40.0);
+    CHECK(pairs[0].meanNormalForce == Approx(2.0));
+    CHECK(pairs[0].maxNormalForce == 3.0);
+    CHECK(pairs[0].maxFrictionForce == Approx(0.3));
+    CHECK(pairs[1].unsolved == 0);
+    RunReport report;
+    report.contacts = pairs;
+    CHECK_THAT(summary(report), Catch::Contains("not in these forces: up to 1 step per pair in which a solver stopped "
+                                                "short of its tolerance; the largest force there was 40 N, "
+                                                "between 'table' and 'ball'\n"));
+    report.contacts.erase(report.contacts.begin());
+    CHECK_THAT(summary(report), !Catch::Contains("not in these forces"));
+    stage.watch.beginRun();
+    stage.observe({contact(kA, kB, 5.0)}, false);
+    pairs = stage.watch.report(stage.physics);
+    CHECK(pairs[0].meanNormalForce == 0.0); // no step was solved
+    CHECK(pairs[0].maxUnsolvedForce == 5.0);
 }
 
 TEST_CASE("a new run begins new statistics, but a touching pair does not begin again")

@@ -77,11 +77,6 @@ TEST_CASE("a soft body that asks for what SOFA lacks is refused when it is added
         def.collision = {{.proximity = 0.0}};
         refuses(def, "collision[0].proximity must be > 0 m");
     }
-    SECTION("selfOnceCut")
-    {
-        def.collision = {{.selfOnceCut = true}};
-        refuses(def, "collision[0].selfOnceCut");
-    }
 }
 
 TEST_CASE("a rigid body or a rod that asks for what SOFA lacks is refused")

@@ -184,7 +184,10 @@ void bindRun(nb::module_& module)
         .def_ro("max_normal_force", &ContactPairReport::maxNormalForce, "[N]")
         .def_ro("mean_friction_force", &ContactPairReport::meanFrictionForce, "[N]")
         .def_ro("max_friction_force", &ContactPairReport::maxFrictionForce, "[N]")
-        .def_ro("deepest", &ContactPairReport::deepest, "[m]");
+        .def_ro("deepest", &ContactPairReport::deepest, "[m]")
+        .def_ro("unsolved", &ContactPairReport::unsolved,
+                "[-] steps in which a solver stopped short of its tolerance; their forces are not in the others")
+        .def_ro("max_unsolved_force", &ContactPairReport::maxUnsolvedForce, "[N], normal force in those steps");
     using surface::BloodBalance;
     nb::class_<BloodBalance>(module, "BloodBalance", "What became of the blood of a body.")
         .def_ro("welled", &BloodBalance::welled, "[m^3], lost by the vessels")

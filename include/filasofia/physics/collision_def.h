@@ -35,9 +35,9 @@ struct CollisionDef {
     /// between them, which overlap there.
     bool self = false;
     /// Whether the own surface of a solid soft body collides with itself once the body has been cut or torn, fragments
-    /// of at most 32 elements apart: a severed piece then rests on the rest, into which it sinks otherwise. It costs
-    /// what contacts cost. The native engine only.
-    bool selfOnceCut = false;
+    /// of at most 32 elements apart: a flap then rests on its bed, and a severed piece on the rest, into which they
+    /// sink otherwise. It costs what contacts cost. The native engine only.
+    bool selfOnceCut = true;
     /// On a rigid body, a blade: its lines (the mesh's edges, or those of its segments) cut soft bodies of its group
     /// that have dynamicTopology and pass through them; it pushes everything else of the group. On a soft body: the
     /// groups whose blades may cut it, if these are not all groups of its other models; nothing collides with such a

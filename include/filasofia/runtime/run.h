@@ -59,15 +59,18 @@ constexpr auto fields(const RunDef*)
         field("trainee", &T::trainee, "name of the trainee, stored in the recording"));
 }
 
-/// How two bodies touched in a run.
+/// How two bodies touched in a run. Forces of steps in which a solver stopped short of its tolerance
+/// (StepFlag::NotConverged, OutOfTime) are unfinished: they are not in the means and maxima.
 struct ContactPairReport {
     std::string first, second;      ///< their names
-    std::uint64_t steps = 0;        ///< [-], number of steps in which they touched; the means are over these
-    double meanNormalForce = 0.0;   ///< [N], mean of the sum over their contacts
+    std::uint64_t steps = 0;        ///< [-], number of steps in which they touched
+    double meanNormalForce = 0.0;   ///< [N], mean of the sum over their contacts; 0 if no step was solved
     double maxNormalForce = 0.0;    ///< [N], maximum over the steps
     double meanFrictionForce = 0.0; ///< [N], mean of the sum of magnitudes over their contacts
     double maxFrictionForce = 0.0;  ///< [N], maximum over the steps
     double deepest = 0.0;           ///< [m], >= 0, deepest penetration at the start of a step
+    std::uint64_t unsolved = 0;     ///< [-], steps among these in which a solver stopped short of its tolerance
+    double maxUnsolvedForce = 0.0;  ///< [N], maximum of the normal force over those
 };
 
 /// What was opened in a run.

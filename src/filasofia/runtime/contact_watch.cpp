@@ -19,9 +19,14 @@ std::optional<event::MergeKey> ContactEvent::mergeKey() const
     return event::MergeKey{type, std::uint64_t{pair.first.value} << 32 | pair.second.value};
 }
 
-void ContactWatch::Watched::count()
+void ContactWatch::Watched::count(bool solved)
 {
     ++steps;
+    if (!solved) {
+        ++unsolved;
+        maxUnsolved = std::max(maxUnsolved, now.normalForce);
+        return;
+    }
     normal += now.normalForce;
     friction += now.frictionForce;
     maxNormal = std::max(maxNormal, now.normalForce);
@@ -39,7 +44,7 @@ bool ContactWatch::concerns(const physics::StepReport& report) const
     return report.dt > 0.0 && (report.contacts.active > 0 || touching_ > 0); // a paused step changes nothing
 }
 
-bool ContactWatch::observe(const std::vector<frame::Contact>& contacts, const Post& post)
+bool ContactWatch::observe(const std::vector<frame::Contact>& contacts, bool solved, const Post& post)
 {
     for (auto& [bodies, pair] : pairs_) pair.touches = false;
     for (const frame::ContactPair& now : frame::contactPairs(contacts)) {
@@ -47,7 +52,7 @@ bool ContactWatch::observe(const std::vector<frame::Contact>& contacts, const Po
         Watched& pair = pairs_[{now.first, now.second}];
         pair.touches = true;
         pair.now = now;
-        pair.count();
+        pair.count(solved);
     }
     for (const frame::Contact& contact : contacts) {
         if (contact.gap >= 0.0) continue;
@@ -77,15 +82,17 @@ std::vector<ContactPairReport> ContactWatch::report(const physics::PhysicsServer
     std::vector<ContactPairReport> all;
     for (const auto& [bodies, pair] : pairs_) {
         if (pair.steps == 0) continue;
-        const auto steps = static_cast<double>(pair.steps);
+        const auto solved = static_cast<double>(std::max<std::uint64_t>(pair.steps - pair.unsolved, 1));
         all.push_back({.first = nameOf(bodies.first, physics),
                        .second = nameOf(bodies.second, physics),
                        .steps = pair.steps,
-                       .meanNormalForce = pair.normal / steps,
+                       .meanNormalForce = pair.normal / solved,
                        .maxNormalForce = pair.maxNormal,
-                       .meanFrictionForce = pair.friction / steps,
+                       .meanFrictionForce = pair.friction / solved,
                        .maxFrictionForce = pair.maxFriction,
-                       .deepest = pair.deepest});
+                       .deepest = pair.deepest,
+                       .unsolved = pair.unsolved,
+                       .maxUnsolvedForce = pair.maxUnsolved});
     }
     return all;
 }

@@ -28,8 +28,9 @@ public:
     void beginRun();
     /// Whether there is anything to look at after a step. Costs nothing if nothing touches.
     [[nodiscard]] bool concerns(const physics::StepReport& report) const;
-    /// Call it with the contacts of every step that concerns it. Returns false if an event was lost.
-    bool observe(const std::vector<frame::Contact>& contacts, const Post& post);
+    /// Call it with the contacts of every step that concerns it. `solved`: no solver stopped short of its tolerance.
+    /// Returns false if an event was lost.
+    bool observe(const std::vector<frame::Contact>& contacts, bool solved, const Post& post);
     /// The statistics since beginRun(), ascending by the bodies' ids.
     [[nodiscard]] std::vector<ContactPairReport> report(const physics::PhysicsServer& physics) const;
 
@@ -38,12 +39,13 @@ private:
         frame::ContactPair now = {}; ///< in the newest step
         bool touched = false;        ///< in the step before
         bool touches = false;        ///< in the newest step
-        std::uint64_t steps = 0;
-        double normal = 0.0, maxNormal = 0.0;     ///< [N], sum over the steps, and maximum
-        double friction = 0.0, maxFriction = 0.0; ///< [N], sum over the steps, and maximum
+        std::uint64_t steps = 0, unsolved = 0;
+        double normal = 0.0, maxNormal = 0.0;     ///< [N], sum over the solved steps, and maximum
+        double friction = 0.0, maxFriction = 0.0; ///< [N], sum over the solved steps, and maximum
+        double maxUnsolved = 0.0;                 ///< [N], maximum of the normal force over the others
         double deepest = 0.0;                     ///< [m], >= 0, deepest penetration
 
-        void count();
+        void count(bool solved);
     };
 
     std::map<std::pair<BodyId, BodyId>, Watched> pairs_; ///< pairs that have ever touched

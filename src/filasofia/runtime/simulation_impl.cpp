@@ -108,11 +108,12 @@ std::uint32_t Simulation::Impl::postContactEvents(const physics::StepReport& rep
         now.stamp(*event);
         return events.tryPost(std::move(event));
     };
-    if (report.contacts.active == 0) return contacts.observe({}, post) ? 0u : kEventLost;
+    const bool solved = !report.has(physics::StepFlag::NotConverged) && !report.has(physics::StepFlag::OutOfTime);
+    if (report.contacts.active == 0) return contacts.observe({}, solved, post) ? 0u : kEventLost;
     const frame::FrameRef frame = physics.latest();
     // If readers hold all frames, we do not get this step's contacts; the next step reports the loss.
     if (!frame || frame->step != report.step) return kEventLost;
-    return contacts.observe(frame->contacts, post) ? 0u : kEventLost;
+    return contacts.observe(frame->contacts, solved, post) ? 0u : kEventLost;
 }
 
 std::uint32_t Simulation::Impl::postIntersectionEvents(const physics::StepReport& report)

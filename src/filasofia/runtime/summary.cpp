@@ -19,10 +19,23 @@ std::string line(const char* format, auto... values)
 
 constexpr std::size_t kMaxPairs = 12; ///< rows of the table
 
-/// A table of who touched whom and how hard; empty if nothing touched.
-std::string contactTable(std::vector<ContactPairReport> pairs)
+/// What the table of contacts leaves out: forces of solves that did not end at their tolerance.
+std::string unsolvedLine(const std::vector<ContactPairReport>& pairs)
 {
-    if (pairs.empty()) return {};
+    const auto worst = std::ranges::max_element(pairs, {}, &ContactPairReport::maxUnsolvedForce);
+    const auto most = std::ranges::max_element(pairs, {}, &ContactPairReport::unsolved);
+    if (most == pairs.end() || most->unsolved == 0) return {};
+    return text("not in these forces: up to ", most->unsolved, most->unsolved == 1 ? " step" : " steps",
+                " per pair in which a solver stopped short of its tolerance; the largest force there was ",
+                line("%.4g N, between '%s' and '%s'", worst->maxUnsolvedForce, shortened(worst->first).c_str(),
+                     shortened(worst->second).c_str()));
+}
+
+/// A table of who touched whom and how hard; empty if nothing touched.
+std::string contactTable(const std::vector<ContactPairReport>& all)
+{
+    if (all.empty()) return {};
+    std::vector<ContactPairReport> pairs = all;
     const std::size_t left = pairs.size() - std::min(pairs.size(), kMaxPairs);
     std::ranges::stable_sort(pairs, std::greater{}, &ContactPairReport::maxNormalForce);
     pairs.resize(pairs.size() - left);
@@ -44,7 +57,7 @@ std::string contactTable(std::vector<ContactPairReport> pairs)
                                        pairs[i].maxNormalForce, pairs[i].meanFrictionForce, pairs[i].maxFrictionForce,
                                        pairs[i].deepest * 1e3);
     if (left > 0) out += text("and ", left, left == 1 ? " pair" : " pairs", " with smaller forces\n");
-    return out;
+    return out + unsolvedLine(all);
 }
 
 std::string millimetres(Vec3 place)

@@ -126,7 +126,7 @@ struct ApplyCommand {
     {
         RigidNode& tool = *rigid(set.id);
         if (set.cutting == tool.isCutting()) return;
-        tool.setBlades(set.cutting, set.cutting ? 0 : elementsAtBlades(tool, scene));
+        tool.setBlades(set.cutting, set.cutting ? 0 : engine::sheathOf(elementsAtBlades(tool, scene)));
     }
     void operator()(const physics::RemovePiece& remove) const
     {

@@ -3,7 +3,6 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/geometry/surface.h"
-#include "filasofia/sofa/lacks.h"
 
 namespace filasofia::sofaengine {
 namespace {
@@ -45,7 +44,8 @@ std::vector<CollisionPlan> planCollision(const physics::SoftBodyDef& def, const 
         if (def.collision[i].cutting) continue; // it names a group of blades: see mayBeCut()
         checkModel(def.collision[i], field);
         // Both sides of a cut touch exactly, vertex on vertex, and SOFA sees no contact there, nor from inside.
-        if (def.collision[i].selfOnceCut) fail(field, ".selfOnceCut", kLacks);
+        if (def.dynamicTopology && def.collision[i].selfOnceCut && !def.collision[i].self)
+            logWarning(field, ".selfOnceCut: with the engine 'sofa' the sides of a cut pass through each other");
         CollisionPlan& plan = plans.emplace_back(CollisionPlan{.def = def.collision[i]});
         if (const auto given = physics::loadMesh(plan.def.mesh, field + ".mesh")) {
             if (def.dynamicTopology)

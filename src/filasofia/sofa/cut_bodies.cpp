@@ -199,11 +199,11 @@ void removeLostPieces(SofaScene& scene, physics::StepReport& report)
     }
 }
 
-int elementsAtBlades(const RigidNode& tool, const SofaScene& scene)
+engine::ElementsAtBlade elementsAtBlades(const RigidNode& tool, const SofaScene& scene)
 {
     RigidState at;
     tool.read(at);
-    int count = 0;
+    engine::ElementsAtBlade count;
     for (const CollisionPlan& blade : tool.plan().collision) {
         if (!blade.def.cutting) continue;
         std::vector<Vec3> corners;
@@ -230,9 +230,9 @@ void followSheaths(SofaScene& scene, physics::TopologyReport& report)
 {
     for (const auto& tool : scene.rigid) {
         if (tool->sheath() == 0) continue;
-        const int now = elementsAtBlades(*tool, scene);
+        const engine::ElementsAtBlade now = elementsAtBlades(*tool, scene);
         if (engine::isPushedOn(now, tool->sheath())) ++report.bladeOff;
-        if (now == 0) tool->setBlades(tool->isCutting(), 0);
+        if (now.near == 0) tool->setBlades(tool->isCutting(), 0);
     }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/engine/rupture/elements_at.h"
 #include "filasofia/sofa/scene_state.h"
 
 #include "filasofia/physics/step.h"
@@ -22,7 +23,7 @@ Removal removePieceOf(BodyId body, int piece, SofaScene& scene);
 void removeLostPieces(SofaScene& scene, physics::StepReport& report);
 
 /// [-] How many elements of bodies that its blades could cut a rigid body's blades are in, or touch from within a cut.
-int elementsAtBlades(const RigidNode& tool, const SofaScene& scene);
+engine::ElementsAtBlade elementsAtBlades(const RigidNode& tool, const SofaScene& scene);
 /// Draws blades that are switched off once they are out of tissue, and counts those that were pushed on into it.
 void followSheaths(SofaScene& scene, physics::TopologyReport& report);
 

@@ -25,7 +25,7 @@ struct RigidSettings {
     std::vector<std::optional<Pose>> targets = {}; ///< where a kinematic body will be at the end of the next step
     Articulation::State joints = {};
     bool cutting = true; ///< its blades cut
-    int sheath = 0;      ///< [-] elements at its blades when they were switched off inside tissue; 0 once they are out
+    int sheath = 0;      ///< [-] more than 0 for blades that were switched off inside tissue (elements_at.h)
 };
 
 /// A rigid body in SOFA: a node with one frame per element at its centre of mass. A kinematic body has no solver.

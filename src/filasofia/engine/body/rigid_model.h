@@ -79,7 +79,7 @@ struct RigidState {
     std::vector<JointState> joints;
     std::vector<ElementCoupling> couplings = {}; ///< virtual couplings, ascending by element; empty unless dynamic
     bool cutting = true;                         ///< its blades cut; otherwise they touch what they would cut
-    /// [-] Elements at its blades when they were switched off inside tissue; 0 once they are out (sheathed_blades.h).
+    /// [-] More than 0 for blades that were switched off inside tissue, until they are out (elements_at.h).
     int sheath = 0;
 };
 

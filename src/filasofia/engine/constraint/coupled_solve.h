@@ -154,6 +154,7 @@ private:
     void freezeActiveSet();
     bool updateMultipliers(); ///< false if none is needed
     [[nodiscard]] double mismatch() const;
+    [[nodiscard]] Vec3 carried(std::size_t c) const; ///< [N s] the multiplier that the next step starts from
 
     [[nodiscard]] const Constraint& constraint(std::size_t c) const { return *constraints_->list[c].constraint; }
     [[nodiscard]] std::span<Vec3> ofBody(std::size_t b) ///< the part of atPoints_

@@ -49,6 +49,7 @@ void placeSurface(double dt, const SurfaceOwner& owner, const Scene& scene, cons
     const Mat3 turn = toMat3(pose.orientation);
     const Vec3 velocity = element.velocity + element.change.linear,
                spin = element.angularVelocity + element.change.angular;
+    out.spin = spin;
     for (std::size_t i = 0; i < count; ++i) {
         out.x[i] = pose.position + turn * collision.core[i];
         out.v[i] = velocity + cross(spin, out.x[i] - element.centre);
@@ -66,7 +67,9 @@ void warnOfLoneGroups(const Scene& scene, const std::vector<SurfaceOwner>& owner
         const auto meets = [&](const SurfaceOwner& each) {
             return isOther(each) && each.collision->shape->group == shape.group;
         };
-        if (shape.self || std::ranges::none_of(owners, isOther) || std::ranges::any_of(owners, meets)) continue;
+        const bool meetsItself = shape.self || (owner.collision->own && owner.collision->selfOnceCut && shape.closed &&
+                                                scene.soft[owner.body].model.dynamicTopology);
+        if (meetsItself || std::ranges::none_of(owners, isOther) || std::ranges::any_of(owners, meets)) continue;
         if (!warned.insert(shape.group).second) continue;
         const std::string body =
             owner.soft ? describe(scene.soft[owner.body].model) : text("rigid body '", nameOf(scene, owner), "'");

@@ -19,7 +19,7 @@ std::vector<Vec3> bladeCorners(const RigidBody& body, const CollisionModel& blad
     return corners;
 }
 
-int elementsOf(const SoftBody& body, const std::vector<Vec3>& corners)
+ElementsAtBlade elementsOf(const SoftBody& body, const std::vector<Vec3>& corners)
 {
     return elementsAt(corners,
                       {.count = elementCount(body.model),
@@ -30,9 +30,9 @@ int elementsOf(const SoftBody& body, const std::vector<Vec3>& corners)
 
 } // namespace
 
-int elementsAtBlades(const Scene& scene, const RigidBody& body)
+ElementsAtBlade elementsAtBlades(const Scene& scene, const RigidBody& body)
 {
-    int count = 0;
+    ElementsAtBlade count;
     for (const CollisionModel& each : body.model.collision) {
         if (!each.shape->cutting) continue;
         const std::vector<Vec3> corners = bladeCorners(body, each);
@@ -46,8 +46,8 @@ void followSheaths(Scene& scene, physics::TopologyReport& report)
 {
     for (RigidBody& body : scene.rigid) {
         if (body.state.sheath == 0) continue;
-        const int now = elementsAtBlades(scene, body);
-        if (now == 0) body.state.sheath = 0;
+        const ElementsAtBlade now = elementsAtBlades(scene, body);
+        if (now.near == 0) body.state.sheath = 0;
         if (isPushedOn(now, body.state.sheath)) ++report.bladeOff;
     }
 }

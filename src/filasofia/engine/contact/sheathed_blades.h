@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/engine/rupture/elements_at.h"
 #include "filasofia/engine/scene/scene.h"
 #include "filasofia/physics/step.h"
 
@@ -11,8 +12,8 @@
 /// is out of all of that.
 namespace filasofia::engine {
 
-/// [-] How many elements of bodies that its blades could cut a rigid body's blades are in, or touch from within a cut.
-int elementsAtBlades(const Scene& scene, const RigidBody& body);
+/// The elements of all bodies that a rigid body's blades could cut.
+ElementsAtBlade elementsAtBlades(const Scene& scene, const RigidBody& body);
 
 /// Draws blades that are out of the tissue, and counts those that were pushed on into it
 /// (physics::TopologyReport::bladeOff).

@@ -10,7 +10,8 @@
 namespace filasofia::engine {
 namespace {
 
-// [m] The walls of a cut lie on the blade up to rounding; at this distance their sides are certain.
+// [m] The walls of a cut lie on the blade up to rounding, or a skin of 10 um apart if they collide with each other; at
+// this distance their sides are certain.
 constexpr double kTouching = 20e-6;
 constexpr double kMoreElements = 1.5; // [-]
 constexpr int kFewElements = 8;
@@ -51,14 +52,18 @@ std::vector<std::uint8_t> sidesBeyond(const geometry::Box& box, std::span<const 
 
 } // namespace
 
-bool isPushedOn(int now, int then) { return now > kMoreElements * then + kFewElements; }
+bool isPushedOn(const ElementsAtBlade& now, int sheath)
+{
+    return sheath > 0 && now.inside > kMoreElements * (sheath - 1) + kFewElements;
+}
 
-int elementsAt(const std::vector<Vec3>& corners, const ElementsToTest& elements, const std::vector<Vec3>& places)
+ElementsAtBlade elementsAt(const std::vector<Vec3>& corners, const ElementsToTest& elements,
+                           const std::vector<Vec3>& places)
 {
     const std::span<const Vec3> all(corners);
     const geometry::Box around = geometry::grown(geometry::boxAround(all), kTouching);
     const std::vector<std::uint8_t> beyond = sidesBeyond(around, places);
-    int count = 0;
+    ElementsAtBlade count;
     for (std::size_t e = 0; e < elements.count; ++e) {
         const geometry::Tetrahedron nodes = elements.nodes(e);
         std::uint8_t common = 0x3f;
@@ -68,11 +73,13 @@ int elementsAt(const std::vector<Vec3>& corners, const ElementsToTest& elements,
         std::size_t n = 0;
         for (const int node : nodesOf(nodes)) at[n++] = places[static_cast<std::size_t>(node)];
         const std::span<const Vec3> element(at.data(), n);
-        for (std::size_t t = 0; t + 2 < corners.size(); t += 3)
-            if (isNear(all.subspan(t, 3), element, kTouching)) {
-                ++count;
-                break;
-            }
+        bool near = false, inside = false;
+        for (std::size_t t = 0; t + 2 < corners.size() && !inside; t += 3) {
+            const std::span<const Vec3> triangle = all.subspan(t, 3);
+            near = near || isNear(triangle, element, kTouching);
+            inside = near && isNear(triangle, element, -kTouching);
+        }
+        count += {near, inside};
     }
     return count;
 }

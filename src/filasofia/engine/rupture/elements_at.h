@@ -15,16 +15,34 @@ struct ElementsToTest {
     std::function<bool(std::size_t)> isLeftOut;
 };
 
-/// [-] How many elements the triangles of a blade are in, or touch from within a cut. `corners` [m]: those of the
-/// triangles, three by three. `places` [m]: per node of the body.
-int elementsAt(const std::vector<Vec3>& corners, const ElementsToTest& elements, const std::vector<Vec3>& places);
+/// [-] How many elements a blade is in.
+struct ElementsAtBlade {
+    int near = 0; ///< or touches from within a cut
+    int inside = 0;
+
+    ElementsAtBlade& operator+=(const ElementsAtBlade& other)
+    {
+        near += other.near;
+        inside += other.inside;
+        return *this;
+    }
+};
+
+/// `corners` [m]: those of the blade's triangles, three by three. `places` [m]: per node of the body.
+ElementsAtBlade elementsAt(const std::vector<Vec3>& corners, const ElementsToTest& elements,
+                           const std::vector<Vec3>& places);
 
 /// Whether two convex bodies are nearer to each other than `margin` [m], up to corners, which count as round: a
-/// triangle, and an element of three or four corners.
+/// triangle, and an element of three or four corners. A negative margin: whether they overlap by more than its size.
 bool isNear(std::span<const Vec3> triangle, std::span<const Vec3> element, double margin);
 
-/// [-] Tissue moves around a blade that is switched off, and so do the elements that it is in. Whether there are so
-/// many more `now` than `then` that the blade was pushed on.
-bool isPushedOn(int now, int then);
+/// A *sheath* [-]: 0 for a blade that is off and out of all tissue. Otherwise one more than the elements that it was
+/// inside of when it was switched off. The walls of its cut are not among them: they lie on it, or part from it where
+/// they collide with each other.
+inline int sheathOf(const ElementsAtBlade& at) { return at.near == 0 ? 0 : 1 + at.inside; }
+
+/// Whether a blade with this sheath is inside so many more elements now that it was pushed on into tissue, or the
+/// tissue was moved through it.
+bool isPushedOn(const ElementsAtBlade& now, int sheath);
 
 } // namespace filasofia::engine
