@@ -13,9 +13,11 @@ namespace filasofia::physics {
 
 /// Problems of a step. Never an exception: the simulation continues and stays finite.
 enum class StepFlag : std::uint32_t {
-    Late = 1u << 0,         ///< it began more than a period late (runtime)
-    Clamped = 1u << 1,      ///< dt was cut to period + slack: simulated time fell behind (runtime)
-    NotConverged = 1u << 2, ///< a solver stopped at its iteration limit; the body lost speed in proportion to the error
+    Late = 1u << 0,    ///< it began more than a period late (runtime)
+    Clamped = 1u << 1, ///< dt was cut to period + slack: simulated time fell behind (runtime)
+    /// a solver stopped at its iteration limit, and the body lost speed in proportion to the error; or the forces of
+    /// rigid bodies are off from the contact law (ContactReport::mismatch) by more than 5 %
+    NotConverged = 1u << 2,
     Undone =
         1u
         << 3, ///< a body's new state was not finite: it was restored to the state before the step, with zero velocity

@@ -47,7 +47,7 @@ struct Bin {
         }
     }
     /// [m^2/s^2] Kinetic energy without spin and height, over the mass of a ball.
-    [[nodiscard]] double energy() const
+    double energy()
     {
         double sum = 0.0;
         for (const RigidBody& body : stage.world.scene().rigid)
@@ -55,7 +55,7 @@ struct Bin {
                 sum += 0.5 * lengthSquared(body.state.velocities[0]) + 9.81 * body.state.poses[0].position.y;
         return sum;
     }
-    [[nodiscard]] double fastest() const // [m/s]
+    double fastest() // [m/s]
     {
         double most = 0.0;
         for (const RigidBody& body : stage.world.scene().rigid) most = std::max(most, length(body.state.velocities[0]));

@@ -108,7 +108,8 @@ struct ApplyCommand {
     void operator()(const physics::SetCutting& set) const
     {
         RigidBody& body = rigid(set.id);
-        if (set.cutting != body.state.cutting) body.state.sheath = set.cutting ? 0 : sheathOf(elementsAtBlades(scene, body));
+        if (set.cutting != body.state.cutting)
+            body.state.sheath = set.cutting ? 0 : sheathOf(elementsAtBlades(scene, body));
         body.state.cutting = set.cutting;
     }
     void operator()(const physics::SetCavity& set) const
