@@ -80,7 +80,7 @@ std::string strainedLine(const RunReport& report)
 {
     const physics::StrainedElements& worst = report.worstStrained;
     return text("tissue beyond the range of its material in ", report.beyondStrain,
-                report.beyondStrain == 1 ? " step" : " steps", ": strain ", std::round(100.0 * worst.strain) / 100.0,
+                report.beyondStrain == 1 ? " step" : " steps", ": strain ", std::round(1000.0 * worst.strain) / 1000.0,
                 " in '", report.worstStrainedBody, "', valid up to ", std::round(1000.0 * worst.valid) / 1000.0,
                 ", at ", millimetres(worst.place));
 }
