@@ -1,6 +1,7 @@
 #include "filasofia/engine/step/assemble.h"
 
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/body/law_range.h"
 #include "filasofia/engine/scene/each_body.h"
 #include "filasofia/engine/step/fill_cavities.h"
 #include "filasofia/math/svd.h"
@@ -94,7 +95,7 @@ bool isWorse(RangedStrain a, const physics::StrainedElements& report)
 class ElementStrains {
 public:
     explicit ElementStrains(const SoftBody& body)
-        : body_(body), valid_(body.model.material.validStrain),
+        : body_(body), valid_(body.model.material.validStrain), safe_(safeStrain(body.model.material.law)),
           cube_(std::pow(3.0 + physics::rangeOf(body.model.material.law), 3.0))
     {
     }
@@ -103,10 +104,10 @@ public:
     /// [-] The strain over the range. The solver has found the principal stretches in float.
     [[nodiscard]] double share(std::size_t e) const
     {
-        double out = 0.0;
-        if (const MatrixFreeSystem* system = body_.system.matrixFree.get(); std::isfinite(valid_))
-            out = (system ? static_cast<double>(system->strains()[e]) : strainOf(body_, e)) / valid_;
-        if (!std::isfinite(cube_)) return out;
+        const MatrixFreeSystem* system = body_.system.matrixFree.get();
+        const double strain = system ? static_cast<double>(system->strains()[e]) : strainOf(body_, e);
+        const double out = strain / valid_;
+        if (!(strain > safe_)) return out;
         const double cube = cubeOf(e);
         return cube > cube_ ? std::max(out, meanStrain(cube) / meanStrain(cube_)) : out;
     }
@@ -126,7 +127,7 @@ private:
     static double meanStrain(double cube) { return std::sqrt(std::cbrt(cube) / 3.0) - 1.0; }
 
     const SoftBody& body_;
-    double valid_, cube_; ///< [-] the most of strainOf() and cubeOf()
+    double valid_, safe_, cube_; ///< [-] the most of strainOf(), what is safe for cubeOf(), and the most of that
 };
 
 /// Reports the elements that are strained beyond the range of their material. The worst is that of the largest strain
