@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Fail when the README is longer than 600 words or its program is not examples/01_bunny, a link in a page leads
-nowhere, a page names a path of the repository that does not exist, a source names a page that does not exist, or
-where-is-what.md names something that its file does not contain.
+nowhere, a page names a path of the repository that does not exist, a source names a page that does not exist,
+where-is-what.md names something that its file does not contain, or the guide's table lacks an elastic law.
 Usage: check_docs.py <root>"""
 import re
 import sys
@@ -34,5 +34,9 @@ for path, names in re.findall(r"^\|[^|]*\| `([^`]+)` \| (.*) \|$", where.read_te
     for name in re.findall(r"`(?:\w+::)*(\w+)`", names):
         if source and not re.search(rf"\b{name}\b", source):
             bad.append(f"{where.relative_to(root)}: {path} does not contain {name}")
+laws = (root / "include/filasofia/physics/elastic_law.h").read_text()
+for law in re.search(r"using ElasticLaw\s*=\s*std::variant<([^>]*)>", laws)[1].split(","):
+    if not re.search(rf"^\| .*`{law.strip()}`", (root / "docs/guide/tissue.md").read_text(), re.M):
+        bad.append(f"docs/guide/tissue.md: the table of laws lacks {law.strip()}")
 print("\n".join(dict.fromkeys(bad)))
 sys.exit(bool(bad))

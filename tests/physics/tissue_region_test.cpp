@@ -1,3 +1,5 @@
+#include "filasofia/core/text.h"
+#include "filasofia/core/validate.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/physics/fem_material.h"
 
@@ -140,6 +142,34 @@ TEST_CASE("every law has the name of its type")
 {
     CHECK(nameOf(NeoHookean{}) == "NeoHookean");
     CHECK(nameOf(Ogden{}) == "Ogden");
+}
+
+TEST_CASE("every law is legal with its defaults, and a number outside of its range is refused by name")
+{
+    int numbers = 0;
+    for (const ElasticLaw& law : elasticLaws()) {
+        INFO(nameOf(law));
+        FemMaterial material{.law = law};
+        CHECK_NOTHROW(validate(material, "organ"));
+        CHECK_NOTHROW(check(material, "organ"));
+        std::visit(
+            [&]<class Law>(Law& each) {
+                forEachField<Law>([&](const auto& field) {
+                    if constexpr (std::is_same_v<std::remove_cvref_t<decltype(each.*(field.member))>, double>) {
+                        const double legal = each.*(field.member);
+                        for (const double wrong : {field.range.low - 0.01, field.range.high + 0.01}) {
+                            each.*(field.member) = wrong;
+                            CHECK(errorOf([&] { validate(material, "organ"); }) ==
+                                  text("organ: law.", field.name, " ", field.range.text(field.unit), ", got ", wrong));
+                            ++numbers;
+                        }
+                        each.*(field.member) = legal;
+                    }
+                });
+            },
+            material.law);
+    }
+    CHECK(numbers >= 8); // of MooneyRivlin, VerondaWestmann, Fung and Gent
 }
 
 } // namespace tissue_region_test

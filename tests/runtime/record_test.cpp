@@ -237,7 +237,7 @@ TEST_CASE("the summary counts what did not go as asked")
     CHECK_THAT(runtime::summary(report), Catch::Contains("surfaces pass through each other in 9 steps: the surface of "
                                                          "'tube' through itself by 1.23 mm at (0.0 0.0 0.0) mm\n"));
     CHECK_THAT(runtime::summary(report), Catch::Contains("tissue beyond the range of its material in 1 step: strain "
-                                                         "0.46 in 'gall bladder', measured up to 0.3, at "));
+                                                         "0.457 in 'gall bladder', valid up to 0.3, at "));
     const std::string unrest = "not at rest in 8 steps: 'stump' moved at 12.3 mm/s, 6 s after anything drove it";
     CHECK_THAT(runtime::summary(report), Catch::Contains(unrest + "\n"));
     report.opened = {.steps = 3, .cut = 12.34e-6, .torn = 0.5e-6, .pieces = 2};

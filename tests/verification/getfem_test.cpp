@@ -15,10 +15,10 @@ constexpr double kShear = 1e4; ///< [Pa]
 constexpr int kLoadSteps = 10;
 
 /// [m] Displacements of the block of CalculiX's decks at rest under its loads.
-std::vector<Vec3> restOf(double nu)
+std::vector<Vec3> restOf(double nu, const ElasticLaw& law = NeoHookean{})
 {
     Deck deck = readDeck(kFolder + "calculix/neo_hooke_block.inp");
-    deck.def.material = FemMaterial{.youngModulus = 2.0 * kShear * (1.0 + nu), .poissonRatio = nu};
+    deck.def.material = FemMaterial{.youngModulus = 2.0 * kShear * (1.0 + nu), .poissonRatio = nu, .law = law};
     const std::vector<NodalForce> forces = std::exchange(deck.def.forces, {});
     Stage stage;
     stage.add(deck.def);
@@ -59,6 +59,18 @@ TEST_CASE("a block is pulled and bent far as in GetFEM, up to a Poisson's ratio 
         tell(text("block of nu ", nu, ", GetFEM's largest displacement [m]"), largestOf(expected));
         verify(text("block of nu ", nu, " against GetFEM, largest difference over largest displacement"),
                gapOf(found, expected), 1e-5);
+    }
+}
+
+TEST_CASE("a block of Gent's law is pulled and bent as in GetFEM, up to nine tenths of its limit")
+{
+    for (const double limit : {0.1, 2.0}) {
+        const std::vector<Vec3> found = restOf(0.4, Gent{.limit = limit});
+        const std::vector<Vec3> expected = readDisplacements(text(kFolder, "getfem/gent_", limit, ".csv"));
+        tell(text("block of Gent's law, limit ", limit, ", GetFEM's largest displacement [m]"), largestOf(expected));
+        verify(
+            text("block of Gent's law, limit ", limit, " against GetFEM, largest difference over largest displacement"),
+            gapOf(found, expected), 1e-5);
     }
 }
 

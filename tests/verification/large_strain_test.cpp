@@ -103,7 +103,7 @@ TEST_CASE(
     "steps say that elements are inside out")
 {
     // Elements around the ball turn inside out where shear is many times as stiff as the change of volume.
-    const std::string turning[] = {"cartilage", "VerondaWestmann 5", "Fung 10"};
+    const std::string turning[] = {"cartilage", "VerondaWestmann 5", "Fung 10", "Gent 0.4"};
     std::vector<std::pair<std::string, FemMaterial>> all;
     for (const char* name : {"liver", "adipose", "artery_media", "cartilage", "lung"})
         all.emplace_back(name, tissue(name).material); // plain, relaxing, with fibres, and of other Poisson's ratios

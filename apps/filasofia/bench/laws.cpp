@@ -6,6 +6,7 @@
 #include "filasofia/runtime/assets.h"
 #include "filasofia/runtime/clock.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace filasofia::app {
@@ -22,8 +23,10 @@ constexpr int kWarmUp = 10;    ///< steps of a run that are not timed
 /// The laws with their defaults, the corotational one first: the others are compared with it.
 std::vector<ElasticLaw> laws()
 {
-    return {physics::Corotational{}, physics::NeoHookean{}, physics::StVenantKirchhoff{}, physics::MooneyRivlin{},
-            physics::Ogden{},        physics::Fung{},       physics::VerondaWestmann{}};
+    std::vector<ElasticLaw> all = physics::elasticLaws();
+    std::ranges::stable_partition(
+        all, [](const ElasticLaw& law) { return std::holds_alternative<physics::Corotational>(law); });
+    return all;
 }
 
 physics::SoftBodyDef bunny(const Mesh& mesh, const ElasticLaw& law, const physics::Solver& solver)

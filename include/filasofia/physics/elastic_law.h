@@ -20,6 +20,9 @@
 /// (engine/elastic/laws), so that every law has finite forces in every state.
 namespace filasofia::physics {
 
+/// The laws' own namespace, so that filasofia.h can take them all.
+inline namespace elastic_laws {
+
 /// W = mu/2 (I1 - 3) - mu (J - 1) + (lambda + mu)/2 (J - 1)^2: the stable neo-Hookean law (Smith, de Goes and Kim 2018,
 /// equation 13 without the logarithm). Stable in every deformation, also flat and inside out: the usual choice. Below
 /// I1 = 1, where tissue is crushed in all directions, I1 is replaced by (1 + I1^2) / 2, so that a point is no minimum.
@@ -78,8 +81,22 @@ struct Fung {
     friend bool operator==(const Fung&, const Fung&) = default;
 };
 
+/// W = -mu/2 Jm ln(1 - (i1 - 3) / Jm) + K/2 (J - 1)^2 (Gent 1996): chains, or fibres of collagen, become taut. Beyond
+/// 98 % of the limit the logarithm goes on as a parabola, so that tissue which is crushed or torn has a finite stress,
+/// and steps tell (StepFlag::BeyondStrain).
+struct Gent {
+    double limit = 2.0; ///< [-] Jm, in [0.1, 1000], which i1 - 3 does not reach
+
+    friend bool operator==(const Gent&, const Gent&) = default;
+};
+
+} // namespace elastic_laws
+
 using ElasticLaw =
-    std::variant<NeoHookean, Corotational, StVenantKirchhoff, MooneyRivlin, Ogden, VerondaWestmann, Fung>;
+    std::variant<NeoHookean, Corotational, StVenantKirchhoff, MooneyRivlin, Ogden, VerondaWestmann, Fung, Gent>;
+
+/// [-] The part of Gent's limit up to which the law is that of its formula.
+inline constexpr double kGentRange = 0.98;
 
 constexpr auto fields(const NeoHookean*) { return describe("NeoHookean"); }
 constexpr auto fields(const Corotational*) { return describe("Corotational"); }
@@ -107,6 +124,17 @@ constexpr auto fields(const Fung*)
 {
     return describe("Fung", field("exponent", &Fung::exponent, "-", openClosed(0, 100), "how fast it stiffens"));
 }
+constexpr auto fields(const Gent*)
+{
+    return describe("Gent", field("limit", &Gent::limit, "-", closed(0.1, 1000), "Jm, which i1 - 3 does not reach"));
+}
+
+/// Every law with its defaults, in the order of the variant.
+const std::vector<ElasticLaw>& elasticLaws();
+
+/// [-] The i1 - 3 up to which a law holds, infinite if it has no such limit. Tissue beyond it is told:
+/// StepFlag::BeyondStrain.
+double rangeOf(const ElasticLaw& law);
 
 /// The name of a law in files, errors and tables: that of its type.
 std::string_view nameOf(const ElasticLaw& law);

@@ -29,7 +29,7 @@ enum class StepFlag : std::uint32_t {
     OutOfTime = 1u << 9,    ///< a solver stopped at the deadline, short of its tolerance: the body lost some speed
     NothingAttached = 1u << 10, ///< an attachment found no node, or a grasp no contact: the log says which
     Inverted = 1u << 11,        ///< elements were inside out at the start of the step (StepReport::inverted)
-    BeyondStrain = 1u << 12, ///< elements were strained beyond their material's validStrain (StepReport::beyondStrain)
+    BeyondStrain = 1u << 12,   ///< elements were strained beyond the range of their material (StepReport::beyondStrain)
     NothingChanged = 1u << 13, ///< a SetTissue found no element: the log says which
     Restless = 1u << 14,       ///< a body goes on moving though nothing drives it (StepReport::unrest)
     EnergyGained = 1u << 15,   ///< a restless body moves with ever more energy than it has gained by falling
@@ -65,15 +65,17 @@ struct InvertedElements {
     Vec3 place = {};     ///< [m] its centre
 };
 
-/// The elements that were strained beyond the range of their material (validStrain of FemMaterial or ShellMaterial) at
-/// the start of a step.
+/// The elements that were strained beyond the range of their material at the start of a step: beyond validStrain of
+/// FemMaterial or ShellMaterial, or beyond the limit of an elastic law (rangeOf).
 struct StrainedElements {
     int count = 0;    ///< [-]
     BodyId body = {}; ///< the body of the worst of them
     int element = -1; ///< [-] the worst: a tetrahedron or a triangle of that body's mesh, or a part that cuts have made
-    double strain = 0.0; ///< [-] of the worst: the largest difference of a principal stretch from 1
-    double valid = 0.0;  ///< [-] its material's validStrain
-    Vec3 place = {};     ///< [m] its centre
+    /// [-] Of the worst: the largest difference of a principal stretch from 1, or the difference of the mean stretch at
+    /// constant volume, sqrt(i1 / 3), from 1 if the law's limit is exceeded by more.
+    double strain = 0.0;
+    double valid = 0.0; ///< [-] its material's validStrain, or sqrt((3 + rangeOf(law)) / 3) - 1
+    Vec3 place = {};    ///< [m] its centre
 };
 
 /// Bodies that go on moving though nothing drives them: no command, tool, hand, force or pressure has changed for at

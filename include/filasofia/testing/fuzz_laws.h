@@ -38,7 +38,7 @@ struct LawFuzzReport {
     long fibres = 0, relaxing = 0, flowing = 0, regions = 0, nearlyIncompressible = 0; ///< [-] scenes with such tissue
     long grasps = 0, pulls = 0, presses = 0, changes = 0; ///< [-] a change is one of tissue, fibre stress or material
     long silentInverted = 0;   ///< [-] steps with elements inside out at their start, without StepFlag::Inverted
-    long silentStrain = 0;     ///< [-] the same of elements strained beyond validStrain, and StepFlag::BeyondStrain
+    long silentStrain = 0;     ///< [-] the same of elements strained beyond their range, and StepFlag::BeyondStrain
     long silentGain = 0;       ///< [-] scenes that gained energy while nothing drove them, without a flag before
     double mostSilent = 0.0;   ///< [-] by how much these gained at most, relative to the energy that they had
     long massChanged = 0;      ///< [-] scenes in which a body's mass changed

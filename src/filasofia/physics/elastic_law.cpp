@@ -3,8 +3,26 @@
 #include "filasofia/core/error.h"
 
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace filasofia::physics {
+
+const std::vector<ElasticLaw>& elasticLaws()
+{
+    static const auto all = []<std::size_t... i>(std::index_sequence<i...>)
+    {
+        return std::vector{ElasticLaw(std::in_place_index<i>)...};
+    }
+    (std::make_index_sequence<std::variant_size_v<ElasticLaw>>());
+    return all;
+}
+
+double rangeOf(const ElasticLaw& law)
+{
+    if (const auto* gent = std::get_if<Gent>(&law)) return kGentRange * gent->limit;
+    return std::numeric_limits<double>::infinity();
+}
 
 std::string_view nameOf(const ElasticLaw& law)
 {

@@ -39,23 +39,15 @@ template <class T> bool editNumbers(T& def)
     return changed;
 }
 
-/// The law at an index of the variant, with its defaults.
-template <std::size_t i = 0> physics::ElasticLaw lawAt(std::size_t index)
-{
-    if constexpr (i + 1 < std::variant_size_v<physics::ElasticLaw>)
-        if (index > i) return lawAt<i + 1>(index);
-    return std::variant_alternative_t<i, physics::ElasticLaw>{};
-}
-
 bool editLaw(physics::ElasticLaw& law)
 {
     bool changed = false;
     std::visit([&](auto& each) { changed = editNumbers(each); }, law);
     const auto name = [](const physics::ElasticLaw& each) { return std::string(physics::nameOf(each)); };
     if (!ImGui::BeginCombo("law", name(law).c_str())) return changed;
-    for (std::size_t i = 0; i < std::variant_size_v<physics::ElasticLaw>; ++i)
-        if (ImGui::Selectable(name(lawAt(i)).c_str(), i == law.index()) && i != law.index()) {
-            law = lawAt(i);
+    for (const physics::ElasticLaw& each : physics::elasticLaws())
+        if (ImGui::Selectable(name(each).c_str(), each.index() == law.index()) && each.index() != law.index()) {
+            law = each;
             changed = true;
         }
     ImGui::EndCombo();

@@ -55,7 +55,7 @@ void warn(const RunReport& report)
     if (report.beyondStrain > 0)
         logWarning(steps(report.beyondStrain), " tissue was strained beyond the range of its material, at most by ",
                    report.worstStrained.strain, " in '", report.worstStrainedBody, "', whose range is ",
-                   report.worstStrained.valid, " (FemMaterial::validStrain)");
+                   report.worstStrained.valid, " (FemMaterial::validStrain, or the limit of its law)");
     if (report.restless > 0)
         logWarning(steps(report.restless), " a body went on moving though nothing drove it, at most at ",
                    report.worstUnrest.speed, " m/s, in '", report.worstUnrestBody, "' (Restless)");

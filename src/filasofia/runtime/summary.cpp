@@ -93,9 +93,9 @@ std::string strainedLine(const RunReport& report)
 {
     const physics::StrainedElements& worst = report.worstStrained;
     return text("tissue beyond the range of its material in ", report.beyondStrain,
-                report.beyondStrain == 1 ? " step" : " steps", ": strain ", std::round(100.0 * worst.strain) / 100.0,
-                " in '", report.worstStrainedBody, "', measured up to ", worst.valid, ", at ",
-                millimetres(worst.place));
+                report.beyondStrain == 1 ? " step" : " steps", ": strain ", std::round(1000.0 * worst.strain) / 1000.0,
+                " in '", report.worstStrainedBody, "', valid up to ", std::round(1000.0 * worst.valid) / 1000.0,
+                ", at ", millimetres(worst.place));
 }
 
 /// Something that never rests, or moves by energy from nowhere, is an error of the simulation or a body without

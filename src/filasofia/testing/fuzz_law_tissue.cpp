@@ -24,23 +24,19 @@ Ogden randomOgden(FuzzRandom& random)
 struct LawMaker {
     FuzzRandom& random;
 
-    void operator()(NeoHookean&) const {}
-    void operator()(Corotational&) const {}
-    void operator()(StVenantKirchhoff&) const {}
-    void operator()(MooneyRivlin& law) const { law.share = random.uniform(0.0, 1.0); }
+    /// Any law: numbers of its fields' ranges.
+    template <class Law> void operator()(Law& law) const
+    {
+        forEachField<Law>([&](const auto& each) {
+            const Range& range = each.range;
+            law.*(each.member) =
+                range.low > 0.0 ? random.logarithmic(range.low, range.high) : random.uniform(range.low, range.high);
+        });
+    }
     void operator()(Ogden& law) const { law = randomOgden(random); }
     void operator()(VerondaWestmann& law) const { law.exponent = random.logarithmic(0.2, 20.0); }
     void operator()(Fung& law) const { law.exponent = random.logarithmic(0.05, 20.0); }
 };
-
-template <std::size_t i = 0> ElasticLaw defaultLaw(std::size_t alternative)
-{
-    if constexpr (i < std::variant_size_v<ElasticLaw>) {
-        if (i == alternative) return ElasticLaw(std::in_place_index<i>);
-        return defaultLaw<i + 1>(alternative);
-    }
-    return {};
-}
 
 std::vector<FibreFamily> randomFibres(double youngModulus, FuzzRandom& random)
 {
@@ -85,7 +81,7 @@ double randomPoisson(FuzzRandom& random)
 
 ElasticLaw randomLaw(std::size_t alternative, FuzzRandom& random)
 {
-    ElasticLaw law = defaultLaw(alternative);
+    ElasticLaw law = elasticLaws().at(alternative);
     std::visit(LawMaker{random}, law);
     return law;
 }

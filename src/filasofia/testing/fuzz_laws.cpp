@@ -125,9 +125,10 @@ private:
     {
         mustTellInverted_ = std::ranges::any_of(soft(), [](const auto& each) { return surelyInverted(each) > 0; });
         inverted_ = inverted_ || mustTellInverted_;
-        mustTellStrain_ = std::isfinite(scene_.validStrain) && std::ranges::any_of(soft(), [&](const auto& each) {
-                              return largestStrain(each) > kSurelyBeyond * scene_.validStrain;
-                          });
+        mustTellStrain_ = std::ranges::any_of(soft(), [&](const auto& each) {
+            return largestInvariant(each) > kSurelyBeyond ||
+                   (std::isfinite(scene_.validStrain) && largestStrain(each) > kSurelyBeyond * scene_.validStrain);
+        });
     }
 
     void lookAtEnergy()

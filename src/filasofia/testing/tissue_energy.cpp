@@ -96,4 +96,18 @@ double largestStrain(const SoftBody& body)
     return most;
 }
 
+double largestInvariant(const SoftBody& body)
+{
+    const double range = physics::rangeOf(body.model.material.law);
+    double most = 0.0;
+    if (!std::isfinite(range)) return most;
+    for (const FemElement& each : body.model.elements) {
+        if (isHeld(body.model, each.nodes)) continue;
+        const Vec3 s = svd(deformationOf(each, body.state.x)).sigma;
+        const double volume = s.x * s.y * s.z;
+        if (volume > 0.2) most = std::max(most, (lengthSquared(s) / std::pow(volume, 2.0 / 3.0) - 3.0) / range);
+    }
+    return most;
+}
+
 } // namespace filasofia::testing

@@ -16,5 +16,8 @@ int surelyInverted(const engine::SoftBody& body);
 
 /// [-] By how much a principal stretch of a tetrahedron or a triangle differs from 1 at most.
 double largestStrain(const engine::SoftBody& body);
+/// [-] The largest i1 - 3 over the range of the body's law (physics::rangeOf), 0 if that is infinite. Elements below a
+/// fifth of their volume are left out: laws count their volume as larger.
+double largestInvariant(const engine::SoftBody& body);
 
 } // namespace filasofia::testing

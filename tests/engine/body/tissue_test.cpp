@@ -282,4 +282,38 @@ TEST_CASE("tissue: strain beyond the range of the material is reported, with the
         }
 }
 
+TEST_CASE("tissue: beyond the limit of its law, tissue is reported, also where principal stretches have no bound")
+{
+    constexpr double limit = 0.5; // [-] i1 - 3 is 0.49 at 1.454 times the length and a constant volume
+    const auto reportOf = [&](double length, double valid, bool assembled) {
+        SoftBodyDef def =
+            body({.youngModulus = 10e3, .poissonRatio = 0.3, .law = Gent{.limit = limit}, .validStrain = valid});
+        def.pose = {};
+        def.solver = ConjugateGradient{.assembled = assembled};
+        Stage stage;
+        stage.add(def);
+        stage.step(0.001);
+        const double across = 1.0 / std::sqrt(length);
+        for (Vec3& x : stage.soft().x) x = {across * x.x, across * x.y, length * x.z};
+        const StepReport report = stage.step(0.001);
+        CHECK(report.has(StepFlag::BeyondStrain) == (report.beyondStrain.count > 0));
+        if (report.beyondStrain.count > 0)
+            CHECK(report.beyondStrain.count == static_cast<int>(stage.model().elements.size()));
+        return report.beyondStrain;
+    };
+    const double reach = std::sqrt(1.0 + 0.98 * limit / 3.0) - 1.0;
+    const auto mean = [](double length) { return std::sqrt((length * length + 2.0 / length) / 3.0) - 1.0; };
+    for (const bool assembled : {false, true}) {
+        const double none = std::numeric_limits<double>::infinity();
+        CHECK(reportOf(1.44, none, assembled).count == 0);
+        const StrainedElements beyond = reportOf(1.46, none, assembled);
+        CHECK(beyond.count > 0);
+        CHECK(beyond.valid == Approx(reach));
+        CHECK(beyond.strain == Approx(mean(1.46)));
+        // With both, the one that is exceeded by more.
+        CHECK(reportOf(1.46, 0.3, assembled).strain == Approx(0.46));
+        CHECK(reportOf(1.46, 0.455, assembled).strain == Approx(mean(1.46)));
+    }
+}
+
 } // namespace tissue_test

@@ -1,5 +1,6 @@
 #include "filasofia/engine/elastic/law.h"
 
+#include "filasofia/engine/body/law_range.h"
 #include "filasofia/math/svd.h"
 
 #include "engine/elastic/laws.h"
@@ -195,6 +196,30 @@ TEST_CASE("every law: flat, shrunk to a point, inside out and far stretched elem
             CHECK(std::isfinite(energyDensity(law, kMaterial, at)));
         }
     }
+}
+
+TEST_CASE("every law: stretches within its safe strain are within its range, and no larger strain is safe")
+{
+    std::mt19937 random(8);
+    const auto i1 = [](Vec3 s) { return lengthSquared(s) / std::pow(s.x * s.y * s.z, 2.0 / 3.0); };
+    int limited = 0;
+    for (const auto& [name, law] : everyLaw()) {
+        INFO(name);
+        const double range = physics::rangeOf(law), safe = safeStrain(law);
+        CHECK(std::isfinite(safe) == std::isfinite(range));
+        if (!std::isfinite(range)) continue;
+        ++limited;
+        double most = 0.0;
+        for (int i = 0; i < 1000; ++i) most = std::max(most, i1(Vec3{1, 1, 1} + randomVec3(random, safe)) - 3.0);
+        for (const Vec3 corner : {Vec3{1, -1, -1}, {1, 1, -1}})
+            most = std::max(most, i1(Vec3{1, 1, 1} + safe * corner) - 3.0);
+        CHECK(most < range);
+        CHECK(most > 0.999 * range);
+        const Vec3 corner = Vec3{1, 1, 1} + 0.9 * safe * Vec3{1, -1, -1};
+        const Mat3 f = toMat3(randomRotation(random)) * Mat3::diagonal(corner);
+        CHECK(cubedInvariant(f) == Approx(std::pow(i1(corner), 3)));
+    }
+    CHECK(limited >= 2);
 }
 
 TEST_CASE("Cauchy's stress rotates with the body, is force over current area, and is zero in crushed elements")

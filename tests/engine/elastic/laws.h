@@ -14,25 +14,20 @@ struct NamedLaw {
     physics::ElasticLaw law;
 };
 
-/// Every law with its defaults, in the order of the variant: a law that is added there is tested.
-template <std::size_t i = 0> void addDefaults(std::vector<NamedLaw>& laws)
-{
-    if constexpr (i < std::variant_size_v<physics::ElasticLaw>) {
-        using Law = std::variant_alternative_t<i, physics::ElasticLaw>;
-        laws.push_back({std::string(fields(static_cast<const Law*>(nullptr)).typeName), Law{}});
-        addDefaults<i + 1>(laws);
-    }
-}
+/// Every law with its defaults, in the order of the variant: a law that is added there is tested. Then some with
+/// constants of tissue.
 inline std::vector<NamedLaw> everyLaw()
 {
     std::vector<NamedLaw> laws;
-    addDefaults(laws);
+    for (const physics::ElasticLaw& law : physics::elasticLaws())
+        laws.push_back({std::string(physics::nameOf(law)), law});
     laws.push_back({"MooneyRivlin 0.5", physics::MooneyRivlin{.share = 0.5}});
     laws.push_back({"Ogden -4.7", physics::Ogden{.terms = {{.exponent = -4.7}}}}); // brain
     laws.push_back(
         {"Ogden 3 terms", physics::Ogden{.terms = {{.exponent = 1.3, .share = 0.6}, {5.0, 0.1}, {-2.0, 0.3}}}});
     laws.push_back({"VerondaWestmann 5", physics::VerondaWestmann{.exponent = 5.0}}); // skin
     laws.push_back({"Fung 10", physics::Fung{.exponent = 10.0}});
+    laws.push_back({"Gent 0.4", physics::Gent{.limit = 0.4}}); // taut at 1.4 times its length
     return laws;
 }
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Run GetFEM on the block of ../calculix at Poisson's ratios up to 0.4999: NAME.csv. Usage: regenerate.py (with python3-getfem)"""
+"""Run GetFEM on the block of ../calculix at Poisson's ratios up to 0.4999, and with Gent's law: NAME.csv. Usage: regenerate.py (with python3-getfem)"""
 from pathlib import Path
 
 import getfem
@@ -97,6 +97,13 @@ def taylor_hood(nu):
                            ("IM_TETRAHEDRON(5)", f"p*(Det(F)-1)-p*p/{2 * (lame(nu) - own)}")], True)
 
 
+def gent(nu, limit):
+    """Gent (1996) with the change of volume apart, on linear tetrahedra."""
+    shape = f"-{SHEAR * limit / 2}*log(1-(Norm_sqr(F)*pow(Det(F),-2/3)-3)/{limit})"
+    bulk = lame(nu) + 2 / 3 * SHEAR
+    return Block(1).model([("IM_TETRAHEDRON(1)", f"{shape}+{bulk / 2}*sqr(Det(F)-1)")], False)
+
+
 def write(name, displacements):
     rows = ["%d,%.9e,%.9e,%.9e" % (i, *u) for i, u in enumerate(displacements, 1)]
     (HERE / f"{name}.csv").write_text("\n".join(["node,ux,uy,uz"] + rows) + "\n")
@@ -107,3 +114,5 @@ getfem.util_trace_level(0)
 for nu in (0.45, 0.49, 0.499, 0.4999):
     write(f"linear_{nu}", linear(nu))
 write("taylor_hood_0.4999", taylor_hood(0.4999))
+for limit in (0.1, 2):
+    write(f"gent_{limit}", gent(0.4, limit))

@@ -45,6 +45,13 @@ Mat3 stretchStress(const physics::ElasticLaw& law, Lame material, const Deformat
     return at.rotation * (v * Mat3::diagonal(material.mu * Vec3{w.d[0], w.d[1], w.d[2]}) * transpose(v));
 }
 
+double cubedInvariant(const Mat3& f)
+{
+    const double volume = lanes::boundedBelow(determinant(f), lanes::kSmallestVolume);
+    const double sum = trace(transposeTimes(f, f));
+    return sum * sum * sum / (volume * volume);
+}
+
 StretchTangent stretchTangent(const physics::ElasticLaw& law, Lame material, const Deformation& at, double turning)
 {
     const Axes axes = axesOf(at);

@@ -14,6 +14,10 @@ double stretchEnergy(const physics::ElasticLaw& law, Lame material, const Deform
 /// [Pa] first Piola-Kirchhoff stress
 Mat3 stretchStress(const physics::ElasticLaw& law, Lame material, const Deformation& at);
 
+/// [-] The cube of i1, the first invariant at constant volume, as the laws see it: with J bounded below. No root is
+/// taken, because steps ask this of every element of tissue whose law has a limit (physics::rangeOf).
+double cubedInvariant(const Mat3& f);
+
 /// In the axes u and v of the stretches, F = u diag(s) v^T: with dF = u h v^T and dP = u p v^T,
 ///     p_ii = sum_j a_ij h_jj,   p_ij = ahead_k h_ij + across_k h_ji   for i, j and k different.
 struct StretchTangent {

@@ -41,12 +41,17 @@ template <class S> HWY_INLINE Curve<S> boundedExponential(S y)
     return {e * (S(1.0) + over + S(0.5) * over * over), e * (S(1.0) + over), e};
 }
 
-/// ln of x if x > low. Below that, of low/2 (1 + (x / low)^2), which stays positive; for x < 0, of low/2. Its slope is
-/// continuous.
+/// x if x > low. Below that low/2 (1 + (x / low)^2), which stays positive; for x < 0, low/2. Its slope is continuous.
+template <class S> HWY_INLINE S boundedBelow(S x, S low)
+{
+    const S r = larger(x, S(0.0)) / low;
+    return ifLess(x, low, S(0.5) * low * (S(1.0) + r * r), x);
+}
+
+/// The logarithm of that.
 template <class S> HWY_INLINE Curve<S> boundedLogarithm(S x, S low)
 {
-    const S r = larger(x, S(0.0)) / low, inside = S(0.5) * low * (S(1.0) + r * r);
-    const S value = ifLess(x, low, inside, x), slope = ifLess(x, low, r, S(1.0));
+    const S r = larger(x, S(0.0)) / low, value = boundedBelow(x, low), slope = ifLess(x, low, r, S(1.0));
     const S curvature = ifLess(x, low, ifLess(x, S(0.0), S(0.0), S(1.0) / low), S(0.0));
     const S relative = slope / value;
     return {logarithm(value), relative, curvature / value - relative * relative};

@@ -1,6 +1,7 @@
 #include "filasofia/engine/soft/matrix_free_system.h"
 
 #include "filasofia/core/worker_pool.h"
+#include "filasofia/engine/body/law_range.h"
 #include "filasofia/engine/body/tissue.h"
 #include "filasofia/engine/elastic/stress_bound.h"
 #include "filasofia/linalg/node_parts.h"
@@ -103,7 +104,7 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
     const std::span<float> springCorners = corners.subspan(elementCorners.size(), kSpringCorners * springs_.size());
     const Parts elements = elementParts(elements_.size()), springs = elementParts(springs_.size());
     const BlockInput input{x_, v_, blockWeights, relaxation.terms > 0 ? &relaxation : nullptr,
-                           asFloat(model.material.validStrain)};
+                           asFloat(std::min(model.material.validStrain, safeStrain(model.material.law)))};
     const ElementOutput elementOutput{
         state.rotations, tangents_,   inverted_,        strains_,
         elementCorners,  quaternions, state.relaxation, {model.material.fibres, fibres_, fibreTangents_}};

@@ -1,6 +1,7 @@
 #include "filasofia/engine/step/assemble.h"
 
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/body/law_range.h"
 #include "filasofia/engine/scene/each_body.h"
 #include "filasofia/engine/step/fill_cavities.h"
 #include "filasofia/math/svd.h"
@@ -79,32 +80,77 @@ double strainOf(const SoftBody& body, std::size_t e)
     return std::max({std::abs(stretches.x - 1.0), std::abs(stretches.y - 1.0), std::abs(stretches.z - 1.0)});
 }
 
-/// Whether a strain is larger than that of the report, each in relation to its range.
-bool isWorse(double strain, double valid, const physics::StrainedElements& report)
+/// A strain and the range of its material.
+struct RangedStrain {
+    double strain = 0.0, valid = 0.0;
+};
+bool isWorse(RangedStrain a, RangedStrain b) { return a.strain / a.valid > b.strain / b.valid; }
+bool isWorse(RangedStrain a, const physics::StrainedElements& report)
 {
-    return !report.body || strain / valid > report.strain / report.valid;
+    return !report.body || isWorse(a, RangedStrain{report.strain, report.valid});
 }
+
+/// How much the elements of a body are strained, by their principal stretches and by the mean stretch that the law
+/// limits (physics::rangeOf).
+class ElementStrains {
+public:
+    explicit ElementStrains(const SoftBody& body)
+        : body_(body), valid_(body.model.material.validStrain), safe_(safeStrain(body.model.material.law)),
+          cube_(std::pow(3.0 + physics::rangeOf(body.model.material.law), 3.0))
+    {
+    }
+    [[nodiscard]] bool haveRange() const { return std::isfinite(valid_) || std::isfinite(cube_); }
+
+    /// [-] The strain over the range. The solver has found the principal stretches in float.
+    [[nodiscard]] double share(std::size_t e) const
+    {
+        const MatrixFreeSystem* system = body_.system.matrixFree.get();
+        const double strain = system ? static_cast<double>(system->strains()[e]) : strainOf(body_, e);
+        const double out = strain / valid_;
+        if (!(strain > safe_)) return out;
+        const double cube = cubeOf(e);
+        return cube > cube_ ? std::max(out, meanStrain(cube) / meanStrain(cube_)) : out;
+    }
+    [[nodiscard]] RangedStrain worse(std::size_t e) const
+    {
+        const RangedStrain principal{strainOf(body_, e), valid_}, mean{meanStrain(cubeOf(e)), meanStrain(cube_)};
+        return isWorse(mean, principal) ? mean : principal;
+    }
+
+private:
+    [[nodiscard]] double cubeOf(std::size_t e) const
+    {
+        const FemElement& element = body_.model.elements[e];
+        return cubedInvariant(gradient(element, cornersOf(element.nodes, body_.state.x)));
+    }
+    /// sqrt(i1 / 3) - 1
+    static double meanStrain(double cube) { return std::sqrt(std::cbrt(cube) / 3.0) - 1.0; }
+
+    const SoftBody& body_;
+    double valid_, safe_, cube_; ///< [-] the most of strainOf(), what is safe for cubeOf(), and the most of that
+};
 
 /// Reports the elements that are strained beyond the range of their material. The worst is that of the largest strain
 /// in relation to its range.
 void findStrained(const SoftBody& body, physics::StrainedElements& report)
 {
     const SoftModel& model = body.model;
-    const double valid = model.material.validStrain;
-    if (!(valid < std::numeric_limits<double>::infinity())) return;
-    const MatrixFreeSystem* system = body.system.matrixFree.get();
+    const ElementStrains strains(body);
+    if (!strains.haveRange()) return;
     std::size_t worst = model.elements.size();
-    double most = valid;
+    double most = 1.0;
     for (std::size_t e = 0; e < model.elements.size(); ++e) {
-        const double strain = system ? static_cast<double>(system->strains()[e]) : strainOf(body, e);
-        if (!(strain > valid) || allHeld(model, e)) continue;
+        const double share = strains.share(e);
+        if (!(share > 1.0) || allHeld(model, e)) continue;
         ++report.count;
-        if (strain > most) most = strain, worst = e;
+        if (share > most) most = share, worst = e;
     }
-    if (worst == model.elements.size() || !isWorse(most, valid, report)) return;
+    if (worst == model.elements.size()) return;
+    const RangedStrain found = strains.worse(worst);
+    if (!isWorse(found, report)) return;
     const FemElement& element = model.elements[worst];
-    const Corners corners = cornersOf(element.nodes, body.state.x);
-    report = {report.count, model.id, element.tetrahedron, strainOf(body, worst), valid, middle(corners)};
+    report = {report.count, model.id,    element.tetrahedron,
+              found.strain, found.valid, middle(cornersOf(element.nodes, body.state.x))};
 }
 
 /// The same for the triangles of a shell.
@@ -118,7 +164,7 @@ void findStrainedTriangles(const SoftBody& body, physics::StrainedElements& repo
         const double strain = strainOf(each, body.state.x);
         if (!(strain > valid) || std::ranges::all_of(each.nodes, fixed)) continue;
         ++report.count;
-        if (!isWorse(strain, valid, report)) continue;
+        if (!isWorse(RangedStrain{strain, valid}, report)) continue;
         const TriangleCorners x = vectorsAt(each.nodes, body.state.x);
         report = {report.count, body.model.id, each.triangle, strain, valid, 1.0 / 3.0 * (x[0] + x[1] + x[2])};
     }

@@ -9,6 +9,7 @@
 
 #include "filasofia/engine/elastic/laws/corotational-inl.h"
 #include "filasofia/engine/elastic/laws/fung-inl.h"
+#include "filasofia/engine/elastic/laws/gent-inl.h"
 #include "filasofia/engine/elastic/laws/mooney_rivlin-inl.h"
 #include "filasofia/engine/elastic/laws/neo_hookean-inl.h"
 #include "filasofia/engine/elastic/laws/ogden-inl.h"
