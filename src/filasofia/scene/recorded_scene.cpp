@@ -50,7 +50,7 @@ private:
     /// The keys of an element or joint.
     template <class Key> struct Track {
         std::vector<Key> keys = {};
-        Pose start = {};        ///< an element
+        Pose start = {};        ///< an element's
         std::uint64_t step = 0; ///< in which it was told its last pose; 0: none
 
         void add(const Key& key)
