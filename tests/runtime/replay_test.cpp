@@ -125,7 +125,15 @@ TEST_CASE("every event of a scene comes back from its recording")
     CHECK(duct.body == BodyId{5});
     CHECK(duct.def.path == std::vector<Vec3>{{1, 2, 3}, {4, 5, 6}});
     CHECK(duct.def.radius == 2e-3);
-    STATIC_REQUIRE(std::variant_size_v<SceneEvent> == 16);
+    const auto smoke = roundTrip(SceneSmoke{{.room = Box{{0, 0, 0}, {1, 2, 3}}, .yield = 3e-8}, {0, 0, -9.81}});
+    CHECK((smoke.def.room.high == Vec3{1, 2, 3} && smoke.def.yield == 3e-8 && smoke.gravity.z == -9.81));
+    CHECK(std::isinf(
+        roundTrip(SceneSmoke{{.room = Box{{0, 0, 0}, {1, 1, 1}}, .settling = std::numeric_limits<double>::infinity()}})
+            .def.settling));
+    const auto opening = roundTrip(SceneExtracted{{.place = {1, 2, 3}, .flow = 1e-4, .body = BodyId{3}, .source = 2}});
+    CHECK((opening.command.place == Vec3{1, 2, 3} && opening.command.flow == 1e-4 && opening.command.source == 2));
+    CHECK(opening.command.body == BodyId{3});
+    STATIC_REQUIRE(std::variant_size_v<SceneEvent> == 18);
 }
 
 TEST_CASE("fields that materials got later are in a recording if they are set, and may be missing")

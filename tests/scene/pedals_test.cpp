@@ -116,6 +116,7 @@ TEST_CASE("scenes: the hook of the example cuts a layer, burns it, and hurts the
     CHECK(report.heat.at(0).balance.burnt > 10e-6);
     CHECK(report.energy.at(0).balance.delivered > 5.0);
     CHECK(report.energy.at(1).balance.active == 0.0);
+    CHECK(report.smoke.value().smoke.emitted > 1e-7); // 0.1 mg
 }
 
 TEST_CASE("scenes: the jaws of an instrument seal what they hold, and its first button stays the jaws'")

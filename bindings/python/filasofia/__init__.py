@@ -8,6 +8,7 @@ import typing as _typing
 
 from . import _core, _defs, shapes
 from ._core import (
+    AerosolBalance,
     BleedingEvent,
     BloodBalance,
     BodySolve,
@@ -39,6 +40,7 @@ from ._core import (
     RunReport,
     Rupture,
     SavedState,
+    SmokeBalance,
     SoftBodyFrame,
     StepFlag,
     StepReport,
@@ -76,6 +78,7 @@ __all__ = [
     "asset",
     "load",
     "replay",
+    "AerosolBalance",
     "BleedingEvent",
     "BloodBalance",
     "BodySolve",
@@ -107,6 +110,7 @@ __all__ = [
     "RunReport",
     "Rupture",
     "SavedState",
+    "SmokeBalance",
     "SoftBodyFrame",
     "StepFlag",
     "StepReport",

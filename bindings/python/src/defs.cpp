@@ -30,6 +30,8 @@ const DefTable& table()
         out.add<surface::Treatment>();
         out.add<surface::ElectrodeDef>();
         out.add<surface::DuctDef>();
+        out.add<surface::SmokeDef>();
+        out.add<surface::Extract>();
         out.add<prefab::ClipApplierDef>();
         out.add<runtime::PictureDef>();
         out.add<runtime::ViewerDef>();

@@ -226,6 +226,35 @@ void addPictures(nb::class_<HeldSimulation>& sim)
         nb::arg("body").none(), nb::arg("duct").none() = 0,
         nb::sig("def duct(self, body: filasofia.BodyId, duct: int = 0) -> filasofia.DuctBalance"),
         "What flows in a duct.");
+    sim.def(
+        "add_smoke",
+        [](HeldSimulation& self, nb::handle def) {
+            const auto read = readDef<surface::SmokeDef>(def, "add_smoke");
+            usable(self, "add_smoke").simulation().addSmoke(read);
+        },
+        nb::arg("smoke").none(), nb::sig("def add_smoke(self, smoke: filasofia.SmokeDef) -> None"),
+        "Lets what burns smoke, in a room that holds it.");
+    sim.def(
+        "extract",
+        [](HeldSimulation& self, nb::handle command) {
+            usable(self, "extract").simulation().extract(readDef<surface::Extract>(command, "extract"));
+        },
+        nb::arg("command").none(), nb::sig("def extract(self, command: filasofia.Extract) -> None"),
+        "Sucks smoke away from a place.");
+    sim.def(
+        "smoke", [](HeldSimulation& self) { return usable(self, "smoke").simulation().smoke(); },
+        nb::sig("def smoke(self) -> filasofia.SmokeBalance"), "What has become of the smoke.");
+    sim.def(
+        "smoke_between",
+        [](HeldSimulation& self, nb::handle from, nb::handle to) {
+            return usable(self, "smoke_between")
+                .simulation()
+                .smokeBetween(readArgument<Vec3>(from, "smoke_between", "from"),
+                              readArgument<Vec3>(to, "smoke_between", "to"));
+        },
+        nb::arg("begin").none(), nb::arg("end").none(),
+        nb::sig("def smoke_between(self, begin: filasofia.Vec3, end: filasofia.Vec3) -> float"),
+        "The optical depth of the smoke on a straight way: exp(-depth) of the light passes.");
     sim.def("_render", &render);
     sim.def("_render_depth", &renderDepth);
     sim.def("_open_viewer", &openViewer);

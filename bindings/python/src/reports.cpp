@@ -205,6 +205,8 @@ void bindRun(nb::module_& module)
         .def_ro("lost", &HeatBalance::lost, "[J], to what is below and to the air")
         .def_ro("boiled", &HeatBalance::boiled, "[J], left as steam")
         .def_ro("carried_off", &HeatBalance::carriedOff, "[J], left with pieces; negative where cuts bared warm tissue")
+        .def_ro("fuming", &HeatBalance::fuming,
+                "[J], of what was delivered: to tissue at 373.15 K or more, which smokes")
         .def_ro("hottest", &HeatBalance::hottest, "[K], now")
         .def_ro("peak", &HeatBalance::peak, "[K], since the body was added or reset")
         .def_ro("burnt", &HeatBalance::burnt, "[m^2], damaged")
@@ -214,6 +216,17 @@ void bindRun(nb::module_& module)
         .def_ro("active", &EnergyBalance::active, "[s], with its pedal pressed")
         .def_ro("in_air", &EnergyBalance::inAir, "[s], of these, without tissue that burns at its tip")
         .def_ro("delivered", &EnergyBalance::delivered, "[J], taken by tissue");
+    using surface::AerosolBalance;
+    nb::class_<AerosolBalance>(module, "AerosolBalance", "What became of smoke, or of droplets of steam.")
+        .def_ro("emitted", &AerosolBalance::emitted, "[kg]")
+        .def_ro("in_air", &AerosolBalance::inAir, "[kg], now")
+        .def_ro("extracted", &AerosolBalance::extracted, "[kg], sucked away")
+        .def_ro("vented", &AerosolBalance::vented, "[kg], pushed out by fresh gas")
+        .def_ro("settled", &AerosolBalance::settled, "[kg], on walls; of droplets: dried up");
+    using surface::SmokeBalance;
+    nb::class_<SmokeBalance>(module, "SmokeBalance", "What became of the smoke of a simulation.")
+        .def_ro("smoke", &SmokeBalance::smoke)
+        .def_ro("steam", &SmokeBalance::steam, "droplets of condensed steam");
     using surface::DuctBalance;
     nb::class_<DuctBalance>(module, "DuctBalance", "What flows in a duct.")
         .def_prop_ro(

@@ -5,6 +5,7 @@
 #include "filasofia/runtime/timing.h"
 #include "filasofia/surface/duct_def.h"
 #include "filasofia/surface/electrode_def.h"
+#include "filasofia/surface/smoke_def.h"
 #include "filasofia/surface/treatment.h"
 #include "filasofia/visual/visual_server.h"
 
@@ -156,15 +157,16 @@ struct RunReport {
     RefusedBlades refused = {};       ///< blades that were not used
     bool realTime = false;            ///< physics was scheduled before ordinary threads
     std::string finished;             ///< why it ended
-    std::vector<ContactPairReport> contacts; ///< one per pair of bodies that touched, ascending by their ids
-    std::vector<BloodReport> blood;          ///< one per body that bleeds, ascending by their ids
-    std::vector<LostPiecesReport> lost;      ///< one per body that lost pieces, ascending by their ids
-    std::vector<HeatReport> heat;            ///< one per body that burns, ascending by their ids
-    std::vector<EnergyReport> energy;        ///< one per electrode, in the order in which they were added
-    std::vector<DuctReport> ducts;           ///< one per duct, in the order in which they were added
-    physics::ClipReport clips = {};          ///< in all steps
-    std::vector<std::string> nothingHeld;    ///< one line per attachment or grasp that held nothing; after 12 a count
-    std::vector<std::string> bluntBlades;    ///< one line per blade that touched a soft body without dynamicTopology
+    std::vector<ContactPairReport> contacts;         ///< one per pair of bodies that touched, ascending by their ids
+    std::vector<BloodReport> blood;                  ///< one per body that bleeds, ascending by their ids
+    std::vector<LostPiecesReport> lost;              ///< one per body that lost pieces, ascending by their ids
+    std::vector<HeatReport> heat;                    ///< one per body that burns, ascending by their ids
+    std::vector<EnergyReport> energy;                ///< one per electrode, in the order in which they were added
+    std::vector<DuctReport> ducts;                   ///< one per duct, in the order in which they were added
+    std::optional<surface::SmokeBalance> smoke = {}; ///< if there is a room for it
+    physics::ClipReport clips = {};                  ///< in all steps
+    std::vector<std::string> nothingHeld; ///< one line per attachment or grasp that held nothing; after 12 a count
+    std::vector<std::string> bluntBlades; ///< one line per blade that touched a soft body without dynamicTopology
     /// why functions of everyStep() are no longer called, in this run or an earlier one: scripts that ended early
     std::vector<std::string> callbackProblems;
     std::vector<std::string> pictures; ///< files written, including the video

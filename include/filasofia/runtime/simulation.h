@@ -153,6 +153,17 @@ public:
     int addDuct(BodyId id, const surface::DuctDef& def);
     /// What flows in a duct, as the last step left it. Error if there is no such duct.
     [[nodiscard]] surface::DuctBalance duct(BodyId id, int duct = 0) const;
+    /// Lets what burns smoke, in a room that holds it: see surface::SmokeDef. Pictures show it. Error if the simulation
+    /// has such a room already, or if a field is wrong.
+    void addSmoke(const surface::SmokeDef& def);
+    /// Sucks smoke away, from its next step on. Error if there is no room for it, no such rigid body or element, or if
+    /// a field is wrong.
+    void extract(const surface::Extract& command);
+    /// What has become of the smoke, up to its last step. Error if there is no room for it.
+    [[nodiscard]] surface::SmokeBalance smoke() const;
+    /// The optical depth [-] of the smoke on the straight way between two points: exp(-depth) of the light passes.
+    /// Error if there is no room for it.
+    [[nodiscard]] double smokeBetween(Vec3 from, Vec3 to) const;
     /// What has become of its blood, up to the last step of the film that has ended.
     [[nodiscard]] surface::BloodBalance blood(BodyId id) const;
     /// What has become of its heat, and how much of it is burnt, up to the last step of the heat that has ended.
@@ -176,8 +187,8 @@ public:
     [[nodiscard]] bool paused() const; ///< in the last step
     /// Makes one step if the simulation is paused.
     void singleStep();
-    /// Puts the bodies back to their start at the next step, removes all paint, blood, heat and burns, and releases all
-    /// pedals.
+    /// Puts the bodies back to their start at the next step, removes all paint, blood, heat, burns and smoke, and
+    /// releases all pedals.
     void reset();
 
     /// The function is called on the main thread as soon as there is a visual server, in place of the look of the Def;

@@ -166,7 +166,7 @@ using SceneCommand =
                  physics::RemovePiece, physics::RemoveBody, physics::SetForces, physics::SetWrench,
                  physics::SetPressure, physics::SetFibreStress, physics::SetCavity, physics::SetCurvature,
                  physics::SetCutting, physics::SetTissue, physics::SetGravity, SetMaterial, Treat, Activate,
-                 physics::SetPose, physics::SetJoint, physics::SetHaptic, physics::Reset>;
+                 surface::Extract, physics::SetPose, physics::SetJoint, physics::SetHaptic, physics::Reset>;
 
 /// A command that physics gets once, in the step that ends at its time. An AttachmentId{n} in it means an attachment of
 /// the scene: the first ones are those of the bodies' Defs, in their order; the command that makes another one says its
@@ -192,6 +192,7 @@ struct SceneDef {
     std::vector<SceneLight> lights = {};   ///< they need a camera
     std::vector<SceneView> views = {};     ///< they need a camera; none: the first camera fills the window
     std::optional<visual::EnvironmentDef> environment = {}; ///< it needs a camera; not given: the default one
+    std::optional<surface::SmokeDef> smoke = {};            ///< the room that holds smoke; none: nothing smokes
     std::vector<SceneBody> bodies = {};
     std::vector<SceneInstrument> instruments = {}; ///< BodyIds of a scene count them after the bodies
     std::vector<TimedCommand> commands = {};       ///< at any times; those of the same time in this order
@@ -211,6 +212,7 @@ constexpr auto fields(const SceneDef*)
                     field("lights", &T::lights, "lights, in place of the look's"),
                     field("views", &T::views, "views; none: the first camera fills the window"),
                     field("environment", &T::environment, "what lights the scene from all sides"),
+                    field("smoke", &T::smoke, "the room that holds smoke; none: nothing smokes"),
                     field("bodies", &T::bodies, "the bodies; one may name those before it"),
                     field("commands", &T::commands, "commands at their times"),
                     field("instruments", &T::instruments, "instruments, which come after the bodies"),

@@ -53,6 +53,8 @@ public:
     /// How burnt it looks, per node of the body: up to 0.35 it blanches with its damage, up to 1 it dries to char;
     /// negative where there is no surface.
     [[nodiscard]] std::vector<float> marks() const;
+    /// What the last step gave off, at most one for each cube of a centimetre.
+    [[nodiscard]] const std::vector<Fume>& fumes() const { return fumes_; }
     /// Per node of the body, 1 where it is damaged: omega >= 1.
     [[nodiscard]] std::vector<std::uint8_t> burnt() const;
     [[nodiscard]] const BurningDef& def() const { return def_; }
@@ -66,6 +68,7 @@ private:
     void countTips(double dt);
     void warm(double dt);
     void hurt(double dt);
+    void fume();
     [[nodiscard]] double stored() const;
     [[nodiscard]] bool idle() const;
 
@@ -82,9 +85,10 @@ private:
     std::map<int, Heat> sources_;     ///< by their numbers
     std::vector<TipHeat> tips_;       ///< for the next step, and by vertices within it
     std::map<int, double> taken_;     ///< [J]
+    std::vector<Fume> fumes_;         ///< what the last step gave off
     HeatBalance balance_;             ///< without what balance() adds
     std::vector<Vec3> places_;        ///< working memory, like those below
-    std::vector<double> power_, limit_, before_, used_;
+    std::vector<double> power_, limit_, before_, used_, steamed_;
 };
 
 } // namespace filasofia::surface

@@ -5,6 +5,8 @@
 /// Kernels of heat in a thin layer on a surface of triangles.
 namespace filasofia::surface {
 
+constexpr double kLatentHeat = 2.257e6; ///< [J/kg], water at its boiling point takes it
+
 /// d omega / dt [1/s] by Arrhenius' law, at a temperature [K].
 double damageRate(double temperature, double frequencyFactor, double activationEnergy);
 /// The damage [-] of `dt` [s] in which the temperature goes from `from` to `to` [K]: exact if the rate grows

@@ -6,6 +6,7 @@
 #include "filasofia/visual/gui.h"
 #include "filasofia/visual/image.h"
 #include "filasofia/visual/light.h"
+#include "filasofia/visual/smoke.h"
 #include "filasofia/visual/view.h"
 #include "filasofia/visual/visual_body.h"
 
@@ -125,6 +126,9 @@ public:
 
     /// Replaces the surroundings (there is a default from the start). Throws an Error like add().
     void setEnvironment(const EnvironmentDef& def);
+
+    /// Replaces the smoke in the air of all views. Throws an Error if a number is out of range.
+    void setSmoke(const Smoke& smoke);
 
     /// Draws one frame. Returns false if the graphics library asks to skip it.
     bool render();

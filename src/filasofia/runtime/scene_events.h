@@ -68,7 +68,14 @@ struct SceneDuct {
     BodyId body = {};
     surface::DuctDef def = {};
 };
-/// All paint, blood, heat and burns are removed, and all pedals released.
+struct SceneSmoke {
+    surface::SmokeDef def = {};
+    Vec3 gravity = {}; ///< [m/s^2], against which it rises
+};
+struct SceneExtracted {
+    surface::Extract command = {};
+};
+/// All paint, blood, heat, burns and smoke are removed, and all pedals released.
 struct SceneCleaned {};
 
 struct StageMaterial {
@@ -100,7 +107,7 @@ struct ScenePlaces {
 
 using SceneEvent = std::variant<SceneBegan, SceneFile, SceneShown, SceneVisible, SceneMaterial, SceneUnshown,
                                 ScenePainted, SceneCleaned, SceneStage, ScenePlaces, SceneBled, SceneTreated,
-                                SceneBurnt, SceneElectrode, SceneActivated, SceneDuct>;
+                                SceneBurnt, SceneElectrode, SceneActivated, SceneDuct, SceneSmoke, SceneExtracted>;
 
 constexpr auto fields(const SceneBegan*)
 {
@@ -176,6 +183,16 @@ constexpr auto fields(const SceneDuct*)
 {
     using T = SceneDuct;
     return describe("SceneDuct", field("body", &T::body, "the body"), field("def", &T::def, "a tube in it"));
+}
+constexpr auto fields(const SceneSmoke*)
+{
+    using T = SceneSmoke;
+    return describe("SceneSmoke", field("def", &T::def, "the room that holds smoke"),
+                    field("gravity", &T::gravity, "m/s^2", finite(), "against which it rises"));
+}
+constexpr auto fields(const SceneExtracted*)
+{
+    return describe("SceneExtracted", field("command", &SceneExtracted::command, "an opening that sucks smoke away"));
 }
 constexpr auto fields(const SceneCleaned*) { return describe("SceneCleaned"); }
 constexpr auto fields(const StageMaterial*)

@@ -38,6 +38,8 @@ bool ScenePlayer::knows(const SceneEvent& event) const
     if (const auto* treated = std::get_if<SceneTreated>(&event)) return impl_.physics.has(treated->body);
     if (const auto* electrode = std::get_if<SceneElectrode>(&event)) return impl_.physics.has(electrode->body);
     if (const auto* activated = std::get_if<SceneActivated>(&event)) return impl_.physics.has(activated->body);
+    if (const auto* extracted = std::get_if<SceneExtracted>(&event))
+        return !extracted->command.body || impl_.physics.has(extracted->command.body);
     if (const auto* painted = std::get_if<ScenePainted>(&event)) return impl_.physics.has(painted->body);
     return true;
 }
@@ -109,6 +111,9 @@ void ScenePlayer::apply(const SceneActivated& activated)
 {
     impl_.electrodes.activate(activated.body, activated.on, activated.electrode);
 }
+
+void ScenePlayer::apply(const SceneSmoke& smoke) { impl_.smoke.add(smoke.def, smoke.gravity); }
+void ScenePlayer::apply(const SceneExtracted& extracted) { impl_.smoke.extract(extracted.command, impl_.physics); }
 
 void ScenePlayer::afterStep()
 {

@@ -38,6 +38,8 @@ private:
     void apply(const SceneElectrode& electrode);
     void apply(const SceneActivated& activated);
     void apply(const SceneDuct&) {} ///< nothing of it is drawn
+    void apply(const SceneSmoke& smoke);
+    void apply(const SceneExtracted& extracted);
     void apply(const SceneStage& stage);
     void apply(const ScenePlaces& places);
     [[nodiscard]] bool knows(const SceneEvent& event) const;

@@ -153,6 +153,19 @@ int Simulation::addDuct(BodyId id, const surface::DuctDef& def)
     return index;
 }
 surface::DuctBalance Simulation::duct(BodyId id, int duct) const { return impl_->ducts.balance(id, duct); }
+void Simulation::addSmoke(const surface::SmokeDef& def)
+{
+    const Vec3 gravity = impl_->def.physics.gravity;
+    impl_->smoke.add(def, gravity);
+    impl_->recordScene(SceneSmoke{def, gravity});
+}
+void Simulation::extract(const surface::Extract& command)
+{
+    impl_->smoke.extract(command, impl_->physics);
+    impl_->recordScene(SceneExtracted{command});
+}
+surface::SmokeBalance Simulation::smoke() const { return impl_->smoke.balance(); }
+double Simulation::smokeBetween(Vec3 from, Vec3 to) const { return impl_->smoke.depth(from, to); }
 surface::BloodBalance Simulation::blood(BodyId id) const { return impl_->bleedings.balance(id); }
 surface::HeatBalance Simulation::heat(BodyId id) const { return impl_->burnings.balance(id); }
 void Simulation::follow(visual::Transform& transform, BodyId id, const FollowDef& def)

@@ -34,6 +34,7 @@ Simulation::Impl::Impl(const SimulationDef& asked, std::unique_ptr<physics::Phys
     memories.add(burnings.memory());
     memories.add(electrodes.memory());
     memories.add(ducts.memory());
+    memories.add(smoke.memory());
 }
 
 std::unique_ptr<physics::PhysicsEngine> Simulation::Impl::engineFor(const SimulationDef& def)
@@ -189,6 +190,7 @@ bool Simulation::Impl::stepSurfaces(std::uint64_t step, double time, const Surfa
     const bool told = electrodes.afterStep(step, time, physics, burnings, given);
     const bool first = burnings.afterStep(step, time, physics, burnt);
     bleedings.close(burnings.takeBurnt());
+    smoke.afterStep(step, time, physics, burnings);
     const bool second = bleedings.afterStep(step, time, physics, bled);
     return told && first && second;
 }
@@ -222,6 +224,7 @@ void Simulation::Impl::cleanSurfaces()
     burnings.restart();
     electrodes.restart();
     ducts.restart();
+    smoke.restart();
 }
 
 void Simulation::Impl::treat(BodyId id, const surface::Treatment& treatment)
@@ -260,6 +263,7 @@ void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
     bindings.forgetRemoved(physics);
     bindings.addPending(visual);
     bindings.setFilms(bleedings.takeFilms(), burnings.takeFilms());
+    if (const auto seen = smoke.takePicture()) visual.setSmoke(*seen);
     if (const frame::FrameRef frame = physics.latest()) bindings.update(*frame, physics, visual);
     journal.observe(visual, now.step());
 }
@@ -310,6 +314,7 @@ void Simulation::Impl::fill(RunReport& report) const
     burnings.fill(report);
     electrodes.fill(report, burnings);
     ducts.fill(report);
+    smoke.fill(report);
     report.nothingHeld = counters.nothing().lines(physics);
     report.bluntBlades = blades.lines();
     report.callbackProblems = everyStep.problems();

@@ -17,6 +17,7 @@
 #include "filasofia/runtime/screenshot_queue.h"
 #include "filasofia/runtime/simulation.h"
 #include "filasofia/runtime/simulation_time.h"
+#include "filasofia/runtime/smoke_room.h"
 #include "filasofia/runtime/step_callbacks.h"
 #include "filasofia/runtime/step_feed.h"
 #include "filasofia/runtime/surface_layers.h"
@@ -42,6 +43,7 @@ struct Simulation::Impl {
     Burnings burnings;
     Electrodes electrodes;
     Ducts ducts;
+    SmokeRoom smoke;
     PictureSetup picture;
     CameraSteering steering;
     StepCallbacks everyStep;
@@ -88,7 +90,7 @@ struct Simulation::Impl {
     std::uint32_t postRuptureEvents(const physics::StepReport& report);
     /// Posts an event for each clip that was closed or slipped off. Returns StepFlag bits if some were lost.
     std::uint32_t postClipEvents(const physics::StepReport& report);
-    /// Lets blood flow and heat spread, and posts their events. Returns StepFlag bits if some were lost.
+    /// Lets blood flow, heat spread and smoke rise, and posts their events. Returns StepFlag bits if some were lost.
     std::uint32_t stepSurfaces(const physics::StepReport& report);
     /// The same for any receivers of what is told. Heat comes first: burnt vessels do not bleed. Returns false if an
     /// event is lost.
@@ -98,7 +100,7 @@ struct Simulation::Impl {
     /// if some were lost.
     std::uint32_t stepDucts(const physics::StepReport& report);
     void treat(BodyId id, const surface::Treatment& treatment);
-    /// Removes all paint, blood, heat and burns, and releases all pedals.
+    /// Removes all paint, blood, heat, burns and smoke, and releases all pedals.
     void cleanSurfaces();
     /// Makes the look of the Def, or calls the user's dress functions.
     void dressScene(visual::VisualServer& visual);

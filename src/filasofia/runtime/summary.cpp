@@ -161,6 +161,13 @@ std::string energyLine(const EnergyReport& report)
                 b.inAir);
 }
 
+std::string smokeLine(const surface::SmokeBalance& balance)
+{
+    const surface::AerosolBalance& b = balance.smoke;
+    return line("smoke: %.3g mg given off, %.3g mg in the air, %.3g mg sucked away, %.3g mg vented, %.3g mg settled",
+                b.emitted * 1e6, b.inAir * 1e6, b.extracted * 1e6, b.vented * 1e6, b.settled * 1e6);
+}
+
 std::string clipsLine(const physics::ClipReport& clips)
 {
     std::string out = text("clips closed on tissue: ", clips.applied);
@@ -209,6 +216,7 @@ std::string summary(const RunReport& report)
     for (const BloodReport& blood : report.blood) out += bloodLine(blood);
     for (const HeatReport& heat : report.heat) out += heatLine(heat);
     for (const EnergyReport& energy : report.energy) out += energyLine(energy);
+    if (report.smoke) out += smokeLine(*report.smoke);
     if (report.clips.applied + report.clips.missed > 0) out += clipsLine(report.clips);
     for (const DuctReport& duct : report.ducts) out += ductLine(duct);
     for (const std::string& nothing : report.nothingHeld) out += nothing + "\n";

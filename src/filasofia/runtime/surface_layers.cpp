@@ -153,6 +153,8 @@ bool SurfaceLayers<Layer>::takeResults(BodyId id, double time, Patient& patient,
     patient.fresh = true;
     if constexpr (requires { patient.turn->layer.taken(); })
         patient.taken = patient.restart ? std::map<int, double>() : patient.turn->layer.taken();
+    if constexpr (requires { patient.turn->layer.fumes(); })
+        patient.fumes = patient.restart ? std::vector<surface::Fume>() : patient.turn->layer.fumes();
     patient.burnt = patient.restart ? nullptr : patient.turn->burnt; // a reset heals
     return tell(id, time, patient, post);
 }
@@ -192,6 +194,16 @@ template <class Layer> std::map<BodyId, NodeFlags> SurfaceLayers<Layer>::takeBur
     const std::lock_guard lock(mutex_);
     for (auto& [id, each] : patients_)
         if (NodeFlags burnt = std::exchange(each.burnt, nullptr)) out[id] = std::move(burnt);
+    return out;
+}
+
+template <class Layer> std::vector<surface::Fume> SurfaceLayers<Layer>::takeFumes()
+{
+    std::vector<surface::Fume> out;
+    if (!any_) return out;
+    const std::lock_guard lock(mutex_);
+    for (auto& [id, each] : patients_)
+        for (const surface::Fume& fume : std::exchange(each.fumes, {})) out.push_back(fume);
     return out;
 }
 

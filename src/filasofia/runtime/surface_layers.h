@@ -48,6 +48,9 @@ public:
     /// The stepping thread. Nodes that were found burnt since the last call.
     [[nodiscard]] std::map<BodyId, NodeFlags> takeBurnt();
 
+    /// The stepping thread. What was given off by steps whose results have come since the last call.
+    [[nodiscard]] std::vector<surface::Fume> takeFumes();
+
     /// A surface that electrodes may touch.
     struct Surface {
         BodyId body = {};
@@ -101,6 +104,7 @@ private:
         std::vector<surface::TipHeat> tips = {}; ///< for the step that begins
         std::map<int, double> taken = {};        ///< [J], by electrodes
         NodeFlags burnt = {};                    ///< takeBurnt() does not have it yet
+        std::vector<surface::Fume> fumes = {};   ///< takeFumes() does not have them yet
         NodeFilm film = {};
         bool fresh = false; ///< takeFilms() does not have this film yet
     };

@@ -75,6 +75,11 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
 {
     AddedScene added;
     std::vector<BodyId>& ids = added.bodies;
+    if (scene.smoke) try {
+            simulation.addSmoke(*scene.smoke);
+        } catch (const Error& error) {
+            failAtPlace(scene.places, "smoke", error.what());
+        }
     for (const SceneBody& body : scene.bodies) try {
             ids.push_back(addBody(simulation, body, ids));
         } catch (const Error& error) {

@@ -36,6 +36,7 @@ struct TargetOf {
     Target operator()(const SetMaterial& c) const { return {c.id, true}; }
     Target operator()(const Treat& c) const { return {c.id, true}; }
     Target operator()(const Activate& c) const { return {c.id, false}; }
+    Target operator()(const surface::Extract& c) const { return {c.body, false}; }
     Target operator()(const physics::SetPose& c) const { return {c.id, false}; }
     Target operator()(const physics::SetJoint& c) const { return {c.id, false}; }
     Target operator()(const physics::SetHaptic& c) const { return {c.id, false}; }
@@ -84,6 +85,8 @@ private:
             simulation_.treat(command.id, command.treatment);
         else if constexpr (std::is_same_v<Command, Activate>)
             simulation_.activate(command.id, command.on, command.electrode);
+        else if constexpr (std::is_same_v<Command, surface::Extract>)
+            simulation_.extract(command);
         else if constexpr (std::is_same_v<Command, physics::Reset>)
             simulation_.reset(); // removes the paint, too
         else if (const AttachmentId made = physics::give(server, command))
@@ -124,6 +127,8 @@ private:
             trial_.give(physics::SetMaterial{command.id, std::move(command.material), {}});
         else if constexpr (std::is_same_v<Command, Treat> || std::is_same_v<Command, Activate>)
             trial_.mustBeThere(command.id);
+        else if constexpr (std::is_same_v<Command, surface::Extract>)
+            command.body ? trial_.mustBeThere(command.body) : void();
         else if (const AttachmentId made = trial_.give(std::move(command)))
             attachments_[number] = made;
     }

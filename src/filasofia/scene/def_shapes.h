@@ -97,6 +97,10 @@ template <class T> std::vector<std::string_view> required()
         return {"id", "treatment"};
     else if constexpr (IsAnyOf<T, surface::Injure, surface::Seal, surface::Suck, surface::Heat>)
         return {"place"};
+    else if constexpr (std::is_same_v<T, surface::Extract>)
+        return {"flow"};
+    else if constexpr (std::is_same_v<T, surface::SmokeDef>)
+        return {"room"};
     else if constexpr (std::is_same_v<T, surface::DuctDef>)
         return {"path"};
     else if constexpr (std::is_same_v<T, prefab::ClipApplierDef>)

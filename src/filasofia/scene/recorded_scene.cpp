@@ -50,7 +50,7 @@ private:
     /// The keys of an element or joint.
     template <class Key> struct Track {
         std::vector<Key> keys = {};
-        Pose start = {};        ///< of an element
+        Pose start = {};        ///< an element's
         std::uint64_t step = 0; ///< in which it was told its last pose; 0: none
 
         void add(const Key& key)
@@ -219,6 +219,8 @@ private:
     void noteLater(const runtime::SceneElectrode&) { note("bodies that became electrodes during the run are none"); }
     void noteLater(const runtime::SceneActivated&) { note("pedals that were pressed are left out"); }
     void noteLater(const runtime::SceneDuct&) { note("ducts that were added during the run are none"); }
+    void noteLater(const runtime::SceneSmoke&) { note("smoke that there was room for during the run is none"); }
+    void noteLater(const runtime::SceneExtracted& extracted) { command(extracted.command); }
     void noteLater(const runtime::SceneFile&) {}
     void noteLater(const runtime::SceneBegan& event) { show(event); }
     void noteLater(const runtime::SceneStage& stage)
@@ -288,6 +290,8 @@ private:
     {
         if (const BodyId number = numberOf(duct.body)) scene_.bodies[number.value - 1].ducts.push_back(duct.def);
     }
+    void show(const runtime::SceneSmoke& smoke) { scene_.smoke = smoke.def; }
+    void show(const runtime::SceneExtracted& extracted) { command(extracted.command); }
     void show(const runtime::SceneFile&) {}
     void show(const runtime::SceneStage& stage) { stage_ = stage; }
     void show(const runtime::ScenePlaces& places) { places_ = places; }

@@ -52,6 +52,7 @@ public:
         readList("lights", scene.lights, scene.places);
         readList("views", scene.views, scene.places);
         readMembers("environment", scene.environment);
+        readMembers("smoke", scene.smoke, &scene.places);
         forEachMember("commands", [&](const Json& json, const Place& place) {
             scene.commands.push_back(reader_.readCommand(json, place));
         });

@@ -10,12 +10,11 @@
 namespace filasofia::surface {
 namespace {
 
-constexpr double kBoiling = 373.15;     ///< [K]
-constexpr double kLatentHeat = 2.257e6; ///< [J/kg] for water at its boiling point
-constexpr double kHarmless = 316.15;    ///< [K], 43 degrees Celsius: below it nothing is damaged within hours
-constexpr double kCool = 1e-3;          ///< [K] above rest, from which on nothing is computed
-constexpr double kMostDamage = 1e9;     ///< [-], keeps the number finite
-constexpr double kBlanched = 0.35;      ///< mark of tissue that is damaged, but not dry
+constexpr double kBoiling = 373.15;  ///< [K]
+constexpr double kHarmless = 316.15; ///< [K], 43 degrees Celsius: below it nothing is damaged within hours
+constexpr double kCool = 1e-3;       ///< [K] above rest, from which on nothing is computed
+constexpr double kMostDamage = 1e9;  ///< [-], keeps the number finite
+constexpr double kBlanched = 0.35;   ///< mark of tissue that is damaged, but not dry
 
 } // namespace
 
@@ -94,6 +93,7 @@ void Burning::apply(const Heat& command, std::span<const Vec3>)
 
 void Burning::step(std::span<const Vec3> positions, Vec3, double dt)
 {
+    fumes_.clear();
     if (dt <= 0.0 || idle()) return;
     if (area_.empty()) measureRest(positions);
     surface_.gather(positions, places_);
@@ -101,6 +101,7 @@ void Burning::step(std::span<const Vec3> positions, Vec3, double dt)
     conduct(surface_.topology(), conductance_, capacity_, dt, warmth_);
     takeSources(dt);
     warm(dt);
+    fume();
     countTips(dt);
     hurt(dt);
 }
@@ -148,6 +149,7 @@ void Burning::warm(double dt)
     const double wet = def_.density * def_.depth * def_.water * kLatentHeat;      // [J/m^2]
     const double perfused = def_.perfusion * def_.bloodHeatCapacity * def_.depth; // [W/(m^2 K)]
     used_.assign(warmth_.size(), 0.0);
+    steamed_.assign(warmth_.size(), 0.0);
     for (std::size_t v = 0; v < warmth_.size(); ++v) {
         if (!(capacity_[v] > 0.0)) continue;
         const double flowing = perfused * std::exp(-damage_[v]), loss = flowing + def_.loss;
@@ -159,6 +161,7 @@ void Burning::warm(double dt)
                                           warmth_[v], power_[v], dt);
         warmth_[v] = now.warmth;
         used_[v] = now.delivered;
+        steamed_[v] = now.boiled;
         balance_.delivered += now.delivered;
         balance_.boiled += now.boiled;
         if (loss > 0.0) {
@@ -168,6 +171,25 @@ void Burning::warm(double dt)
         const double gone = now.boiled > 0.0 ? now.boiled / (wet * area_[v]) : 0.0;
         water_[v] = water_[v] - gone > 1e-12 ? water_[v] - gone : 0.0;
     }
+}
+
+/// Tissue at the boiling point smokes, and steams: one fume per cube of a centimetre.
+void Burning::fume()
+{
+    constexpr double kCube = 0.01; // [m]
+    const double boiling = kBoiling - def_.temperature;
+    std::map<std::array<double, 3>, Fume> places;
+    for (std::size_t v = 0; v < warmth_.size(); ++v) {
+        if (!(warmth_[v] >= boiling - kCool) || !(used_[v] + steamed_[v] > 0.0)) continue;
+        const Vec3 at = places_[v];
+        Fume& fume = places[{std::floor(at.x / kCube), std::floor(at.y / kCube), std::floor(at.z / kCube)}];
+        const double weight = used_[v] + steamed_[v], sum = fume.taken + fume.boiled + weight;
+        fume.place = fume.place + weight / sum * (at - fume.place);
+        fume.taken += used_[v];
+        fume.boiled += steamed_[v];
+        balance_.fuming += used_[v];
+    }
+    for (const auto& [cube, fume] : places) fumes_.push_back(fume);
 }
 
 void Burning::hurt(double dt)

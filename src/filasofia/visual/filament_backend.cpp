@@ -63,9 +63,10 @@ void FilamentBackend::stop()
 {
     overlays_.reset();
     depth_.reset();
+    smoke_.reset();
     for (auto& [slot, each] : views_) destroyView(each);
     for (auto& [slot, each] : cameras_) destroyPlace(each.entity);
-    for (auto& [slot, entity] : lights_) destroyPlace(entity);
+    for (auto& [slot, each] : lights_) destroyPlace(each.entity);
     bodies_.clear();
     if (blank_) {
         engine_->destroy(blank_);
@@ -191,9 +192,12 @@ void FilamentBackend::setPose(Slot entity, const Pose& world)
         placed = body->second->entity();
         scale = body->second->scale();
     } else if (const auto light = lights_.find(entity); light != lights_.end()) {
-        placed = light->second;
+        placed = light->second.entity;
+        light->second.seen.pose = world;
     } else {
-        placed = cameras_.at(entity).entity;
+        PlacedCamera& camera = cameras_.at(entity);
+        placed = camera.entity;
+        camera.pose = world;
     }
     auto& transforms = engine_->getTransformManager();
     transforms.setTransform(transforms.getInstance(placed), matrixOf(world, scale));
@@ -207,8 +211,11 @@ void FilamentBackend::setVisible(Slot entity, bool visible)
         body->second->setVisible(visible);
     } else if (const auto view = views_.find(entity); view != views_.end()) {
         view->second.visible = visible;
-    } else if (const utils::Entity light = lights_.at(entity); visible != scene_->hasEntity(light)) {
-        visible ? scene_->addEntity(light) : scene_->remove(light);
+    } else {
+        PlacedLight& light = lights_.at(entity);
+        light.seen.visible = visible;
+        if (visible != scene_->hasEntity(light.entity))
+            visible ? scene_->addEntity(light.entity) : scene_->remove(light.entity);
     }
 }
 
@@ -216,7 +223,7 @@ void FilamentBackend::remove(Slot entity)
 {
     if (bodies_.erase(entity) > 0) return;
     if (const auto light = lights_.find(entity); light != lights_.end()) {
-        destroyPlace(light->second);
+        destroyPlace(light->second.entity);
         lights_.erase(light);
     } else if (const auto view = views_.find(entity); view != views_.end()) {
         destroyView(view->second);
@@ -282,6 +289,18 @@ template <class Render> void FilamentBackend::drawView(PlacedView& each, Render&
     project(each, pixels);
     const CameraDef& eye = cameras_.at(each.camera).def;
     each.view->setDynamicLightingOptions(float(4.0 * eye.near), float(eye.far));
+    if (smoke_ && !smoke_->empty()) {
+        const PlacedCamera& placed = cameras_.at(each.camera);
+        const auto clear = [&](float opacity) {
+            filament::Renderer::ClearOptions options;
+            options.clear = true;
+            options.clearColor = {0.0F, 0.0F, 0.0F, opacity};
+            renderer_->setClearOptions(options);
+        };
+        clear(0.0F); // the picture of the smoke is transparent where there is none
+        smoke_->draw(render, {placed.camera, placed.pose, eye, double(pixels.width) / double(pixels.height)}, bodies_);
+        clear(1.0F);
+    }
     each.view->setViewport(pixels);
     each.view->setRenderTarget(target);
     if (!each.optics) {
@@ -300,6 +319,7 @@ template <class Render> void FilamentBackend::drawView(PlacedView& each, Render&
 void FilamentBackend::drawViews()
 {
     overlays_->drawCanvases();
+    lightSmoke();
     bool seen = false;
     for (const bool offScreen : {true, false})
         for (auto& [slot, each] : views_)
@@ -344,6 +364,7 @@ Image FilamentBackend::capture()
 Image FilamentBackend::capture(Slot asked)
 {
     prepareOptics();
+    lightSmoke();
     for (auto& [slot, each] : views_)
         if (each.picture && slot <= asked && (each.visible || slot == asked))
             drawView(each, [&](filament::View* view) { renderer_->renderStandaloneView(view); });

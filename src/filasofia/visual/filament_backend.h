@@ -4,6 +4,7 @@
 #include "filasofia/visual/filament_depth.h"
 #include "filasofia/visual/filament_optics.h"
 #include "filasofia/visual/filament_overlays.h"
+#include "filasofia/visual/filament_smoke.h"
 
 #include <filament/Camera.h>
 #include <filament/ColorGrading.h>
@@ -34,6 +35,7 @@ public:
     void putCamera(Slot slot, const CameraDef& def) override;
     void putView(Slot slot, const ViewDef& def, Slot camera) override;
     void setEnvironment(const EnvironmentDef& def) override;
+    void setSmoke(const Smoke& smoke) override;
     void setPose(Slot entity, const Pose& world) override;
     void setScale(Slot body, double scale) override;
     void setVisible(Slot entity, bool visible) override;
@@ -53,7 +55,12 @@ private:
         utils::Entity entity;
         filament::Camera* camera = nullptr;
         CameraDef def;
+        Pose pose = {};
         double blurScale = 1.0; ///< [-], see exposeCamera
+    };
+    struct PlacedLight {
+        utils::Entity entity;
+        SmokeLight seen; ///< as smoke sees it
     };
     struct PlacedView {
         filament::View* view = nullptr;
@@ -72,6 +79,8 @@ private:
     void drawViews();
     /// Draws one view by `render(filament::View*)`.
     template <class Render> void drawView(PlacedView& view, Render&& render);
+    /// The light of the smoke, before the views of a frame.
+    void lightSmoke();
     /// Sets the view's projection for a picture of this size: two views of different shape may share a camera.
     void project(PlacedView& view, const filament::Viewport& pixels);
     DepthImage drawDepth(PlacedView& view);
@@ -108,9 +117,11 @@ private:
     filament::Skybox* background_ = nullptr;
     std::unique_ptr<MaterialPool> pool_;
     std::unique_ptr<FilamentOverlays> overlays_;
+    std::unique_ptr<SmokePass> smoke_; ///< from the first smoke on
+    EnvironmentDef environment_;
     std::unique_ptr<DepthPass> depth_; ///< from the first depth image on
     std::map<Slot, std::unique_ptr<FilamentBody>> bodies_;
-    std::map<Slot, utils::Entity> lights_;
+    std::map<Slot, PlacedLight> lights_;
     std::map<Slot, PlacedCamera> cameras_;
     std::map<Slot, PlacedView> views_; ///< in the order in which they were made: later ones lie on top
 };

@@ -157,11 +157,16 @@ void FilamentBody::put(filament::MaterialInstance& instance)
     renderables.setMaterialInstanceAt(renderables.getInstance(entity_), 0, &instance);
 }
 
-void FilamentBody::wear(filament::MaterialInstance& other)
+bool FilamentBody::twoSided() const
 {
     const filament::Material& own = *instance_->getMaterial();
+    return own.isDoubleSided() || own.getCullingMode() == filament::Material::CullingMode::NONE;
+}
+
+void FilamentBody::wear(filament::MaterialInstance& other)
+{
     using Culling = filament::Material::CullingMode;
-    other.setCullingMode(own.isDoubleSided() ? Culling::NONE : own.getCullingMode());
+    other.setCullingMode(twoSided() ? Culling::NONE : instance_->getMaterial()->getCullingMode());
     put(other);
 }
 

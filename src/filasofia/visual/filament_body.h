@@ -29,6 +29,8 @@ public:
     void setVisible(bool visible);
     [[nodiscard]] bool visible() const { return visible_; }
     [[nodiscard]] std::uint32_t label() const { return label_; }
+    /// Whether both sides of its triangles are drawn.
+    [[nodiscard]] bool twoSided() const;
     /// Looks like `other`, with the body's own culling, until wearOwn().
     void wear(filament::MaterialInstance& other);
     void wearOwn();

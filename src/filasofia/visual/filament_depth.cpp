@@ -20,6 +20,8 @@ DepthPass::~DepthPass()
 {
     engine_.destroy(view_);
     engine_.destroy(scene_);
+    for (filament::MaterialInstance* each : unlabelled_)
+        if (each) engine_.destroy(each);
 }
 
 void DepthPass::resize(int width, int height)
@@ -30,27 +32,49 @@ void DepthPass::resize(int width, int height)
     view_->setViewport({0, 0, std::uint32_t(width), std::uint32_t(height)});
 }
 
-DepthImage DepthPass::draw(filament::Renderer& renderer, filament::Camera& camera,
-                           const std::map<Slot, std::unique_ptr<FilamentBody>>& bodies, int width, int height)
+void DepthPass::begin(filament::Camera& camera, int width, int height)
 {
     resize(width, height);
     view_->setCamera(&camera);
+}
+
+void DepthPass::wear(FilamentBody& body, filament::MaterialInstance& instance)
+{
+    body.wear(instance);
+    scene_->addEntity(body.entity());
+}
+
+void DepthPass::end(const Bodies& bodies)
+{
+    for (const auto& [slot, body] : bodies) {
+        if (!body->visible()) continue;
+        scene_->remove(body->entity());
+        body->wearOwn();
+    }
+}
+
+filament::MaterialInstance& DepthPass::unlabelled(bool twoSided)
+{
+    filament::MaterialInstance*& instance = unlabelled_[twoSided ? 1 : 0];
+    if (!instance) instance = pool_.get("depth").createInstance();
+    return *instance;
+}
+
+DepthImage DepthPass::draw(filament::Renderer& renderer, filament::Camera& camera, const Bodies& bodies, int width,
+                           int height)
+{
+    begin(camera, width, height);
     // Made for this picture only: a body that kept one would take one more of Filament's scarce handles.
     std::vector<filament::MaterialInstance*> worn;
     for (const auto& [slot, body] : bodies) {
         if (!body->visible()) continue;
         filament::MaterialInstance* instance = pool_.get("depth").createInstance();
         setParameter(*instance, "label", static_cast<float>(body->label()));
-        body->wear(*instance);
-        scene_->addEntity(body->entity());
+        wear(*body, *instance);
         worn.push_back(instance);
     }
     renderer.renderStandaloneView(view_);
-    for (const auto& [slot, body] : bodies) {
-        if (!body->visible()) continue;
-        scene_->remove(body->entity());
-        body->wearOwn();
-    }
+    end(bodies);
     for (filament::MaterialInstance* each : worn) engine_.destroy(each);
     return read(renderer);
 }

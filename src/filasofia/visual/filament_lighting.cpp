@@ -82,8 +82,9 @@ filament::Texture* makeReflections(filament::Engine& engine, const EnvironmentDe
 void FilamentBackend::putLight(Slot slot, const LightDef& def)
 {
     const auto [place, isNew] = lights_.try_emplace(slot);
-    if (isNew) place->second = makePlace();
-    const utils::Entity entity = place->second;
+    if (isNew) place->second.entity = makePlace();
+    const utils::Entity entity = place->second.entity;
+    place->second.seen.def = def;
     engine_->getLightManager().destroy(entity); // destroys the former light, if any
     std::visit([&](const auto& kind) { return builderFor(kind); }, def.kind)
         .color({float(def.color.red), float(def.color.green), float(def.color.blue)})
@@ -94,8 +95,25 @@ void FilamentBackend::putLight(Slot slot, const LightDef& def)
     if (isNew) scene_->addEntity(entity);
 }
 
+void FilamentBackend::setSmoke(const Smoke& smoke)
+{
+    if (!smoke_) smoke_ = std::make_unique<SmokePass>(*engine_, *scene_, *pool_);
+    smoke_->set(smoke);
+}
+
+void FilamentBackend::lightSmoke()
+{
+    if (!smoke_ || smoke_->empty()) return;
+    std::vector<SmokeLight> lights;
+    for (const auto& [slot, each] : lights_) lights.push_back(each.seen);
+    const Float3 mean = irradianceHarmonics(environment_)[0];
+    const double strength = environment_.intensity;
+    smoke_->light(lights, {strength * mean.x, strength * mean.y, strength * mean.z});
+}
+
 void FilamentBackend::setEnvironment(const EnvironmentDef& def)
 {
+    environment_ = def;
     destroyEnvironment();
     const std::array<Float3, 9> harmonics = irradianceHarmonics(def);
     filament::math::float3 coefficients[9];

@@ -34,7 +34,8 @@ DrawnPicture::DrawnPicture(filament::Engine& engine, int width, int height, Cont
             .build(engine);
     };
     const bool numbers = content == Content::Numbers;
-    texture_ = make(numbers ? Texture::InternalFormat::RG32F : Texture::InternalFormat::RGBA8,
+    const auto colours = content == Content::Light ? Texture::InternalFormat::RGBA16F : Texture::InternalFormat::RGBA8;
+    texture_ = make(numbers ? Texture::InternalFormat::RG32F : colours,
                     Texture::Usage::COLOR_ATTACHMENT | Texture::Usage::SAMPLEABLE);
     RenderTarget::Builder target;
     target.texture(RenderTarget::AttachmentPoint::COLOR, texture_);

@@ -18,6 +18,7 @@ class DrawnPicture {
 public:
     enum class Content {
         Colours, ///< finished, sRGB encoded
+        Light,   ///< linear and unbounded, and how opaque it is
         Numbers, ///< two floats per pixel, drawn without post-processing: so it has a depth buffer of its own
     };
     DrawnPicture(filament::Engine& engine, int width, int height, Content content = Content::Colours);

@@ -42,6 +42,7 @@ public:
     void putCamera(Slot slot, const CameraDef& def) override;
     void putView(Slot slot, const ViewDef& def, Slot camera) override;
     void setEnvironment(const EnvironmentDef& def) override;
+    void setSmoke(const Smoke& seen) override { smoke = seen; }
     void setPose(Slot entity, const Pose& world) override;
     void setScale(Slot body, double scale) override;
     void setVisible(Slot entity, bool visible) override;
@@ -58,6 +59,7 @@ public:
     std::map<Slot, Placed> placed; ///< lights, cameras and views
     int frames = 0;
     int environmentCalls = 0;
+    Smoke smoke;
     NullOverlays overlay;
 
 private:

@@ -66,6 +66,7 @@ public:
     virtual void putCamera(Slot slot, const CameraDef& def) = 0;
     virtual void putView(Slot slot, const ViewDef& def, Slot camera) = 0;
     virtual void setEnvironment(const EnvironmentDef& def) = 0;
+    virtual void setSmoke(const Smoke& smoke) = 0;
 
     virtual void setPose(Slot entity, const Pose& world) = 0; ///< body, light or camera
     virtual void setScale(Slot body, double scale) = 0;       ///< followed by setPose before the next frame

@@ -280,6 +280,16 @@ void VisualServer::setEnvironment(const EnvironmentDef& def)
     impl_->environment = def;
 }
 
+void VisualServer::setSmoke(const Smoke& smoke)
+{
+    impl_->scene.assertThread();
+    validate(smoke, "smoke");
+    constexpr std::size_t kMost = 256;
+    if (smoke.puffs.size() > kMost) fail("smoke: at most ", kMost, " puffs, got ", smoke.puffs.size());
+    if (geometry::isEmpty(smoke.room)) fail("smoke: room.high must be >= room.low in every axis");
+    impl_->scene.backend->setSmoke(smoke);
+}
+
 bool VisualServer::render()
 {
     impl_->scene.assertThread();

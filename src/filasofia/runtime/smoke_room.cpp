@@ -1,0 +1,140 @@
+#include "filasofia/runtime/smoke_room.h"
+
+#include "filasofia/core/validate.h"
+#include "filasofia/runtime/told_and_kept.h"
+
+#include <cmath>
+
+namespace filasofia::runtime {
+namespace {
+
+using surface::Extract;
+
+/// Where an opening is now; nothing if the body that carries it is gone.
+std::optional<Vec3> placeOf(const Extract& opening, const frame::Frame& frame)
+{
+    if (!opening.body) return opening.place;
+    const frame::RigidBodyFrame* body = frame.rigidBody(opening.body);
+    if (body == nullptr || opening.element >= std::ssize(body->poses)) return std::nullopt;
+    return transform(body->poses[static_cast<std::size_t>(opening.element)], opening.place);
+}
+
+} // namespace
+
+void SmokeRoom::add(const surface::SmokeDef& def, Vec3 gravity)
+{
+    const surface::Smoke smoke(def, "smoke");
+    const std::lock_guard lock(mutex_);
+    if (!state_.all.empty()) fail("smoke: the simulation has a room for it already");
+    state_.all.push_back({.smoke = smoke, .start = smoke, .gravity = gravity});
+    any_ = true;
+}
+
+const SmokeRoom::Room& SmokeRoom::room() const
+{
+    if (state_.all.empty()) fail("smoke: there is no room for it; addSmoke() makes one");
+    return state_.all.front();
+}
+
+void SmokeRoom::extract(const Extract& command, const physics::PhysicsServer& physics)
+{
+    validate(command, "extract");
+    if (command.body) {
+        const auto body = physics.def(command.body);
+        const auto* rigid = std::get_if<physics::RigidBodyDef>(&*body);
+        if (rigid == nullptr) fail("extract: body must be a rigid one, got ", physics::describeBody(*body));
+        if (const auto count = static_cast<int>(physics::elementCount(*rigid)); command.element >= count)
+            fail("extract: element must be in [0, ", count, "), got ", command.element);
+    }
+    const std::lock_guard lock(mutex_);
+    static_cast<void>(room());
+    auto& openings = state_.all.front().openings;
+    if (command.flow > 0.0)
+        openings[command.source] = command;
+    else
+        openings.erase(command.source);
+}
+
+surface::SmokeBalance SmokeRoom::balance() const
+{
+    const std::lock_guard lock(mutex_);
+    return room().smoke.balance();
+}
+
+double SmokeRoom::depth(Vec3 from, Vec3 to) const
+{
+    const std::lock_guard lock(mutex_);
+    return room().smoke.opticalDepth(from, to);
+}
+
+void SmokeRoom::restart()
+{
+    const std::lock_guard lock(mutex_);
+    for (Room& each : state_.all) {
+        each.smoke = each.start;
+        each.openings.clear();
+    }
+    fresh_ = true;
+}
+
+void SmokeRoom::afterStep(std::uint64_t step, double time, physics::PhysicsServer& physics, Burnings& burnings)
+{
+    if (!any_) return;
+    const std::lock_guard lock(mutex_);
+    Room& room = state_.all.front();
+    for (const surface::Fume& each : burnings.takeFumes()) room.smoke.emit(each);
+    if (time < room.next - 1e-9) return;
+    if (!room.openings.empty()) {
+        const frame::FrameRef frame = physics.latest();
+        if (!frame || frame->step != step) return; // readers hold all frames: the next step has one
+        for (const auto& [source, opening] : room.openings)
+            if (const auto place = placeOf(opening, *frame)) room.smoke.extract(*place, opening.flow);
+    }
+    room.smoke.step(room.gravity, room.last < 0.0 ? 0.0 : time - room.last);
+    room.last = time;
+    room.next = (std::floor(time * room.smoke.def().rate + 1e-6) + 1.0) / room.smoke.def().rate;
+    fresh_ = true;
+}
+
+std::optional<visual::Smoke> SmokeRoom::takePicture()
+{
+    if (!any_) return std::nullopt;
+    const std::lock_guard lock(mutex_);
+    if (!std::exchange(fresh_, false)) return std::nullopt;
+    constexpr double kUnseen = 1e-4; // [-], [1/m]
+    const surface::Smoke& smoke = state_.all.front().smoke;
+    visual::Smoke out{.haze = smoke.haze(), .room = smoke.def().room};
+    if (out.haze < kUnseen) out.haze = 0.0;
+    for (const surface::Puff& puff : smoke.puffs())
+        if (const double depth = smoke.middle(puff); depth > kUnseen)
+            out.puffs.push_back({.place = puff.place,
+                                 .radius = puff.radius,
+                                 .depth = depth,
+                                 .pattern = puff.number % 1000 + puff.age / (puff.age + 5.0)}); // its own, and it turns
+    // Smoke is a little bluer than what it is lit by: small particles scatter short waves more.
+    const double albedo = smoke.def().albedo;
+    out.color = {0.97 * albedo, 0.985 * albedo, albedo};
+    const bool something = !out.puffs.empty() || out.haze > 0.0;
+    if (!something && !std::exchange(shown_, something)) return std::nullopt;
+    shown_ = something;
+    return out;
+}
+
+void SmokeRoom::fill(RunReport& report) const
+{
+    const std::lock_guard lock(mutex_);
+    if (!state_.all.empty()) report.smoke = state_.all.front().smoke.balance();
+}
+
+Memory SmokeRoom::memory()
+{
+    Memory out = memoryOf("the smoke", mutex_, state_);
+    out.restore = [this, restore = out.restore](const std::any& saved) {
+        restore(saved);
+        const std::lock_guard lock(mutex_);
+        fresh_ = true;
+    };
+    return out;
+}
+
+} // namespace filasofia::runtime
