@@ -170,6 +170,29 @@ std::string shownNumber(double value, std::string_view unit)
     return buffer;
 }
 
+namespace {
+
+/// The share of the steps that were done is shown as their number.
+double shownTimes(const metric::MetricInfo& info, const metric::Session& session)
+{
+    return info.id == "steps_done" ? static_cast<double>(session.steps.size()) : 1.0;
+}
+
+} // namespace
+
+std::string shownValue(const metric::MetricInfo& info, double value, const metric::Session& session)
+{
+    std::string shown = shownNumber(value * shownTimes(info, session), info.unit);
+    return info.id == "steps_done" ? text(shown, " of ", session.steps.size()) : shown;
+}
+
+std::string shownSpread(const metric::MetricInfo& info, const metric::Comparison& others,
+                        const metric::Session& session)
+{
+    const double times = shownTimes(info, session);
+    return text(shownNumber(times * others.mean, info.unit), " ± ", shownNumber(times * others.deviation, info.unit));
+}
+
 std::string shownTime(double seconds)
 {
     char buffer[64];

@@ -53,6 +53,11 @@ metric::Session replayedSession(const std::filesystem::path& recording, const st
 // Numbers for people: "12.3", in the unit that is shown (mm, ml, degrees).
 std::string shownNumber(double value, std::string_view unit);
 std::string shownUnit(std::string_view unit);
+/// A value of the catalog without its unit; the share of the steps that were done as "5 of 6".
+std::string shownValue(const metric::MetricInfo& info, double value, const metric::Session& session);
+/// A mean and a deviation of such values: "4.50 ± 1.20".
+std::string shownSpread(const metric::MetricInfo& info, const metric::Comparison& others,
+                        const metric::Session& session);
 /// Seconds as "1:02.5" or "3.250 s".
 std::string shownTime(double seconds);
 /// A name for display: one line of at most 120 characters.

@@ -4,6 +4,7 @@
 #include "apps/filasofia/report_files.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/whole_file.h"
 
 #include <algorithm>
 #include <fstream>
@@ -64,19 +65,10 @@ void write(const std::string& file, const std::string& content)
         std::cout << content;
         return;
     }
-    std::error_code problem, none;
-    // A device or a link is written to directly and stays what it is.
-    const std::filesystem::file_status there = std::filesystem::symlink_status(file, none);
-    const bool direct = std::filesystem::exists(there) && !std::filesystem::is_regular_file(there);
-    const std::string part = direct ? file : file + ".part";
-    std::ofstream stream(part, std::ios::binary | std::ios::trunc);
-    const bool opened = stream.is_open();
-    stream << content;
-    stream.close();
-    if (stream && !direct) std::filesystem::rename(part, file, problem);
-    if (!stream || problem) {
-        if (opened && !direct) std::filesystem::remove(part, none);
-        fail("report: ", oneLine(file), ": cannot be written", opened && !problem ? " (disk full?)" : "");
+    try {
+        writeWhole(file, content);
+    } catch (const Error& problem) {
+        fail("report: ", oneLine(problem.what()));
     }
     std::cerr << "wrote " << oneLine(file) << '\n';
 }

@@ -24,10 +24,10 @@ std::string momentButton(const std::optional<double>& moment)
                 "\" title=\"Show this moment in the plots\">", time, "</button>");
 }
 
-std::string withUnit(double value, std::string_view unit)
+std::string withUnit(const std::string& number, std::string_view unit)
 {
     const std::string shown = shownUnit(unit);
-    return shownNumber(value, unit) + (shown.empty() ? "" : text("<span class=\"unit\"> ", shown, "</span>"));
+    return number + (shown.empty() ? "" : text("<span class=\"unit\"> ", shown, "</span>"));
 }
 
 std::string fact(const char* name, const std::string& value)
@@ -90,10 +90,10 @@ std::string tiles(const Report& report)
             const metric::MetricInfo& info = metric::catalog()[i];
             if (info.id != id || !report.values[i].value) continue;
             out += text("<div class=\"tile\"><p class=\"name\">", info.name, "</p><p class=\"value\">",
-                        withUnit(*report.values[i].value, info.unit), "</p><p class=\"beside\">");
+                        withUnit(shownValue(info, *report.values[i].value, report.session), info.unit),
+                        "</p><p class=\"beside\">");
             if (!report.comparisons.empty() && report.comparisons[i].others > 0)
-                out += text("others ", shownNumber(report.comparisons[i].mean, info.unit), " ± ",
-                            shownNumber(report.comparisons[i].deviation, info.unit));
+                out += text("others ", shownSpread(info, report.comparisons[i], report.session));
             else if (report.values[i].moment)
                 out += text("at ", shownTime(*report.values[i].moment));
             out += "</p></div>\n";
@@ -121,8 +121,7 @@ std::string comparison(const Report& report, std::size_t i)
     char z[32];
     std::snprintf(z, sizeof z, "%+.2f", *c.z);
     return text(strip(*c.z, info.better), "<span class=\"z\">z ", z, "</span><span class=\"spread\">",
-                shownNumber(c.mean, info.unit), " ± ", shownNumber(c.deviation, info.unit), ", n = ", c.others,
-                "</span>");
+                shownSpread(info, c, report.session), ", n = ", c.others, "</span>");
 }
 
 std::string_view evidenceClass(metric::Evidence evidence)
@@ -140,7 +139,7 @@ std::string row(const Report& report, std::size_t i)
                                                                  : "";
     std::string out = text("<tr id=\"", info.id, "\"><th scope=\"row\">", info.name, "<p class=\"definition\">",
                            escaped(info.definition), better, "</p></th><td data-label=\"Value\" class=\"number\">");
-    out += value.value ? withUnit(*value.value, info.unit)
+    out += value.value ? withUnit(shownValue(info, *value.value, report.session), info.unit)
                        : text("<span class=\"absent\">", escaped(value.reason), "</span>");
     out += text("</td><td data-label=\"Moment\">", momentButton(value.moment), "</td>");
     if (!report.comparisons.empty()) out += text("<td data-label=\"Others\">", comparison(report, i), "</td>");
@@ -197,7 +196,8 @@ std::string eventTable(const Report& report)
     std::size_t count = 0;
     for (const metric::Event& event : report.session.events) {
         if (++count > kMaxRows) break;
-        const std::string amount = event.amount ? withUnit(*event.amount, unitOf(event.kind)) : "";
+        const std::string amount =
+            event.amount ? withUnit(shownNumber(*event.amount, unitOf(event.kind)), unitOf(event.kind)) : "";
         out += text("<tr><td data-label=\"Moment\">", momentButton(event.time),
                     "</td><td data-label=\"Event\"><span class=\"kind ", metric::name(event.kind), "\">",
                     metric::name(event.kind), "</span></td><td data-label=\"What\">", escaped(shownName(event.what)),

@@ -117,7 +117,7 @@ std::string reportText(const Report& report)
         const metric::Value& value = report.values[i];
         if (!value.value) continue;
         char line[200];
-        const std::string number = shownNumber(*value.value, info.unit), unit = shownUnit(info.unit);
+        const std::string number = shownValue(info, *value.value, session), unit = shownUnit(info.unit);
         std::snprintf(line, sizeof line, "  %-28s %10s %-5s", std::string(info.name).c_str(), number.c_str(),
                       unit.c_str());
         out += line;
@@ -127,6 +127,9 @@ std::string reportText(const Report& report)
         }
         out += '\n';
     }
+    out +=
+        "Largest net force: of one instrument; contacts on opposite sides of it cancel. A trainer's total force adds "
+        "all.\n";
     return out;
 }
 

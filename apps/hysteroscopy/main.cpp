@@ -120,7 +120,7 @@ int train(const Training& training)
     TrainingSession session(sim, training);
     const auto over = [&](bool done) {
         session.over(done ? "The polyp is out" : "Time is up", [&] {
-            return std::vector<ResultLine>{{"Highest force", text(std::lround(1000 * bar.highest()), " mN")},
+            return std::vector<ResultLine>{{"Highest total force", text(std::lround(1000 * bar.highest()), " mN")},
                                            {"Warnings", text(bar.warnings())},
                                            {"Perforations", text(perforations.count())}};
         });
@@ -155,9 +155,10 @@ int train(const Training& training)
     tracker.close();
     const TaskProgress progress = task.progress();
     const bool done = progress.state == TaskProgress::State::Done;
-    std::printf("%s: %d of %zu steps in %.1f s; highest force %.2f N, %d warnings, %d perforations; session%s: %s\n",
-                done ? "done" : "not done", progress.step, taskSteps.size(), progress.time, bar.highest(),
-                bar.warnings(), perforations.count(), tracker.failed() ? " (incomplete)" : "", training.file.c_str());
+    std::printf(
+        "%s: %d of %zu steps in %.1f s; highest total force %.2f N, %d warnings, %d perforations; session%s: %s\n",
+        done ? "done" : "not done", progress.step, taskSteps.size(), progress.time, bar.highest(), bar.warnings(),
+        perforations.count(), tracker.failed() ? " (incomplete)" : "", training.file.c_str());
     if (tracker.failed()) return 1;
     return training.motion == "expert" && !session.cutShort() && !done ? 1 : 0;
 }

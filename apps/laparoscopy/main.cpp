@@ -153,7 +153,7 @@ int pegTransfer(const Training& training)
                     {"Dropped", text(judge.drops())},
                     {"Lost", text(judge.lost())},
                     {"Score", text(std::lround(score(now)), " of 300")},
-                    {"Highest force", text(std::lround(1000 * running->force().highest()), " mN")}};
+                    {"Highest total force", text(std::lround(1000 * running->force().highest()), " mN")}};
             }};
     def.observed.bodies = observedIn(left, right, scope);
     def.observed.session = {.task = text("peg transfer ", difficulty.name),

@@ -4,6 +4,7 @@ import json
 import os
 import queue
 import re
+import resource
 import struct
 import subprocess
 import sys
@@ -615,6 +616,20 @@ class Replay(Program):
         self.assertIn("50 steps, ", done.stdout)
         self.assertIn(f"incomplete: {self.file}: cannot be written (disk full?)\n", done.stdout)
         self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+
+    def test_a_full_disk_loses_the_picture_and_not_the_summary(self):
+        if not can_draw():
+            self.skipTest("this build draws nothing")
+        picture = Path(self.folder.name, "p.png")
+        words = ("run", "bunny", "--tets", "756", "--headless", "--steps", "20")
+        limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (2000, 2000))  # a disk on which no picture has room
+        done = subprocess.run([PROGRAM, *words, "--picture", str(picture)], capture_output=True, text=True, timeout=100,
+                              stdin=subprocess.DEVNULL, preexec_fn=limit, restore_signals=False)  # a write fails, no signal
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertIn("20 steps, ", done.stdout)
+        self.assertIn(f"incomplete: {picture}: cannot be written (File too large)\n", done.stdout)
+        self.assertNotIn("wrote", done.stdout)
+        self.assertEqual(list(Path(self.folder.name).glob("p.png*")), [])  # no half file, and no empty one
 
     def test_a_replay_draws_the_picture_of_the_run(self):
         if not can_draw():

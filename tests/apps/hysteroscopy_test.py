@@ -87,7 +87,7 @@ class Clumsy(Trainer):
             done = run("--motion", "clumsy", "--seed", seed, "--headless", "--session", self.session,
                        *(["--steps", STEPS] if STEPS else []))
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-            found = re.search(r"highest force ([\d.]+) N, (\d+) warnings, (\d+) perforations", done.stdout)
+            found = re.search(r"highest total force ([\d.]+) N, (\d+) warnings, (\d+) perforations", done.stdout)
             self.assertIsNotNone(found, done.stdout)
             restored = re.search(r"late steps 0, clamped\D+ 0, \D+ (\d+), \D+ (\d+),", done.stdout)
             self.assertIsNotNone(restored, done.stdout)

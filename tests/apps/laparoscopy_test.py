@@ -42,7 +42,7 @@ class Expert(PegTransfer):
         for ring in ("ring 1", "ring 2", "ring 3"):  # each is taken by one hand, then by the other, then let go twice
             kinds = [kind for kind, what in self.events("grasp", "release") if what == ring]
             self.assertEqual(kinds, ["grasp", "grasp", "release", "release"])
-        force = float(re.search(r"highest force ([\d.]+) N", done.stdout)[1])
+        force = float(re.search(r"highest total force ([\d.]+) N", done.stdout)[1])
         self.assertLess(force, 10.0)  # 5.8 N was measured
 
 
@@ -55,7 +55,7 @@ class Clumsy(PegTransfer):
             if STEPS:
                 continue
             self.assertIn("not done: ", done.stdout)
-            found = re.search(r"(\d+) dropped, (\d+) lost, highest force ([\d.]+) N", done.stdout)
+            found = re.search(r"(\d+) dropped, (\d+) lost, highest total force ([\d.]+) N", done.stdout)
             self.assertEqual(len(self.events("mistake")), int(found[1]) + int(found[2]))
             self.assertLess(float(found[3]), 300.0)  # 25 and 87 N were measured
 

@@ -72,6 +72,18 @@ class Outputs(Report):
         self.report("--example", "--html", "again.html")
         self.assertEqual(page, (self.folder / "again.html").read_bytes())
 
+    def test_steps_are_told_as_a_number_of_all_and_forces_as_what_they_are(self):
+        whole = session().splitlines(keepends=True)
+        head = {**json.loads(whole[0]), "steps": ["enter", "grasp", "tear"]}
+        done = [json.dumps({"t": 1.2, "event": "step", "what": step}) + "\n" for step in ("enter", "grasp")]
+        file = self.write("a.jsonl", "".join([json.dumps(head) + "\n", *whole[1:-1], *done, whole[-1]]))
+        said = self.report(file)
+        self.assertRegex(said, r"Steps done +2 of 3 *\n")
+        self.assertRegex(said, r"Largest net force +2 N *\n")
+        self.assertIn("contacts on opposite sides of it cancel", said)
+        self.assertIn("2 of 3", (self.folder / "filasofia_report.html").read_text())
+        self.assertAlmostEqual(self.metrics(file)["steps_done"]["value"], 2 / 3)  # for programs still a share
+
     def test_the_numbers_are_those_of_the_closed_form(self):
         metrics = self.metrics(self.write("a.jsonl", session()))
         self.assertAlmostEqual(metrics["path_length"]["value"], 0.1, 6)

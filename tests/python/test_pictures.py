@@ -267,3 +267,15 @@ def test_a_wrong_film_is_one_clear_error(drawn):
         fs.Film([still], fps=float("inf"))
     with pytest.raises(fs.Error, match="film: count must be a whole number >= 1, got 0"):
         fs.Film([still]).strip(0)
+
+
+def test_a_large_floor_that_nobody_described_is_lit_and_grey():
+    sim = fs.Simulation(threads=1)
+    floor = fs.shapes.box((0.6, 0.02, 0.6))
+    sim.add(fs.RigidBodyDef(name="floor", elements=[(0, -0.01, 0)], mesh=floor))
+    seen = np.asarray(sim.render(160, 120), dtype=float)
+    _, bodies = sim.render_depth(160, 120)
+    red, green, blue = seen[bodies != 0].mean(axis=0)
+    assert red > 60  # of metal, which mirrors dark surroundings, 14
+    assert abs(red - blue) < 0.15 * red and abs(red - green) < 0.15 * red
+    sim.close()

@@ -102,6 +102,32 @@ TEST_CASE("an electrode that is held still heats as a source of the same power d
     CHECK(std::abs(error(a)) < 1e-9 * a.delivered);
 }
 
+TEST_CASE("a mesh that is too coarse for what an electrode burns is told once, with its lengths, and a fine one is not")
+{
+    for (const bool coarse : {true, false}) {
+        std::vector<std::string> warned;
+        setLogSink([&](LogLevel level, std::string_view line) {
+            if (level == LogLevel::Warning) warned.emplace_back(line);
+        });
+        Simulation sim{SimulationDef{.physics = {.rate = 500, .threads = 1}}};
+        SoftBodyDef def{.name = "liver",
+                        .mesh = shapes::block({48_mm, 6_mm, 48_mm}, {coarse ? 4 : 16, 1, coarse ? 4 : 16})};
+        def.attachments = {{.box = Box{{-1, -1, -1}, {1, 1, 1}}}};
+        sim.burn(sim.add(def), {.rate = 50});
+        const BodyId stick = sim.add(RigidBodyDef{.name = "stick", .elements = {{{0, 3_mm, 0}}}});
+        for (const double power : {30.0, 10.0})
+            sim.addElectrode(stick, {.mode = EnergyMode::Coagulate, .power = power, .radius = 4_mm});
+        for (const int electrode : {0, 1}) sim.activate(stick, true, electrode);
+        sim.run({.headless = true, .steps = 100});
+        setLogSink({});
+        REQUIRE(warned.size() == (coarse ? 1 : 0));
+        if (!coarse) continue;
+        for (const char* said : {"rigid body 'stick'", "soft body 'liver'", "13.7 mm long", "reaches 4 mm",
+                                 "spreads 1.8 mm", "edges of at most 4 mm"})
+            CHECK_THAT(warned[0], Catch::Contains(said));
+    }
+}
+
 TEST_CASE("a tip that moves gives its power for the time with its pedal pressed and in contact, exactly")
 {
     StillTheatre theatre(kWeak);

@@ -4,6 +4,10 @@
 
 #include <stb/stb_image.h>
 
+#include <sys/resource.h>
+
+#include <csignal>
+
 namespace image_test {
 
 using namespace filasofia;
@@ -47,6 +51,30 @@ TEST_CASE("a picture that cannot be written is an error that names the file")
     torn.rgba.pop_back();
     CHECK_THROWS_WITH(savePng(torn, "torn.png"), Contains("torn.png"));
     CHECK_THROWS_AS(savePng(Image{-1, -1, {}}, "negative.png"), Error);
+}
+
+TEST_CASE("a picture without room leaves what was there, and no half file")
+{
+    const std::filesystem::path file = std::string(FILASOFIA_BINARY_DIR) + "/no_room_test.png";
+    savePng(checkers(), file);
+    const auto size = std::filesystem::file_size(file);
+    rlimit before{};
+    REQUIRE(getrlimit(RLIMIT_FSIZE, &before) == 0);
+    const auto signalled = std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit small{10, before.rlim_max};
+    REQUIRE(setrlimit(RLIMIT_FSIZE, &small) == 0);
+    std::string problem;
+    try {
+        savePng(checkers(), file);
+    } catch (const Error& error) {
+        problem = error.what();
+    }
+    setrlimit(RLIMIT_FSIZE, &before);
+    std::signal(SIGXFSZ, signalled);
+    CHECK(problem == file.string() + ": cannot be written (File too large)");
+    CHECK(std::filesystem::file_size(file) == size);
+    CHECK_FALSE(std::filesystem::exists(file.string() + ".part"));
+    std::filesystem::remove(file);
 }
 
 } // namespace image_test

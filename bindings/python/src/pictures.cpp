@@ -20,6 +20,21 @@ bool hasSurface(const physics::BodyDef& def)
     return !file || !file->empty();
 }
 
+/// Grey plastic: a flat floor of metal would mirror nothing but the dark surroundings.
+visual::TissueMaterial plastic()
+{
+    constexpr visual::Color kGrey{0.34, 0.35, 0.37};
+    return {.baseColor = kGrey,
+            .subsurfaceColor = kGrey,
+            .vesselColor = kGrey,
+            .roughness = 0.5,
+            .wetness = 0.1,
+            .thickness = 0.0,
+            .mottling = 0.0,
+            .vessels = 0.0,
+            .bump = 0.0};
+}
+
 /// If the user chose nothing to be drawn, everything that has a surface is, but for what a library has shown.
 void showAll(HeldSimulation& self)
 {
@@ -29,7 +44,7 @@ void showAll(HeldSimulation& self)
         const auto def = session.physics().def(id);
         if (self.shownByUs.contains(id) || self.shownBeside.contains(id) || !hasSurface(*def)) continue;
         self.shownByUs[id] = session.simulation().show(
-            id, physics::isRigid(*def) ? runtime::ShowDef{.material = visual::MetalMaterial{}} : runtime::ShowDef{});
+            id, physics::isRigid(*def) ? runtime::ShowDef{.material = plastic()} : runtime::ShowDef{});
     }
 }
 

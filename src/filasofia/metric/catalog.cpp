@@ -104,9 +104,10 @@ constexpr Entry kEntries[] = {
       "A crude measure: it depends on the threshold and grows with the length of the task."},
      speedPeaks},
 
-    {{"force_max", "Largest force", Group::Force, "N", Lower,
-      "The largest force, as a mean over 5 ms, of contacts and attachments on any instrument, including the "
-      "scope.",
+    {{"force_max", "Largest net force", Group::Force, "N", Lower,
+      "The largest force, as a mean over 5 ms, of contacts and attachments on one instrument, which may be the scope. "
+      "It is a net force: what presses on the instrument from opposite sides cancels. The total force, which a force "
+      "bar shows, adds the magnitudes of all contacts of all instruments.",
       kGolahmadi, Unknown, kForceKin},
      maxForce},
     {{"force_mean", "Mean force", Group::Force, "N", Lower, "The mean force on the tool during the time in contact.",

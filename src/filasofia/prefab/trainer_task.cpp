@@ -76,9 +76,9 @@ int TrainerTask::run(int steps, const std::function<std::string()>& said)
     it.tracker.close();
     const TaskProgress progress = it.task.progress();
     const bool done = progress.state == TaskProgress::State::Done;
-    std::printf("%s: %d of %zu steps in %.1f s; %s, highest force %.2f N; session%s: %s\n", done ? "done" : "not done",
-                progress.step, it.def.steps.size(), progress.time, said().c_str(), it.bar.highest(),
-                it.tracker.failed() ? " (incomplete)" : "", it.training.file.c_str());
+    std::printf("%s: %d of %zu steps in %.1f s; %s, highest total force %.2f N; session%s: %s\n",
+                done ? "done" : "not done", progress.step, it.def.steps.size(), progress.time, said().c_str(),
+                it.bar.highest(), it.tracker.failed() ? " (incomplete)" : "", it.training.file.c_str());
     if (it.tracker.failed()) return 1;
     return it.training.motion == "expert" && !it.session.cutShort() && !done ? 1 : 0;
 }

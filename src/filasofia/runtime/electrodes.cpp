@@ -1,6 +1,9 @@
 #include "filasofia/runtime/electrodes.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/core/word.h"
+#include "filasofia/math/rounded.h"
 #include "filasofia/runtime/told_and_kept.h"
 
 #include <algorithm>
@@ -63,7 +66,39 @@ struct Reached {
     const Burnings::Surface* surface = nullptr;
     double weight = 0.0; ///< [m^2]
     std::vector<surface::HeatShare> shares = {};
+    std::span<const geometry::Triangle> triangles = {}; ///< of the body now, as long as the frame
+    std::span<const Vec3> positions = {};
 };
+
+/// [m], of the triangles that take heat.
+double meanEdge(const Reached& reached)
+{
+    std::set<int> heated;
+    for (const surface::HeatShare& each : reached.shares) heated.insert(each.vertex);
+    double sum = 0.0;
+    int count = 0;
+    const auto& positions = reached.positions;
+    for (const geometry::Triangle& corners : reached.triangles) {
+        if (std::ranges::none_of(corners, [&](int corner) { return heated.contains(corner); })) continue;
+        for (std::size_t k = 0; k < 3; ++k) sum += distance(positions[corners[k]], positions[corners[(k + 1) % 3]]);
+        count += 3;
+    }
+    return count > 0 ? sum / count : 0.0;
+}
+
+/// Heat is stored at nodes: a mesh that is coarser than the tip spreads it over too large an area, and burns too little
+/// or nothing.
+void warnIfCoarse(const std::string& instrument, double radius, const Reached& reached, const std::string& body)
+{
+    constexpr double kMuch = 2.5; // measured: with 3.4 times the radius nothing burns, with 0.85 all that should
+    const double edge = meanEdge(reached), spread = reached.surface->spread, fine = std::max(radius, spread);
+    if (!(edge > kMuch * fine)) return;
+    const auto mm = [](double length) { return text(rounded(1e3 * length, 10.0), " mm"); };
+    logWarning("electrode of rigid body '", shortened(instrument), "': the mesh of ", body,
+               " is too coarse for what it burns: its edges there are ", mm(edge), " long, but the tip reaches ",
+               mm(radius), " and heat spreads ", mm(spread), "; burns come out too small: use edges of at most ",
+               mm(fine), " there");
+}
 
 std::vector<Reached> reached(const surface::HeatReach& reach, const frame::Frame& frame,
                              const std::vector<Burnings::Surface>& surfaces)
@@ -75,8 +110,9 @@ std::vector<Reached> reached(const surface::HeatReach& reach, const frame::Frame
         if (body == nullptr) continue;
         const bool cut = body->boundary && body->boundary->revision > 0;
         Reached here{.surface = &each};
-        here.weight = surface::divideSource(cut ? std::span(body->boundary->triangles) : each.skin, body->positions,
-                                            reach, here.shares);
+        here.triangles = cut ? std::span<const geometry::Triangle>(body->boundary->triangles) : each.skin;
+        here.positions = body->positions;
+        here.weight = surface::divideSource(here.triangles, here.positions, reach, here.shares);
         all += here.weight;
         if (!here.shares.empty()) out.push_back(std::move(here));
     }
@@ -191,7 +227,7 @@ bool Electrodes::afterStep(std::uint64_t step, double time, physics::PhysicsServ
     // If readers hold all frames, the heat waits for the next step, and so do we.
     if (const frame::FrameRef frame = busy && (begins || surfaces.empty()) ? physics.latest() : frame::FrameRef();
         frame && frame->step == step)
-        touch(*frame, surfaces, burnings);
+        touch(*frame, surfaces, burnings, physics);
     bool all = true;
     for (std::size_t i = 0; i < state_.all.size(); ++i) {
         Electrode& each = state_.all[i];
@@ -201,7 +237,8 @@ bool Electrodes::afterStep(std::uint64_t step, double time, physics::PhysicsServ
     return all;
 }
 
-void Electrodes::touch(const frame::Frame& frame, const std::vector<Burnings::Surface>& surfaces, Burnings& burnings)
+void Electrodes::touch(const frame::Frame& frame, const std::vector<Burnings::Surface>& surfaces, Burnings& burnings,
+                       const physics::PhysicsServer& physics)
 {
     for (std::size_t i = 0; i < state_.all.size(); ++i) {
         Electrode& each = state_.all[i];
@@ -211,6 +248,8 @@ void Electrodes::touch(const frame::Frame& frame, const std::vector<Burnings::Su
         double sum = 0.0;
         for (const Reached& here : all) sum += here.weight;
         for (Reached& here : all) {
+            if (looked_.emplace(each.body, here.surface->body).second)
+                warnIfCoarse(each.name, each.def.radius, here, physics::describeBody(*physics.def(here.surface->body)));
             const double time = each.balance.active - each.spent.at(here.surface->body);
             const double energy = each.def.power * time * here.weight / sum;
             if (here.surface->dt > 0.0 && energy > 0.0)

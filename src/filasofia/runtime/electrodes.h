@@ -4,6 +4,8 @@
 
 #include "filasofia/surface/electrode_def.h"
 
+#include <set>
+
 namespace filasofia::runtime {
 
 /// The electrodes of rigid bodies. Before each step of a body's heat, an active one gives the energy of the time since
@@ -57,14 +59,16 @@ private:
         std::vector<Electrode> all = {};
         double last = 0.0; ///< [s], end of the last step
     };
-    void touch(const frame::Frame& frame, const std::vector<Burnings::Surface>& surfaces, Burnings& burnings);
+    void touch(const frame::Frame& frame, const std::vector<Burnings::Surface>& surfaces, Burnings& burnings,
+               const physics::PhysicsServer& physics);
     static bool tell(double time, Electrode& electrode, const Post& post);
     [[nodiscard]] std::size_t find(BodyId id, int electrode) const;
 
     mutable std::mutex mutex_;
     State state_;
-    std::atomic<bool> any_ = false; ///< without electrodes a step costs nothing
-    std::atomic<double> now_ = 0.0; ///< [s], end of the last step, with or without electrodes
+    std::set<std::pair<BodyId, BodyId>> looked_; ///< instrument and tissue whose mesh was looked at: it is told once
+    std::atomic<bool> any_ = false;              ///< without electrodes a step costs nothing
+    std::atomic<double> now_ = 0.0;              ///< [s], end of the last step, with or without electrodes
 };
 
 } // namespace filasofia::runtime

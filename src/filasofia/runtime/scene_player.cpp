@@ -1,6 +1,7 @@
 #include "filasofia/runtime/scene_player.h"
 
 #include "filasofia/core/hash.h"
+#include "filasofia/visual/image.h"
 
 namespace filasofia::runtime {
 
@@ -197,8 +198,11 @@ void ScenePlayer::draw()
 void ScenePlayer::last(ReplayReport& report)
 {
     if (!visual_) return;
-    if (!def_.picture.empty()) impl_.takePicture(*visual_, def_.picture);
-    report.pictures = impl_.files.pictures();
+    if (!def_.picture.empty()) {
+        impl_.mapFinishedFrame(*visual_);
+        visual::savePng(visual_->capture(), def_.picture);
+        report.pictures.push_back(def_.picture);
+    }
     if (video_) {
         video_->close();
         report.pictures.push_back(def_.video);

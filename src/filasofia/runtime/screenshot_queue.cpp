@@ -54,13 +54,7 @@ void ScreenshotQueue::take(visual::VisualServer& visual, WrittenFiles& written)
     const visual::Image image = visual.capture();
     for (std::string& file : files) {
         if (file.empty()) file = freePictureName();
-        try {
-            visual::savePng(image, file);
-            written.addPicture(file);
-        } catch (const Error& problem) { // the caller of screenshot() has long returned, and the run goes on
-            logError("screenshot: ", problem.what());
-            written.addPictureProblem(problem.what());
-        }
+        written.savePicture(image, file);
     }
 }
 

@@ -278,8 +278,7 @@ void Simulation::Impl::mapFinishedFrame(visual::VisualServer& visual)
 void Simulation::Impl::takePicture(visual::VisualServer& visual, const std::string& file)
 {
     mapFinishedFrame(visual);
-    visual::savePng(visual.capture(), file);
-    files.addPicture(file);
+    files.savePicture(visual.capture(), file);
 }
 
 void Simulation::Impl::reset()

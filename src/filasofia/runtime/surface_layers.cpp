@@ -32,6 +32,13 @@ template <> struct Kind<surface::Burning> {
     }
 };
 
+/// The length over which a steady temperature in the layer falls by a factor of e.
+double spreadOf(const surface::BurningDef& def)
+{
+    const double loss = def.loss + def.perfusion * def.bloodHeatCapacity * def.depth; // [W/(m^2 K)]
+    return loss > 0.0 ? std::sqrt(def.conductivity * def.depth / loss) : 0.0;
+}
+
 } // namespace
 
 template <class Layer> void SurfaceLayers<Layer>::Turn::run()
@@ -215,7 +222,7 @@ template <class Layer> auto SurfaceLayers<Layer>::surfaces(double time) const ->
     for (const auto& [id, each] : patients_) {
         [[maybe_unused]] const bool begins = each.last >= 0.0 && time >= each.next - 1e-9;
         if constexpr (requires { each.start->skin(); })
-            out.push_back({id, each.start->skin(), begins ? time - each.last : 0.0});
+            out.push_back({id, each.start->skin(), begins ? time - each.last : 0.0, spreadOf(each.start->def())});
     }
     return out;
 }

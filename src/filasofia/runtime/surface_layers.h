@@ -57,6 +57,7 @@ public:
         std::span<const geometry::Triangle> skin = {}; ///< before it is cut; as long as its layer
         double dt =
             0.0; ///< [s], length of the step that the layer begins in afterStep() of this time; 0: it begins none
+        double spread = 0.0; ///< [m], how far heat spreads along the layer before it is lost
     };
     /// The stepping thread.
     [[nodiscard]] std::vector<Surface> surfaces(double time) const;

@@ -1,5 +1,9 @@
 #include "filasofia/runtime/written_files.h"
 
+#include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
+#include "filasofia/visual/image.h"
+
 namespace filasofia::runtime {
 
 void WrittenFiles::begin()
@@ -7,6 +11,17 @@ void WrittenFiles::begin()
     pictures_.clear();
     pictureProblems_.clear();
     fileProblems_.clear();
+}
+
+void WrittenFiles::savePicture(const visual::Image& image, const std::string& file)
+{
+    try {
+        visual::savePng(image, file);
+        addPicture(file);
+    } catch (const Error& problem) {
+        logError(problem.what());
+        pictureProblems_.emplace_back(problem.what());
+    }
 }
 
 void WrittenFiles::fill(RunReport& report) const

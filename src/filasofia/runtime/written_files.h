@@ -5,6 +5,10 @@
 #include <string>
 #include <vector>
 
+namespace filasofia::visual {
+struct Image;
+}
+
 namespace filasofia::runtime {
 
 /// The files that a run has written, and what went wrong with them.
@@ -14,11 +18,11 @@ public:
     void begin();
     /// A picture or video was written. Main thread.
     void addPicture(const std::string& file) { pictures_.push_back(file); }
-    /// A screenshot could not be written. Main thread.
-    void addPictureProblem(const std::string& problem) { pictureProblems_.push_back(problem); }
+    /// Writes a picture and adds it. If it cannot be written, the problem is logged and kept: the run goes on. Main
+    /// thread.
+    void savePicture(const visual::Image& image, const std::string& file);
     /// A file that gets a line per step (log, recording) is incomplete. The files' thread; fill() comes after its end.
     void addFileProblem(const std::string& problem) { fileProblems_.push_back(problem); }
-    [[nodiscard]] const std::vector<std::string>& pictures() const { return pictures_; }
     void fill(RunReport& report) const;
 
 private:

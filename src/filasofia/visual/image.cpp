@@ -1,10 +1,10 @@
 #include "filasofia/visual/image.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/whole_file.h"
 
 #include <stb/stb_image_write.h>
 
-#include <fstream>
 #include <string>
 
 namespace filasofia::visual {
@@ -26,10 +26,8 @@ void savePng(const Image& image, const std::filesystem::path& file)
     };
     const bool encoded =
         stbi_write_png_to_func(append, &png, image.width, image.height, 3, rgb.data(), 3 * image.width);
-    std::ofstream out(file, std::ios::binary);
-    out.write(png.data(), static_cast<std::streamsize>(png.size()));
-    out.close();
-    if (!encoded || !out) fail("cannot write picture '", file.string(), "'");
+    if (!encoded) fail("cannot write picture '", file.string(), "': it could not be encoded");
+    writeWhole(file, png);
 }
 
 } // namespace filasofia::visual
