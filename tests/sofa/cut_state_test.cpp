@@ -94,41 +94,30 @@ TEST_CASE("a state in the middle of a stroke goes on as it did")
     CHECK(cut.frame().boundary->triangles == once.boundary->triangles);
 }
 
-TEST_CASE("a piece can be removed, and what falls for ever is")
+TEST_CASE("a piece can be removed, but not all that is left")
 {
     Cut cut("sofa");
     cut.through();
     REQUIRE(cut.detached().size() == 1);
-    SECTION("removed")
-    {
-        const std::size_t faces = cut.frame().boundary->triangles.size();
-        cut.server->removePiece(cut.body, cut.detached()[0].piece);
-        cut.server->setGravity({0, -9.81, 0});
-        cut.step();
-        const frame::SoftBodyFrame body = cut.frame();
-        CHECK(body.boundary->triangles.size() < faces);
-        CHECK(isClosed(*body.boundary));
-        cut.run(20);
-        const frame::SoftBodyFrame later = cut.frame();
-        for (std::size_t i = 0; i < body.positions.size(); ++i) // its nodes stay where they are
-            if (body.boundary->rest[i].x > 0.016) REQUIRE(later.positions[i] == body.positions[i]);
-        CHECK(meanHeight(later, -1.0) < meanHeight(body, -1.0));
-        cut.server->removePiece(cut.body, 0); // all that is left
-        cut.server->removePiece(cut.body, 77);
-        cut.step();
-        CHECK(cut.counts.noPiece == 2);
-        cut.server->reset();
-        cut.step();
-        CHECK(cut.frame().boundary->triangles.size() == 2 * (2 * 9 + 4 * 27));
-    }
-    SECTION("lost")
-    {
-        cut.server->setGravity({0, -2000, 0});
-        int lost = 0;
-        for (int i = 0; i < 80; ++i) lost += cut.step().topology.lost;
-        CHECK(lost == 1);
-        for (const Vec3 each : cut.frame().positions) REQUIRE(length(each) < 50.0);
-    }
+    const std::size_t faces = cut.frame().boundary->triangles.size();
+    cut.server->removePiece(cut.body, cut.detached()[0].piece);
+    cut.server->setGravity({0, -9.81, 0});
+    cut.step();
+    const frame::SoftBodyFrame body = cut.frame();
+    CHECK(body.boundary->triangles.size() < faces);
+    CHECK(isClosed(*body.boundary));
+    cut.run(20);
+    const frame::SoftBodyFrame later = cut.frame();
+    for (std::size_t i = 0; i < body.positions.size(); ++i) // its nodes stay where they are
+        if (body.boundary->rest[i].x > 0.016) REQUIRE(later.positions[i] == body.positions[i]);
+    CHECK(meanHeight(later, -1.0) < meanHeight(body, -1.0));
+    cut.server->removePiece(cut.body, 0); // all that is left
+    cut.server->removePiece(cut.body, 77);
+    cut.step();
+    CHECK(cut.counts.noPiece == 2);
+    cut.server->reset();
+    cut.step();
+    CHECK(cut.frame().boundary->triangles.size() == 2 * (2 * 9 + 4 * 27));
 }
 
 TEST_CASE("if SOFA cannot make what a removed piece leaves, the piece stays, and it is not counted as missing")

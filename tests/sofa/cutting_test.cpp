@@ -260,4 +260,46 @@ TEST_CASE("stress tears a bar of SOFA's like one of ours", "[slow]")
     CHECK_FALSE(ourPieces.empty());
 }
 
+TEST_CASE("a piece that falls out of the scene is told with its mass, and something of a body stays")
+{
+    const std::string engine = GENERATE("native", "sofa");
+    const bool held = GENERATE(true, false);
+    INFO(engine << (held ? ", held" : ", free"));
+    SoftBodyDef def = barDef();
+    def.rayleigh.mass = 0.0;
+    if (!held) def.attachments = {};
+    Cut cut(engine, def);
+    cut.through();
+    const auto loose = cut.detached();
+    REQUIRE(loose.size() == 1);
+    cut.server->setGravity({0, -200, 0});
+    std::vector<LostPiece> lost;
+    const auto fall = [&](int count) {
+        int counted = 0;
+        for (int i = 0; i < count; ++i) {
+            const TopologyReport topology = cut.step().topology;
+            counted += topology.lost;
+            lost.insert(lost.end(), topology.lostPieces.begin(), topology.lostPieces.end());
+        }
+        return counted;
+    };
+    CHECK(fall(150) == 0); // 9.1 m: g t (t + dt) / 2
+    CHECK(fall(15) == 1);  // 11.0 m
+    REQUIRE(lost.size() == 1);
+    CHECK(lost[0].body == cut.body);
+    CHECK(lost[0].piece == loose[0].piece);
+    CHECK(lost[0].mass == Approx(loose[0].mass));
+    CHECK(lost[0].share == Approx(loose[0].mass / (1000.0 * 3e-6)).epsilon(1e-4)); // of the whole bar
+    const auto isThere = [&](double x) {
+        const frame::SoftBodyFrame body = cut.frame();
+        return std::ranges::any_of(body.boundary->triangles, [&](const geometry::Triangle& each) {
+            return std::abs(body.boundary->rest[static_cast<std::size_t>(each[0])].x - x) < 1e-6;
+        });
+    };
+    CHECK(isThere(0.0));
+    CHECK_FALSE(isThere(0.03));
+    CHECK(fall(10) == 0); // of a free bar, what is left is beyond too
+    CHECK(isThere(0.0));
+}
+
 } // namespace cutting_test

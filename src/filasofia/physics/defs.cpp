@@ -4,6 +4,7 @@
 #include "filasofia/core/validate.h"
 #include "filasofia/geometry/mass_properties.h"
 #include "filasofia/geometry/mesh_file.h"
+#include "filasofia/math/world_inertia.h"
 #include "filasofia/physics/articulation.h"
 #include "filasofia/physics/check_field.h"
 #include "filasofia/physics/check_shell.h"
@@ -334,8 +335,7 @@ void check(const BodyDef& def)
 
 RigidInertia inertiaOf(const GivenInertia& given)
 {
-    const Mat3 axes = toMat3(normalized(given.axes));
-    return {given.mass, given.centre, axes * Mat3::diagonal(given.moments) * transpose(axes)};
+    return {given.mass, given.centre, worldInertia(Mat3::diagonal(given.moments), normalized(given.axes))};
 }
 
 RigidInertia inertiaOf(const RigidBodyDef& def)

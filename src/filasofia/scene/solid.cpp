@@ -3,6 +3,7 @@
 #include "filasofia/geometry/mass_properties.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/math/svd.h"
+#include "filasofia/math/world_inertia.h"
 
 #include <algorithm>
 #include <cmath>
@@ -113,8 +114,7 @@ physics::RigidInertia inertiaOf(const Solid& solid, double mass, std::string_vie
 physics::RigidInertia moved(const Pose& pose, const physics::RigidInertia& inertia)
 {
     if (pose.orientation == Quat{}) return {inertia.mass, transform(pose, inertia.centre), inertia.inertia};
-    const Mat3 turn = toMat3(pose.orientation);
-    return {inertia.mass, transform(pose, inertia.centre), turn * inertia.inertia * transpose(turn)};
+    return {inertia.mass, transform(pose, inertia.centre), worldInertia(inertia.inertia, pose.orientation)};
 }
 
 physics::RigidInertia sumOf(const physics::RigidInertia& a, const physics::RigidInertia& b)

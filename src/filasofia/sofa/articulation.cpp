@@ -11,14 +11,7 @@
 namespace filasofia::sofaengine {
 namespace {
 
-using physics::JointForce;
-using physics::JointPosition;
-
-// [N] at the arm's length: a stop bears no more, so that a tool which pushes a joint against it does not ask for what
-// cannot be. As in the native engine.
-constexpr double kMostAtStop = 1000.0;
-
-bool isFree(const physics::JointCommand& command) { return std::holds_alternative<JointForce>(command); }
+bool isFree(const physics::JointCommand& command) { return std::holds_alternative<physics::JointForce>(command); }
 bool isNear(Vec3 v) { return length(v) < physics::kFarthest; } // no NaN is
 
 /// The velocities that lead from one pose to another; none if that is a jump.
@@ -63,80 +56,17 @@ void Articulation::rest()
     for (frame::Joint& joint : state_.joints) joint.velocity = 0.0;
 }
 
-std::vector<double> Articulation::positions() const
+std::vector<engine::DrivenJoint> Articulation::joints() const
 {
-    std::vector<double> positions;
-    for (const frame::Joint& joint : state_.joints) positions.push_back(joint.position);
-    return positions;
+    std::vector<engine::DrivenJoint> joints;
+    for (std::size_t j = 0; j < state_.joints.size(); ++j)
+        joints.push_back({state_.commands[j], {state_.joints[j].position, state_.joints[j].velocity}});
+    return joints;
 }
 
-void Articulation::place(std::vector<Pose>& poses) const { engine::placeLinks(tree_, positions(), poses); }
-
-std::vector<engine::LinkMass> Articulation::masses(std::span<const Pose> poses) const
+void Articulation::place(std::vector<Pose>& poses) const
 {
-    std::vector<engine::LinkMass> masses;
-    for (std::size_t e = 0; e < poses.size(); ++e)
-        masses.push_back({inertias_[e].mass, transform(poses[e], inertias_[e].centre),
-                          engine::worldInertia(inertias_[e].inertia, poses[e].orientation)});
-    return masses;
-}
-
-/// Finds the free joints and all velocities. `ends`: gets where the others will be.
-void Articulation::findFree(double dt, const RigidState& now, std::vector<double>& ends)
-{
-    velocities_.clear();
-    free_.clear();
-    place_.assign(tree_.joints.size(), -1);
-    for (std::size_t j = 0; j < tree_.joints.size(); ++j) {
-        const frame::Joint& joint = state_.joints[j];
-        if (isFree(state_.commands[j])) {
-            place_[j] = static_cast<int>(free_.size());
-            free_.push_back(static_cast<int>(j));
-            velocities_.push_back(joint.velocity);
-        } else {
-            ends[j] = engine::positionAfter(tree_.joints[j], joint.position,
-                                            std::get<JointPosition>(state_.commands[j]).value, dt);
-            velocities_.push_back((ends[j] - joint.position) / dt);
-        }
-    }
-    if (!dynamic_) return;
-    for (int k = 0; k < engine::kBaseJoints; ++k) free_.push_back(static_cast<int>(tree_.joints.size()) + k);
-    for (const Vec3& v : {now.velocities[0], now.angularVelocities[0]})
-        velocities_.insert(velocities_.end(), {v.x, v.y, v.z});
-}
-
-std::vector<double> Articulation::drives(const std::vector<engine::LinkMass>& masses) const
-{
-    std::vector<double> forces;
-    for (const int joint : free_) {
-        double force = 0.0;
-        if (!engine::isOfBase(tree_, joint)) force = std::get<JointForce>(state_.commands[at(joint)]).value;
-        for (std::size_t link = 0; link < masses.size(); ++link)
-            if (engine::moves(tree_, joint, static_cast<int>(link)))
-                force += engine::forceOn(tree_, axes_, joint, masses[link].centre, wrenches[link].force,
-                                         wrenches[link].torque);
-        forces.push_back(force);
-    }
-    return forces;
-}
-
-void Articulation::planFree(double dt, const RigidState& now, const engine::LinkMotion& base, Vec3 gravity)
-{
-    const std::vector<engine::LinkMass> links = masses(now.poses);
-    std::vector<double> accelerations(tree_.joints.size());
-    for (std::size_t j = 0; j < accelerations.size(); ++j)
-        if (place_[j] < 0) accelerations[j] = (velocities_[j] - state_.joints[j].velocity) / dt;
-    const engine::LinkMotion gaining{1.0 / dt * (base.linear - now.velocities[0]),
-                                     1.0 / dt * (base.angular - now.angularVelocities[0])};
-    const std::vector<double> forces = drives(links);
-    step_ = engine::planJoints({tree_, axes_, now.poses, links, velocities_, accelerations, base, gaining},
-                               {.free = free_,
-                                .forces = forces,
-                                .gravity = gravity_ ? gravity : Vec3{},
-                                .freeBase = dynamic_,
-                                .linearDamping = linearDamping_,
-                                .angularDamping = angularDamping_},
-                               dt);
+    engine::placeLinks(tree_, engine::positionsOf(joints()), poses);
 }
 
 void Articulation::begin(double dt, const Pose& base, Vec3 gravity, RigidState& now)
@@ -144,27 +74,33 @@ void Articulation::begin(double dt, const Pose& base, Vec3 gravity, RigidState& 
     begun_ = true;
     poses_ = now.poses;
     baseEnd_ = base;
-    axes_ = engine::jointAxes(tree_, poses_);
-    std::vector<double> ends = positions();
-    findFree(dt, now, ends);
-    step_ = {};
-    pushed_.assign(free_.size(), 0.0);
-    engine::LinkMotion moving{now.velocities[0], now.angularVelocities[0]};
-    if (!dynamic_) moving = motionTo(poses_[0], base, dt);
+    const std::vector<engine::DrivenJoint> all = joints();
+    const engine::JointedBody own{tree_, all, poses_, {now.velocities[0], now.angularVelocities[0]}, dynamic_};
+    plan_ = engine::planMotion(own, dt);
+    pushed_.assign(plan_.free.size(), 0.0);
+    const engine::LinkMotion moving = dynamic_ ? own.base : motionTo(poses_[0], base, dt);
     std::vector<engine::LinkMotion> motion(poses_.size(), moving);
-    engine::moveLinks(tree_, axes_, poses_, velocities_, motion);
-    if (!free_.empty()) planFree(dt, now, moving, gravity);
+    engine::moveLinks(tree_, plan_.axes, poses_, plan_.velocities, motion);
+    if (!plan_.free.empty())
+        engine::planFree(own,
+                         {.inertias = inertias_,
+                          .wrenches = wrenches,
+                          .gravity = gravity_ ? gravity : Vec3{},
+                          .linearDamping = linearDamping_,
+                          .angularDamping = angularDamping_},
+                         moving, dt, plan_);
 
     std::vector<Pose> endPoses(poses_.size(), base);
-    engine::placeLinks(tree_, ends, endPoses);
+    engine::placeLinks(tree_, plan_.ends, endPoses);
     moves_.assign(poses_.size(), 0);
     for (std::size_t e = 0; e < poses_.size(); ++e) {
-        moves_[e] = std::ranges::any_of(free_, [&](int j) { return engine::moves(tree_, j, static_cast<int>(e)); });
+        moves_[e] =
+            std::ranges::any_of(plan_.free, [&](int j) { return engine::moves(tree_, j, static_cast<int>(e)); });
         if (moves_[e] == 0) motion[e] = motionTo(poses_[e], endPoses[e], dt);
         now.velocities[e] = motion[e].linear;
         now.angularVelocities[e] = motion[e].angular;
     }
-    for (const auto& [link, change] : changes(step_.change)) {
+    for (const auto& [link, change] : changes(plan_.step.change)) {
         now.velocities[at(link)] += fromSofa(getVCenter(change));
         now.angularVelocities[at(link)] += fromSofa(getVOrientation(change));
     }
@@ -174,12 +110,12 @@ void Articulation::begin(double dt, const Pose& base, Vec3 gravity, RigidState& 
 void Articulation::addRows(double dt)
 {
     rows_.clear();
-    for (std::size_t f = 0; f < free_.size(); ++f) {
-        if (engine::isOfBase(tree_, free_[f])) continue;
-        const engine::LinkJoint& joint = tree_.joints[at(free_[f])];
-        const double arm = step_.arms[f], now = state_.joints[at(free_[f])].position;
-        const double way = dt * (velocities_[at(free_[f])] + step_.change[f]);
-        const Row row{.joint = free_[f], .arm = arm, .high = dt * kMostAtStop};
+    for (std::size_t f = 0; f < plan_.free.size(); ++f) {
+        if (engine::isOfBase(tree_, plan_.free[f])) continue;
+        const engine::LinkJoint& joint = tree_.joints[at(plan_.free[f])];
+        const double arm = plan_.step.arms[f], now = state_.joints[at(plan_.free[f])].position;
+        const double way = dt * (plan_.velocities[at(plan_.free[f])] + plan_.step.change[f]);
+        const Row row{.joint = plan_.free[f], .arm = arm, .high = dt * engine::kMostAtStop};
         if (std::isfinite(joint.lower)) {
             rows_.push_back(row);
             rows_.back().gap = arm * (now + way - joint.lower);
@@ -203,7 +139,7 @@ void Articulation::addRows(double dt)
 std::vector<Articulation::Part> Articulation::partsOf(const Row& row) const
 {
     const engine::LinkJoint& joint = tree_.joints[at(row.joint)];
-    const engine::JointAxis& axis = axes_[at(row.joint)];
+    const engine::JointAxis& axis = plan_.axes[at(row.joint)];
     std::vector<Part> parts;
     for (const auto& [link, sign] : {std::pair{joint.child, 1.0}, {joint.parent, -1.0}}) {
         const Vec3 along = sign * row.sign * row.arm * axis.direction;
@@ -217,8 +153,8 @@ std::vector<Articulation::Part> Articulation::partsOf(const Row& row) const
 std::vector<Articulation::Part> Articulation::changes(std::span<const double> change) const
 {
     std::vector<Part> parts;
-    if (free_.empty()) return parts;
-    const auto motion = engine::linkChanges(tree_, axes_, poses_, free_, change);
+    if (plan_.free.empty()) return parts;
+    const auto motion = engine::linkChanges(tree_, plan_.axes, poses_, plan_.free, change);
     for (std::size_t e = 0; e < motion.size(); ++e)
         if (moves_[e] != 0)
             parts.emplace_back(static_cast<int>(e),
@@ -229,13 +165,13 @@ std::vector<Articulation::Part> Articulation::changes(std::span<const double> ch
 /// The changes of the free joints' velocities by impulses on links.
 std::vector<double> Articulation::changeBy(std::span<const Part> impulses) const
 {
-    std::vector<double> pushes(free_.size()), change(free_.size());
+    std::vector<double> pushes(plan_.free.size()), change(plan_.free.size());
     for (const auto& [link, impulse] : impulses)
-        for (std::size_t f = 0; f < free_.size(); ++f)
-            if (engine::moves(tree_, free_[f], link))
-                pushes[f] += engine::forceOn(tree_, axes_, free_[f], poses_[at(link)].position,
+        for (std::size_t f = 0; f < plan_.free.size(); ++f)
+            if (engine::moves(tree_, plan_.free[f], link))
+                pushes[f] += engine::forceOn(tree_, plan_.axes, plan_.free[f], poses_[at(link)].position,
                                              fromSofa(getVCenter(impulse)), fromSofa(getVOrientation(impulse)));
-    if (!free_.empty()) engine::multiply(step_.inverse, pushes, change);
+    if (!plan_.free.empty()) engine::multiply(plan_.step.inverse, pushes, change);
     return change;
 }
 
@@ -253,37 +189,27 @@ std::vector<Articulation::Part> Articulation::push(std::span<const Part> impulse
 bool Articulation::finish(double dt, bool failed, RigidState& now)
 {
     if (!std::exchange(begun_, false)) return true; // the step failed before
-    std::vector<frame::Joint> joints = state_.joints;
+    std::vector<engine::DrivenJoint> moved = joints();
     std::vector<Pose> poses(poses_.size(), baseEnd_);
     bool good = !failed;
     if (good && dynamic_) {
         good = isNear(now.velocities[0]) && isNear(now.angularVelocities[0]);
         if (good) poses[0] = engine::moved(poses_[0], {}, now.velocities[0], now.angularVelocities[0], dt);
     }
-    for (std::size_t j = 0; good && j < joints.size(); ++j) {
-        const engine::LinkJoint& joint = tree_.joints[j];
-        joints[j].velocity = velocities_[j];
-        if (place_[j] < 0) {
-            joints[j].position =
-                engine::positionAfter(joint, joints[j].position, std::get<JointPosition>(state_.commands[j]).value, dt);
-            continue;
+    std::vector<double> change = pushed_;
+    for (std::size_t f = 0; f < plan_.step.change.size(); ++f) change[f] += plan_.step.change[f];
+    good = good && engine::moveJoints(tree_, plan_, change, dt, moved);
+    if (good) {
+        engine::placeLinks(tree_, engine::positionsOf(moved), poses);
+        good = std::ranges::all_of(poses, [](const Pose& pose) { return isNear(pose.position); });
+    }
+    if (good) {
+        for (std::size_t j = 0; j < moved.size(); ++j) {
+            state_.joints[j].position = moved[j].now.position;
+            state_.joints[j].velocity = moved[j].now.velocity;
         }
-        const auto f = at(place_[j]);
-        const double velocity = velocities_[j] + step_.change[f] + pushed_[f];
-        good = std::abs(velocity) < physics::kFarthest;
-        if (!good) break;
-        const engine::JointMotion end = engine::moved(joint, joints[j].position, velocity, dt);
-        joints[j].position = end.position;
-        joints[j].velocity = end.velocity;
-    }
-    if (good) std::swap(state_.joints, joints);
-    place(poses);
-    if (good && !std::ranges::all_of(poses, [](const Pose& pose) { return isNear(pose.position); })) {
-        good = false;
-        std::swap(state_.joints, joints);
-    }
-    if (!good) {
-        poses[0] = dynamic_ ? poses_[0] : baseEnd_;
+    } else {
+        poses.assign(poses.size(), dynamic_ ? poses_[0] : baseEnd_);
         place(poses);
         rest();
     }
@@ -295,14 +221,14 @@ bool Articulation::finish(double dt, bool failed, RigidState& now)
 
 void Articulation::load(std::span<const PointForce> forces, std::span<const double> impulses, double dt)
 {
-    if (axes_.empty()) return; // no step was made
+    if (plan_.axes.empty()) return; // no step was made
     for (std::size_t j = 0; j < state_.joints.size(); ++j) {
         frame::Joint& joint = state_.joints[j];
         joint.load = joint.stop = 0.0;
         for (const PointForce& each : forces)
             if (engine::moves(tree_, static_cast<int>(j), each.element))
-                joint.load += engine::forceOn(tree_, axes_, static_cast<int>(j), each.point, each.force, {});
-        const auto* given = std::get_if<JointForce>(&state_.commands[j]);
+                joint.load += engine::forceOn(tree_, plan_.axes, static_cast<int>(j), each.point, each.force, {});
+        const auto* given = std::get_if<physics::JointForce>(&state_.commands[j]);
         joint.force = given ? given->value : -joint.load; // what its motion takes
     }
     for (std::size_t r = 0; r < std::min(rows_.size(), impulses.size()); ++r)

@@ -3,7 +3,7 @@
 #include "filasofia/sofa/rigid_loads.h"
 #include "filasofia/sofa/rigid_state.h"
 
-#include "filasofia/engine/articulation/joint_step.h"
+#include "filasofia/engine/articulation/joint_plan.h"
 #include "filasofia/frame/joint.h"
 
 #include <span>
@@ -29,7 +29,7 @@ public:
     [[nodiscard]] bool isDriven() const;
     [[nodiscard]] int parentOf(int element) const; ///< the link that a joint connects a link to; -1: none
     void setCommand(int joint, const physics::JointCommand& command);
-    std::vector<RigidLoads::Wrench> wrenches = {}; ///< one per link
+    std::vector<engine::Wrench> wrenches = {}; ///< one per link
 
     /// Begins a step of dt [s]. `now` comes with the last step's velocities and gets those of this one, without
     /// constraints. `base`: where a base that is told will be.
@@ -68,12 +68,8 @@ public:
     void rest(); ///< stops the joints
 
 private:
-    [[nodiscard]] std::vector<double> positions() const;
-    [[nodiscard]] std::vector<engine::LinkMass> masses(std::span<const Pose> poses) const;
-    void findFree(double dt, const RigidState& now, std::vector<double>& ends);
-    void planFree(double dt, const RigidState& now, const engine::LinkMotion& base, Vec3 gravity);
+    [[nodiscard]] std::vector<engine::DrivenJoint> joints() const;
     void addRows(double dt);
-    [[nodiscard]] std::vector<double> drives(const std::vector<engine::LinkMass>& masses) const;
     [[nodiscard]] std::vector<double> changeBy(std::span<const Part> impulses) const;
     [[nodiscard]] std::vector<Part> changes(std::span<const double> change) const;
 
@@ -86,13 +82,10 @@ private:
 
     // The step, as it was planned.
     bool begun_ = false;
-    std::vector<engine::JointAxis> axes_;
-    std::vector<Pose> poses_;        ///< at its start
-    Pose baseEnd_;                   ///< where a base that is told will be
-    std::vector<double> velocities_; ///< all joints' and a free base's
-    std::vector<int> free_, place_;  ///< the free joints; per joint its place there, or -1
-    std::vector<char> moves_;        ///< per link: a free joint moves it
-    engine::JointStep step_;
+    engine::JointPlan plan_;
+    std::vector<Pose> poses_;    ///< at its start
+    Pose baseEnd_;               ///< where a base that is told will be
+    std::vector<char> moves_;    ///< per link: a free joint moves it
     std::vector<double> pushed_; ///< change of the free joints' velocities by constraints
     std::vector<Row> rows_;
 };

@@ -30,7 +30,7 @@ constexpr double kFarAhead = 20; // [-] but not farther than so many proximities
 // [-] sine of the angle by which a neighbour of a vertex may lie nearer, as in the native engine: with 0 only the
 // lowest vertex of a face counts, in each step another.
 constexpr double kCone = 0.1;
-constexpr int kSweeps = 40;      // per round of ExactContact
+constexpr int kSweeps = 80;      // per round of ExactContact; a first touch may need 640 in all
 constexpr double kLength = 1e-6; // [m] by ExactContact::tolerance times this a sweep may still move a contact
 
 ConstraintSolver::SPtr solverOf(const physics::ExactContact& exact)

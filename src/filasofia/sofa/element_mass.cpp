@@ -1,5 +1,7 @@
 #include "filasofia/sofa/element_mass.h"
 
+#include "filasofia/math/world_inertia.h"
+
 #include <sofa/core/behavior/MechanicalState.h>
 #include <sofa/core/objectmodel/BaseContext.h>
 
@@ -12,12 +14,6 @@ using ::sofa::core::vec_id::read_access::velocity;
 
 } // namespace
 
-Mat3 ElementMass::worldInertia(const Quat& turn) const
-{
-    const Mat3 r = toMat3(turn);
-    return r * inertia * transpose(r);
-}
-
 void ElementMass::begin(double dt)
 {
     const auto& x = this->mstate->read(position)->getValue();
@@ -27,12 +23,12 @@ void ElementMass::begin(double dt)
     for (std::size_t i = 0; i < x.size(); ++i) {
         const Quat start = fromSofa(x[i].getOrientation());
         const Vec3 before = fromSofa(getVOrientation(v[i]));
-        const Mat3 own = worldInertia(start);
+        const Mat3 own = worldInertia(inertia, start);
         const Vec3 momentum = own * before;
         Vec3 through = before;
         for (int k = 0; k < kRounds; ++k) {
             const Vec3 half = 0.5 * dt * through;
-            middle_[i] = worldInertia(axisAngle(half, length(half)) * start);
+            middle_[i] = worldInertia(inertia, axisAngle(half, length(half)) * start);
             through = inverse(middle_[i]) * momentum;
         }
         moments_[i] = (momentum - middle_[i] * before) / dt;
@@ -45,7 +41,7 @@ void ElementMass::finish()
     ::sofa::helper::WriteAccessor v(*this->mstate->write(::sofa::core::vec_id::write_access::velocity));
     for (std::size_t i = 0; i < middle_.size(); ++i) {
         const Vec3 momentum = middle_[i] * fromSofa(getVOrientation(v[i]));
-        getVOrientation(v[i]) = toSofa(inverse(worldInertia(fromSofa(x[i].getOrientation()))) * momentum);
+        getVOrientation(v[i]) = toSofa(inverse(worldInertia(inertia, fromSofa(x[i].getOrientation()))) * momentum);
     }
 }
 

@@ -39,8 +39,6 @@ public:
     using Mass::addMDx;
 
 private:
-    [[nodiscard]] Mat3 worldInertia(const Quat& turn) const;
-
     std::vector<Mat3> middle_;
     std::vector<Vec3> moments_; ///< [N m] in this step
 };

@@ -1,5 +1,6 @@
 #include "filasofia/sofa/follow_cut.h"
 
+#include "filasofia/engine/rupture/keep_momentum.h"
 #include "filasofia/engine/rupture/pin_new_nodes.h"
 #include "filasofia/geometry/adjacency.h"
 
@@ -104,26 +105,19 @@ void followPins(const TopologyEdit& edit, const std::vector<Vec3>& places, std::
         }
 }
 
-/// A sliding node moves mass between nodes. The momentum that this adds or removes is spread over all nodes whose mass
-/// has changed, unless they are pinned.
+/// Nodes whose mass an edit has changed keep their momentum; what is held rests.
 void keepMomentum(const SoftPlan& old, const std::vector<Vec3>& velocities, BodyDraft& body)
 {
     const std::vector<std::uint8_t> held = heldNodes(body.settings.pins, body.state.velocities.size());
-    Vec3 lost;
-    double mass = 0.0;
-    std::vector<std::size_t> reached;
+    std::vector<int> reached;
     for (std::size_t i = 0; i < held.size(); ++i) {
-        const double before = i < old.masses.size() ? old.masses[i] : 0.0;
-        if (before == body.plan.masses[i]) continue;
+        if ((i < old.masses.size() ? old.masses[i] : 0.0) == body.plan.masses[i]) continue;
         if (held[i] != 0) body.state.velocities[i] = {};
-        if (i < velocities.size()) lost += before * velocities[i];
-        lost -= body.plan.masses[i] * body.state.velocities[i];
-        if (held[i] != 0) continue;
-        mass += body.plan.masses[i];
-        reached.push_back(i);
+        reached.push_back(static_cast<int>(i));
     }
-    if (!(mass > 0.0)) return;
-    for (const std::size_t i : reached) body.state.velocities[i] += 1.0 / mass * lost;
+    engine::keepMomentum(
+        engine::momentumOf(reached, old.masses, velocities), reached, body.plan.masses,
+        [&](int node) { return held[at(node)] != 0; }, body.state.velocities);
 }
 
 } // namespace

@@ -1,5 +1,8 @@
 #include "filasofia/sofa/node_removal.h"
 
+#include "filasofia/sofa/compliant_factor.h"
+
+#include <sofa/component/linearsystem/MatrixLinearSystem.h>
 #include <sofa/simulation/Simulation.h>
 
 namespace filasofia::sofaengine {
@@ -13,9 +16,22 @@ void addComponents(const ::sofa::simulation::Node& node, Components& out)
     for (const auto& below : node.child) addComponents(*below, out);
 }
 
+/// Lets an assembled system part its slaves. Only it knows those of contacts that ended in its last step: they have
+/// left the graph, and nothing else leads to them.
+class PartedSystem final : public ::sofa::component::linearsystem::MatrixLinearSystem<Blocks, Assembled> {
+public:
+    using System = MatrixLinearSystem<Blocks, Assembled>;
+    static void part(System& system) { (system.*&PartedSystem::cleanLocalMatrices)(); }
+};
+
 } // namespace
 
-PartedSlaves::PartedSlaves(const ::sofa::simulation::Node& node) { addComponents(node, components_); }
+PartedSlaves::PartedSlaves(const ::sofa::simulation::Node& node)
+{
+    addComponents(node, components_);
+    for (const auto& each : components_)
+        if (auto* system = dynamic_cast<PartedSystem::System*>(each.get())) PartedSystem::part(*system);
+}
 
 PartedSlaves::~PartedSlaves()
 {

@@ -7,9 +7,9 @@
 
 namespace filasofia::sofaengine {
 
-/// SOFA's assembled systems give a component slaves that hold their master, so that neither would be deleted. At its
-/// end this parts all that were in a graph at its beginning, contacts that have gone meanwhile included. Their systems
-/// must have gone too: they keep pointers.
+/// SOFA's assembled systems give a component slaves that hold their master, so that neither would be deleted. This
+/// parts all in a graph that will go: those of the systems that bodies have at once, others at its end, contacts that
+/// have gone meanwhile included. Their systems must have gone then too: they keep pointers.
 class PartedSlaves {
 public:
     explicit PartedSlaves(const ::sofa::simulation::Node& node);

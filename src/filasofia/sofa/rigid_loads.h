@@ -2,6 +2,7 @@
 
 #include "filasofia/sofa/sofa_vec.h"
 
+#include "filasofia/engine/articulation/link_motion.h"
 #include "filasofia/physics/defs.h"
 #include "filasofia/physics/haptic_target.h"
 
@@ -18,11 +19,6 @@ class RigidLoads final : public ::sofa::core::behavior::ForceField<RigidTypes> {
 public:
     SOFA_CLASS(RigidLoads, SOFA_TEMPLATE(::sofa::core::behavior::ForceField, RigidTypes));
 
-    /// On an element, at its centre of mass.
-    struct Wrench {
-        Vec3 force = {};  ///< [N]
-        Vec3 torque = {}; ///< [N m]
-    };
     /// A hand on an element, as the next solve sees it: where its force or torque would exceed the limit, spring and
     /// damper are both weaker, as in the native engine.
     struct Hand {
@@ -31,7 +27,7 @@ public:
         double linear = 1.0;  ///< [-] factor of the force
         double angular = 1.0; ///< [-] factor of the torque
     };
-    std::vector<Wrench> wrenches = {};           ///< one per element
+    std::vector<engine::Wrench> wrenches = {};   ///< one per element
     std::vector<std::optional<Hand>> hands = {}; ///< one per element
     double weightless = 0.0;                     ///< [kg] per element, if gravity does not act on the body; else 0
 

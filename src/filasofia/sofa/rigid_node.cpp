@@ -167,7 +167,7 @@ bool RigidNode::isUsable() const
     return true;
 }
 
-void RigidNode::setWrench(int element, const RigidLoads::Wrench& wrench)
+void RigidNode::setWrench(int element, const engine::Wrench& wrench)
 {
     (loads_ ? loads_->wrenches : joints_.wrenches)[static_cast<std::size_t>(element)] = wrench;
 }

@@ -20,7 +20,7 @@ namespace filasofia::sofaengine {
 
 /// What commands change of a rigid body, besides its motion; per element.
 struct RigidSettings {
-    std::vector<RigidLoads::Wrench> wrenches = {};           ///< empty if it is kinematic without joints
+    std::vector<engine::Wrench> wrenches = {};               ///< empty if it is kinematic without joints
     std::vector<std::optional<RigidLoads::Hand>> hands = {}; ///< empty if it is kinematic
     std::vector<std::optional<Pose>> targets = {}; ///< where a kinematic body will be at the end of the next step
     Articulation::State joints = {};
@@ -53,7 +53,7 @@ public:
     /// The scene has constraints from now on: without it they would hold the body where it is.
     void joinConstraints();
 
-    void setWrench(int element, const RigidLoads::Wrench& wrench);
+    void setWrench(int element, const engine::Wrench& wrench);
     /// A hand that holds an element of a dynamic body from now on; without stiffness and damping none.
     void setHand(int element, const physics::HapticTarget& target);
     /// For a dynamic body its pose at once and at rest, for a kinematic one that at the end of the next step.

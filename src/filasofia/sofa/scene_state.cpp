@@ -39,7 +39,7 @@ void addTo(Hasher& hash, const RigidSettings& body, bool drive)
 {
     hash.add(static_cast<std::uint64_t>(body.cutting ? 1 : 0));
     hash.add(static_cast<std::uint64_t>(body.sheath));
-    for (const RigidLoads::Wrench& each : body.wrenches) {
+    for (const engine::Wrench& each : body.wrenches) {
         const Vec3 both[] = {each.force, each.torque};
         hash.addAll(std::span<const Vec3>(both));
     }

@@ -100,22 +100,18 @@ std::vector<int> piecesBeyond(double far, const SoftCuts& cuts, const std::vecto
 {
     const engine::MeshTopology& mesh = cuts.mesh.data();
     const std::vector<int>& pieces = cuts.pieces.ofTetrahedron();
-    std::map<int, std::pair<int, int>> found; // per piece: its number of elements, and its first node
-    for (std::size_t e = 0; e < pieces.size(); ++e) {
-        if (cuts.removed.contains(pieces[e])) continue;
-        const int lowest = std::ranges::min(mesh.tetrahedra[e]);
-        auto& [count, node] = found.try_emplace(pieces[e], 0, lowest).first->second;
-        ++count;
-        node = std::min(node, lowest);
-    }
-    std::vector<std::array<int, 2>> beyond;
-    for (const auto& [piece, of] : found)
-        if (distance(positions[at(of.second)], mesh.rest[at(of.second)]) > far) beyond.push_back({of.first, piece});
-    std::ranges::sort(beyond);
-    if (!beyond.empty() && beyond.size() == found.size()) beyond.pop_back();
-    std::vector<int> numbers;
-    for (const auto& each : beyond) numbers.push_back(each[1]);
-    return numbers;
+    std::vector<int> ofNode(mesh.rest.size(), -1); // pieces share no nodes
+    for (std::size_t e = 0; e < pieces.size(); ++e)
+        if (!cuts.removed.contains(pieces[e]))
+            for (const int node : mesh.tetrahedra[e]) ofNode[at(node)] = pieces[e];
+    std::map<int, engine::PiecePlace> found;
+    for (std::size_t i = 0; i < ofNode.size(); ++i)
+        if (ofNode[i] >= 0)
+            ++found.try_emplace(ofNode[i], engine::PiecePlace{ofNode[i], 0, positions[i], mesh.rest[i]})
+                  .first->second.nodes;
+    std::vector<engine::PiecePlace> places;
+    for (const auto& [number, place] : found) places.push_back(place);
+    return engine::piecesBeyond(far, places);
 }
 
 } // namespace filasofia::sofaengine

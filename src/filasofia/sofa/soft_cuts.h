@@ -48,8 +48,7 @@ bool removePiece(int piece, SoftCuts& cuts, SoftPlan& plan);
 /// Per node, 1 if it is in no element that is left.
 std::vector<char> goneNodes(const SoftPlan& plan);
 
-/// The numbers of pieces whose first node is farther than `far` [m] from its place at rest, those with fewest elements
-/// first. The last piece of a body is never among them.
+/// The numbers of pieces that are farther than `far` [m] from their places at rest (engine/rupture/pieces.h).
 std::vector<int> piecesBeyond(double far, const SoftCuts& cuts, const std::vector<Vec3>& positions);
 
 } // namespace filasofia::sofaengine

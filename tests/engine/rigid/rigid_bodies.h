@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/engine/rigid/rigid_step.h"
+#include "filasofia/math/world_inertia.h"
 
 #include "engine/stage.h"
 

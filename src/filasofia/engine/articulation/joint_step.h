@@ -34,6 +34,10 @@ struct JointStep {
 /// joints that are told a position.
 JointStep planJoints(const MovingTree& moving, const JointDrive& drive, double dt);
 
+/// [N] at the arm's length: a stop bears no more. If a body that is told its motion pushes a joint against its stop,
+/// both cannot be satisfied: the stop yields, and the joint's position is clamped.
+inline constexpr double kMostAtStop = 1000.0;
+
 /// The generalised force of a force and a torque at a link's point on a joint that moves it.
 double forceOn(const LinkTree& tree, std::span<const JointAxis> axes, int joint, Vec3 point, Vec3 force, Vec3 torque);
 

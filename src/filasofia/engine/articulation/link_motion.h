@@ -32,6 +32,13 @@ struct LinkMass {
     Mat3 inertia;      ///< [kg m^2] about the centre of mass
 };
 
+/// Force and torque on a rigid element at its centre of mass, in world axes.
+struct Wrench {
+    Vec3 force;  ///< [N]
+    Vec3 torque; ///< [N m]
+    friend constexpr bool operator==(const Wrench&, const Wrench&) = default;
+};
+
 /// Computes the poses of all links from that of the base, poses[0], and the joints' positions.
 void placeLinks(const LinkTree& tree, std::span<const double> positions, std::span<Pose> poses);
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "filasofia/core/body_id.h"
-#include "filasofia/engine/articulation/link_tree.h"
+#include "filasofia/engine/articulation/link_motion.h"
 #include "filasofia/engine/body/channel.h"
 #include "filasofia/engine/body/collision_model.h"
 #include "filasofia/frame/joint.h"
@@ -42,13 +42,6 @@ struct RigidModel {
     std::shared_ptr<const geometry::TriangleMesh> surface; ///< in the element's coordinates; may be null
     ArticulationModel articulation;                        ///< joints between its elements
     std::optional<Needle> needle;                          ///< none: it pierces nothing
-};
-
-/// Force and torque on a rigid element at its centre of mass, in world axes.
-struct Wrench {
-    Vec3 force;  ///< [N]
-    Vec3 torque; ///< [N m]
-    friend constexpr bool operator==(const Wrench&, const Wrench&) = default;
 };
 
 /// The state of a joint: its command, its motion, and the forces with which the next solve starts.

@@ -10,11 +10,6 @@ namespace {
 constexpr double kJointRecovery = 0.05;
 constexpr double kJointTolerance = 1e-6; ///< [m] at the arm's length: how far a joint may pass a limit in a step
 
-// [N] at the arm's length: maximum force of a limit. If a kinematic body pushes a joint against its limit, both cannot
-// be satisfied, and the multipliers would grow without bound. So the limit yields in the solve, and the joint's
-// position is clamped.
-constexpr double kMaxLimitForce = 1000.0;
-
 /// [N m] or [N] The start of the constraint's next solve.
 double& carriedBy(JointState& joint, const Constraint& constraint)
 {
@@ -31,7 +26,7 @@ Constraint jointConstraint(ConstraintKind kind, const JointInfo& info, const Art
     point.of = BodyPoint::Of::Joint;
     point.body = plan.first;
     point.joint = info.joint;
-    point.velocity.x = info.arm * plan.velocities[static_cast<std::size_t>(info.joint)];
+    point.velocity.x = info.arm * plan.joints.velocities[static_cast<std::size_t>(info.joint)];
     const double inwards = info.upper ? -1.0 : 1.0;
     constraint.frame = {Vec3{inwards, 0, 0}, Vec3{0, inwards, 0}, Vec3{0, 0, 1}};
     constraint.impulse.x = impulse;
@@ -45,7 +40,7 @@ Constraint limitOf(const JointInfo& info, const ArticulationPlan& plan, double g
     Constraint limit = jointConstraint(ConstraintKind::JointLimit, info, plan, dt * carried / info.arm);
     limit.bias.x = (carried > 0.0 ? kJointRecovery : 1.0) * info.arm * gap / dt;
     limit.tolerance = kJointTolerance / dt;
-    limit.maxImpulse = dt * kMaxLimitForce;
+    limit.maxImpulse = dt * kMostAtStop; // the multipliers would grow without bound
     return limit;
 }
 
@@ -67,7 +62,7 @@ void addLoad(const Coupling& coupling, const BodyPoint& point, Vec3 force, Scene
     const LinkTree& tree = scene.rigid[plan.body].model.articulation.tree;
     for (int j = tree.jointOf[link.element]; j >= 0;
          j = tree.jointOf[static_cast<std::size_t>(tree.joints[static_cast<std::size_t>(j)].parent)]) {
-        const LinkMotion column = columnAt(tree, plan.axes, j, point.position);
+        const LinkMotion column = columnAt(tree, plan.joints.axes, j, point.position);
         scene.rigid[plan.body].state.joints[static_cast<std::size_t>(j)].now.load +=
             turning ? dot(column.angular, force.x * point.axis) : dot(column.linear, force);
     }
@@ -82,12 +77,12 @@ void addJointConstraints(double dt, const Scene& scene, Coupling& coupling)
         const ArticulationPlan& plan = coupling.articulations[a];
         const RigidBody& body = scene.rigid[plan.body];
         const LinkTree& tree = body.model.articulation.tree;
-        for (std::size_t f = 0; f < plan.free.size(); ++f) {
-            if (isOfBase(tree, plan.free[f])) continue;
-            const auto j = static_cast<std::size_t>(plan.free[f]);
+        for (std::size_t f = 0; f < plan.joints.free.size(); ++f) {
+            if (isOfBase(tree, plan.joints.free[f])) continue;
+            const auto j = static_cast<std::size_t>(plan.joints.free[f]);
             const LinkJoint& joint = tree.joints[j];
             const JointState& now = body.state.joints[j];
-            JointInfo info{.articulation = a, .joint = plan.free[f], .arm = plan.step.arms[f]};
+            JointInfo info{.articulation = a, .joint = plan.joints.free[f], .arm = plan.joints.step.arms[f]};
             if (std::isfinite(joint.lower))
                 coupling.constraints.push_back(
                     limitOf(info, plan, now.now.position - joint.lower, now.lowerLimitForce, dt));

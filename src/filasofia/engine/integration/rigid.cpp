@@ -81,10 +81,4 @@ RigidChange velocitiesBetween(const Pose& from, const Pose& to, double dt)
     return {(to.position - from.position) / dt, rotation / dt};
 }
 
-Mat3 worldInertia(const Mat3& inertia, Quat orientation)
-{
-    const Mat3 r = toMat3(orientation);
-    return r * inertia * transpose(r);
-}
-
 } // namespace filasofia::engine

@@ -40,7 +40,4 @@ Pose moved(const Pose& pose, Vec3 centre, Vec3 velocity, Vec3 angularVelocity, d
 /// The constant velocities of the pose's origin that lead from one pose to another in dt > 0, by the shorter rotation.
 RigidChange velocitiesBetween(const Pose& from, const Pose& to, double dt);
 
-/// A body's inertia tensor in world axes.
-Mat3 worldInertia(const Mat3& inertia, Quat orientation);
-
 } // namespace filasofia::engine

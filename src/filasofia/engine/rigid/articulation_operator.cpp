@@ -6,11 +6,11 @@
 namespace filasofia::engine {
 ArticulationOperator::ArticulationOperator(const LinkTree& tree, const ArticulationPlan& plan,
                                            std::vector<Vec3> origins)
-    : DenseOperator(plan.free.size()), tree_(tree), plan_(plan), origins_(std::move(origins)),
-      rightHandSide_(plan.free.size())
+    : DenseOperator(plan.joints.free.size()), tree_(tree), plan_(plan), origins_(std::move(origins)),
+      rightHandSide_(plan.joints.free.size())
 {
     // Without constraints the solve gives the planned change.
-    engine::multiply(plan.step.matrix, plan.step.change, rightHandSide_);
+    engine::multiply(plan.joints.step.matrix, plan.joints.step.change, rightHandSide_);
 }
 
 double ArticulationOperator::begin(std::span<const ContactPoint> points)
@@ -19,12 +19,12 @@ double ArticulationOperator::begin(std::span<const ContactPoint> points)
     columns_.clear();
     for (const ContactPoint& point : points)
         for (std::size_t f = 0; f < x_.size(); ++f) {
-            const int joint = plan_.free[f];
+            const int joint = plan_.joints.free[f];
             if (point.joint)
-                columns_.push_back(joint == *point.joint ? Vec3{plan_.step.arms[f], 0.0, 0.0} : Vec3{});
+                columns_.push_back(joint == *point.joint ? Vec3{plan_.joints.step.arms[f], 0.0, 0.0} : Vec3{});
             else if (moves(tree_, joint, point.link)) {
-                const LinkMotion column =
-                    columnAt(tree_, plan_.axes, joint, origins_[static_cast<std::size_t>(point.link)] + point.arm);
+                const LinkMotion column = columnAt(tree_, plan_.joints.axes, joint,
+                                                   origins_[static_cast<std::size_t>(point.link)] + point.arm);
                 columns_.push_back(point.axis ? Vec3{filasofia::dot(column.angular, *point.axis), 0.0, 0.0}
                                               : column.linear);
             } else
@@ -34,8 +34,9 @@ double ArticulationOperator::begin(std::span<const ContactPoint> points)
     std::ranges::fill(p_, 0.0);
     r_ = rightHandSide_;
     double largest = 0.0; // the largest effective mass of a joint
-    for (std::size_t f = 0; f < plan_.free.size(); ++f)
-        largest = std::max(largest, plan_.step.matrix(f, f) / (plan_.step.arms[f] * plan_.step.arms[f]));
+    for (std::size_t f = 0; f < plan_.joints.free.size(); ++f)
+        largest =
+            std::max(largest, plan_.joints.step.matrix(f, f) / (plan_.joints.step.arms[f] * plan_.joints.step.arms[f]));
     return largest;
 }
 
@@ -44,7 +45,7 @@ Mat3 ArticulationOperator::compliance(int point) const
     const std::span<const Vec3> j = columnsOf(static_cast<std::size_t>(point));
     Mat3 sum;
     for (std::size_t a = 0; a < j.size(); ++a)
-        for (std::size_t b = 0; b < j.size(); ++b) sum += plan_.step.inverse(a, b) * outer(j[a], j[b]);
+        for (std::size_t b = 0; b < j.size(); ++b) sum += plan_.joints.step.inverse(a, b) * outer(j[a], j[b]);
     return sum;
 }
 
@@ -69,18 +70,18 @@ Mat3 ArticulationOperator::block(int row, int column) const
     for (int i = 0; i < 3; ++i)
         for (int k = 0; k < 3; ++k) {
             const auto f = static_cast<std::size_t>(3 * row + i), g = static_cast<std::size_t>(3 * column + k);
-            out[i][k] = std::max(f, g) < x_.size() ? plan_.step.matrix(f, g) : f == g ? 1.0 : 0.0;
+            out[i][k] = std::max(f, g) < x_.size() ? plan_.joints.step.matrix(f, g) : f == g ? 1.0 : 0.0;
         }
     return out;
 }
 
 double ArticulationOperator::multiply()
 {
-    engine::multiply(plan_.step.matrix, p_, q_);
+    engine::multiply(plan_.joints.step.matrix, p_, q_);
     return product(p_, q_);
 }
 
-void ArticulationOperator::smooth() { engine::multiply(plan_.step.inverse, r_, w_); }
+void ArticulationOperator::smooth() { engine::multiply(plan_.joints.step.inverse, r_, w_); }
 
 double ArticulationOperator::applyCoarse(std::span<const double>)
 {
@@ -92,7 +93,7 @@ void ArticulationOperator::subtractSmoothed(std::span<const Vec3> impulses)
 {
     Vector pushed(x_.size()), moved(x_.size());
     addTo(pushed, impulses);
-    engine::multiply(plan_.step.inverse, pushed, moved);
+    engine::multiply(plan_.joints.step.inverse, pushed, moved);
     for (std::size_t i = 0; i < z_.size(); ++i) z_[i] -= moved[i];
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "filasofia/engine/articulation/joint_step.h"
+#include "filasofia/engine/articulation/joint_plan.h"
 #include "filasofia/engine/rigid/rigid_step.h"
 
-/// A step of articulated bodies (engine/articulation/joint_step.h). Joints with a position command are kinematic:
+/// A step of articulated bodies (engine/articulation/joint_plan.h). Joints with a position command are kinematic:
 /// contacts do not stop them. Joints with a force command are free, and so is the base of a dynamic body, whose six
 /// degrees of freedom link_motion.h numbers after the joints. All links that a free joint moves are dynamic in the
 /// plan.
@@ -11,16 +11,10 @@ namespace filasofia::engine {
 
 /// The planned step of one articulated body.
 struct ArticulationPlan {
-    std::size_t body = 0;           ///< index in Scene::rigid
-    std::size_t first = 0;          ///< index of the base in the RigidPlan
-    Pose baseEnd;                   ///< pose of the base at the end of the step
-    std::vector<JointAxis> axes;    ///< per joint: its axis at the start of the step
-    std::vector<double> velocities; ///< [rad/s] or [m/s] per joint: throughout the step; at its start if the joint is
-                                    ///< free. The six velocities of a free base follow
-    std::vector<int> free;          ///< the free joints, ascending
-    std::vector<int> place;         ///< per joint: its index in `free`; -1: not free
-    bool freeBase = false;          ///< the base is free: its six degrees of freedom are the last of `free`
-    JointStep step;                 ///< that of the free joints; constraints add their changes to its own
+    std::size_t body = 0;  ///< index in Scene::rigid
+    std::size_t first = 0; ///< index of the base in the RigidPlan
+    Pose baseEnd;          ///< pose of the base at the end of the step
+    JointPlan joints;      ///< constraints add their changes to that of its step
 };
 using ArticulationPlans = std::vector<ArticulationPlan>; ///< in the order of bodies
 

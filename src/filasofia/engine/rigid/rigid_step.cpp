@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/body/usable.h"
 #include "filasofia/engine/rigid/virtual_coupling.h"
+#include "filasofia/math/world_inertia.h"
 #include "filasofia/physics/limits.h"
 
 namespace filasofia::engine {

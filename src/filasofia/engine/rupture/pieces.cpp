@@ -1,6 +1,7 @@
 #include "filasofia/engine/rupture/pieces.h"
 
 #include <algorithm>
+#include <tuple>
 
 namespace filasofia::engine {
 
@@ -151,6 +152,18 @@ std::vector<DetachedPiece> Pieces::divide(const MeshTopology& mesh)
     }
     count_ = parts;
     return detached;
+}
+
+std::vector<int> piecesBeyond(double far, std::span<const PiecePlace> pieces)
+{
+    std::vector<std::tuple<bool, std::size_t, int>> beyond; // is the body itself, node count, number
+    for (const PiecePlace& piece : pieces)
+        if (distance(piece.now, piece.rest) > far) beyond.emplace_back(piece.number == 0, piece.nodes, piece.number);
+    std::ranges::sort(beyond);
+    if (!beyond.empty() && beyond.size() == pieces.size()) beyond.pop_back();
+    std::vector<int> numbers;
+    for (const auto& [itself, nodes, number] : beyond) numbers.push_back(number);
+    return numbers;
 }
 
 } // namespace filasofia::engine

@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/rupture/editable_mesh.h"
 
+#include <span>
 #include <vector>
 
 namespace filasofia::engine {
@@ -39,6 +40,16 @@ private:
     int next_ = 0, count_ = 0;
     std::vector<int> search_, reached_; ///< scratch: per element, the search that reached it, -1 outside a call
 };
+
+/// A piece of a body, and where it is.
+struct PiecePlace {
+    int number = 0;
+    std::size_t nodes = 0; ///< how many it has
+    Vec3 now, rest;        ///< [m] where its first node is, and where it is at rest
+};
+/// Numbers of the pieces that are farther than `far` [m] from their places at rest: those with the fewest nodes first,
+/// and number 0, the body itself, last. Something of a body stays: if all are that far, the last is not among them.
+std::vector<int> piecesBeyond(double far, std::span<const PiecePlace> pieces);
 
 /// Numbers the parts connected through faces by their lowest element, and returns each tetrahedron's part.
 std::vector<int> connectedParts(const MeshTopology& mesh, int& count);

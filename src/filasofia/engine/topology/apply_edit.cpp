@@ -2,6 +2,7 @@
 
 #include "filasofia/core/sorted.h"
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/rupture/keep_momentum.h"
 #include "filasofia/engine/rupture/pin_new_nodes.h"
 #include "filasofia/engine/topology/follow_surface.h"
 
@@ -13,28 +14,6 @@ namespace filasofia::engine {
 namespace {
 
 using frame::TopologyEdit;
-
-/// [kg m/s] Momentum of those nodes that existed before the edit.
-Vec3 momentumOf(const SoftModel& model, const SoftState& state, const std::vector<int>& nodes)
-{
-    Vec3 sum;
-    for (int node : nodes)
-        if (const auto i = static_cast<std::size_t>(node); i < state.v.size()) sum += model.masses[i] * state.v[i];
-    return sum;
-}
-
-/// A sliding node moves mass between nodes. The momentum that this adds or removes is spread over all nodes that are
-/// not pinned.
-void keepMomentum(Vec3 before, const std::vector<int>& nodes, const SoftModel& model, SoftState& state)
-{
-    double mass = 0.0;
-    for (int node : nodes)
-        if (!model.pins.hard[static_cast<std::size_t>(node)]) mass += model.masses[static_cast<std::size_t>(node)];
-    if (!(mass > 0.0)) return;
-    const Vec3 change = 1.0 / mass * (before - momentumOf(model, state, nodes));
-    for (int node : nodes)
-        if (!model.pins.hard[static_cast<std::size_t>(node)]) state.v[static_cast<std::size_t>(node)] += change;
-}
 
 /// Elements that are new or have other nodes or another shape, ascending: those that the edit names, and those around
 /// nodes that slid and around their copies.
@@ -270,7 +249,7 @@ OwnSurfaceEdit applyEdit(const TopologyEdit& edit, double period, SoftBody& body
     auto& [model, state, system, topology] = body;
     const MeshTopology& mesh = topology.mesh->data();
     const MeshEdit changed = meshEdit(edit, mesh, model);
-    const Vec3 momentum = momentumOf(model, state, changed.reached);
+    const Vec3 momentum = momentumOf(changed.reached, model.masses, state.v);
     for (int element : changed.elements)
         if (const auto e = static_cast<std::size_t>(element); e < elementCount(model))
             addMass(model, e, -1.0, model.masses);
@@ -285,7 +264,9 @@ OwnSurfaceEdit applyEdit(const TopologyEdit& edit, double period, SoftBody& body
     followWalls(edit, topology);
     OwnSurfaceEdit surface = followSurface(edit, topology, model);
     followSystem(changed, period, model, system);
-    keepMomentum(momentum, changed.reached, model, state);
+    keepMomentum(
+        momentum, changed.reached, model.masses,
+        [&](int node) { return model.pins.hard[static_cast<std::size_t>(node)]; }, state.v);
     return surface;
 }
 

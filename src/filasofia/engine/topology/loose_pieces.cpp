@@ -251,16 +251,12 @@ void limitSpin(const SoftModel& model, double maxTurn, double dt, SoftState& sta
 
 std::vector<int> piecesBeyond(double far, const SoftModel& model, const SoftState& state)
 {
-    std::vector<std::tuple<bool, std::size_t, int>> beyond; // is the body itself, node count, number
+    std::vector<PiecePlace> places;
     for (const BodyPiece& piece : model.pieces) {
         const auto first = static_cast<std::size_t>(piece.nodes.front());
-        if (distance(state.x[first], model.rest[first]) > far)
-            beyond.emplace_back(piece.number == 0, piece.nodes.size(), piece.number);
+        places.push_back({piece.number, piece.nodes.size(), state.x[first], model.rest[first]});
     }
-    std::ranges::sort(beyond);
-    std::vector<int> numbers;
-    for (const auto& [itself, nodes, number] : beyond) numbers.push_back(number);
-    return numbers;
+    return piecesBeyond(far, places);
 }
 
 } // namespace filasofia::engine

@@ -37,8 +37,7 @@ void finishFragments(SoftBody& body, ImplicitWeights weights, const std::vector<
 /// which would only gain energy. Linear momentum is conserved.
 void limitSpin(const SoftModel& model, double maxTurn, double dt, SoftState& state);
 
-/// Numbers of the pieces whose first node is farther than `far` [m] from its rest position: pieces with the fewest
-/// nodes first. Number 0, the body itself, comes last, because the last remaining piece of a body is never removed.
+/// The same as in rupture/pieces.h, of a body that has fallen into pieces.
 std::vector<int> piecesBeyond(double far, const SoftModel& model, const SoftState& state);
 
 } // namespace filasofia::engine
