@@ -7,7 +7,6 @@
 #include "filasofia/core/whole_file.h"
 
 #include <algorithm>
-#include <fstream>
 #include <iostream>
 
 namespace filasofia::app {

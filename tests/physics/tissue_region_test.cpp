@@ -169,7 +169,7 @@ TEST_CASE("every law is legal with its defaults, and a number outside of its ran
             },
             material.law);
     }
-    CHECK(numbers >= 8); // of MooneyRivlin, VerondaWestmann, Fung and Gent
+    CHECK(numbers >= 8); // MooneyRivlin, VerondaWestmann, Fung and Gent have them
 }
 
 } // namespace tissue_region_test

@@ -289,7 +289,7 @@ TEST_CASE("a piece that falls out of the scene is told with its mass, and someth
     CHECK(lost[0].body == cut.body);
     CHECK(lost[0].piece == loose[0].piece);
     CHECK(lost[0].mass == Approx(loose[0].mass));
-    CHECK(lost[0].share == Approx(loose[0].mass / (1000.0 * 3e-6)).epsilon(1e-4)); // of the whole bar
+    CHECK(lost[0].share == Approx(loose[0].mass / (1000.0 * 3e-6)).epsilon(1e-4)); // the whole bar's mass
     const auto isThere = [&](double x) {
         const frame::SoftBodyFrame body = cut.frame();
         return std::ranges::any_of(body.boundary->triangles, [&](const geometry::Triangle& each) {
@@ -298,7 +298,7 @@ TEST_CASE("a piece that falls out of the scene is told with its mass, and someth
     };
     CHECK(isThere(0.0));
     CHECK_FALSE(isThere(0.03));
-    CHECK(fall(10) == 0); // of a free bar, what is left is beyond too
+    CHECK(fall(10) == 0); // what is left of a free bar is beyond too
     CHECK(isThere(0.0));
 }
 

@@ -264,8 +264,8 @@ void addPictures(nb::class_<HeldSimulation>& sim)
         [](HeldSimulation& self, nb::handle from, nb::handle to) {
             return usable(self, "smoke_between")
                 .simulation()
-                .smokeBetween(readArgument<Vec3>(from, "smoke_between", "from"),
-                              readArgument<Vec3>(to, "smoke_between", "to"));
+                .smokeBetween(readArgument<Vec3>(from, "smoke_between", "begin"),
+                              readArgument<Vec3>(to, "smoke_between", "end"));
         },
         nb::arg("begin").none(), nb::arg("end").none(),
         nb::sig("def smoke_between(self, begin: filasofia.Vec3, end: filasofia.Vec3) -> float"),

@@ -15,8 +15,8 @@ namespace filasofia::physics {
 enum class StepFlag : std::uint32_t {
     Late = 1u << 0,    ///< it began more than a period late (runtime)
     Clamped = 1u << 1, ///< dt was cut to period + slack: simulated time fell behind (runtime)
-    /// a solver stopped at its iteration limit, and the body lost speed in proportion to the error; or the forces of
-    /// rigid bodies are off from the contact law (ContactReport::mismatch) by more than 5 %
+    /// a solver stopped at its iteration limit, and the body lost speed in proportion to the error; or contact forces
+    /// are off from their law (ContactReport::mismatch) by more than 5 %
     NotConverged = 1u << 2,
     Undone =
         1u
@@ -71,7 +71,7 @@ struct StrainedElements {
     int count = 0;    ///< [-]
     BodyId body = {}; ///< the body of the worst of them
     int element = -1; ///< [-] the worst: a tetrahedron or a triangle of that body's mesh, or a part that cuts have made
-    /// [-] Of the worst: the largest difference of a principal stretch from 1, or the difference of the mean stretch at
+    /// [-] the largest difference of a principal stretch from 1, or the difference of the mean stretch at
     /// constant volume, sqrt(i1 / 3), from 1 if the law's limit is exceeded by more.
     double strain = 0.0;
     double valid = 0.0; ///< [-] its material's validStrain, or sqrt((3 + rangeOf(law)) / 3) - 1

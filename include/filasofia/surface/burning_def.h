@@ -73,7 +73,7 @@ struct HeatBalance {
     double boiled = 0.0;     ///< [J], left as steam
     double carriedOff = 0.0; ///< [J], left with pieces; negative where cuts bared warm tissue
     double hottest = 0.0;    ///< [K], now
-    double fuming = 0.0;     ///< [J], of what was delivered: to tissue at 373.15 K or more, which smokes
+    double fuming = 0.0;     ///< [J], delivered to tissue at 373.15 K or more, which smokes
     double peak = 0.0;       ///< [K], since the body was added or reset
     double burnt = 0.0;      ///< [m^2], area at rest of what is damaged: omega >= 1
     double charred = 0.0;    ///< [m^2], area at rest of what has no water left
@@ -84,7 +84,7 @@ struct HeatBalance {
 struct Fume {
     Vec3 place = {};     ///< [m], in the world
     double taken = 0.0;  ///< [J], by tissue that was at 100 degrees Celsius or more
-    double boiled = 0.0; ///< [J], of it, that left as steam
+    double boiled = 0.0; ///< [J], left as steam
 };
 
 } // namespace filasofia::surface

@@ -12,7 +12,7 @@ namespace filasofia::surface {
 ///
 /// Defaults: one joule boils 0.6 mg of tissue, a quarter of it solid, of which a tenth leaves as smoke (an estimate:
 /// published yields of smouldering matter span 1 to 17 %). Extinction of smoke from pyrolysis: 4.4 m^2/g (Seader and
-/// Einhorn 1977); of droplets of 2 micrometres, by Mie's limit of 2: 750 m^2/kg. A tenth of the steam condenses.
+/// Einhorn 1977); droplets of 2 micrometres have, by Mie's limit of 2, 750 m^2/kg. A tenth of the steam condenses.
 struct SmokeDef {
     geometry::Box room = {};        ///< [m], in the world, of more than no volume; nothing leaves it by itself
     double yield = 1.5e-8;          ///< [kg/J], in [0, 1e-3], smoke of what tissue at 100 degrees or more takes
@@ -77,7 +77,7 @@ struct AerosolBalance {
     double inAir = 0.0;     ///< now
     double extracted = 0.0; ///< by Extract
     double vented = 0.0;    ///< pushed out by fresh gas
-    double settled = 0.0;   ///< on walls; of droplets: dried up
+    double settled = 0.0;   ///< on walls; droplets dry up
     friend bool operator==(const AerosolBalance&, const AerosolBalance&) = default;
 };
 struct SmokeBalance {

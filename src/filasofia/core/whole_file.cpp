@@ -12,7 +12,8 @@ namespace {
 /// What went wrong, or nothing. A full disk may show only when the file is closed.
 std::error_code writeTo(const std::filesystem::path& path, std::string_view content, bool& opened)
 {
-    const auto problem = [] { return std::error_code(errno, std::generic_category()); };
+    errno = 0;
+    const auto problem = [] { return std::error_code(errno != 0 ? errno : EIO, std::generic_category()); };
     std::FILE* file = std::fopen(path.c_str(), "wbe");
     opened = file != nullptr;
     if (!file) return problem();

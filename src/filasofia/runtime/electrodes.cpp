@@ -66,11 +66,11 @@ struct Reached {
     const Burnings::Surface* surface = nullptr;
     double weight = 0.0; ///< [m^2]
     std::vector<surface::HeatShare> shares = {};
-    std::span<const geometry::Triangle> triangles = {}; ///< of the body now, as long as the frame
+    std::span<const geometry::Triangle> triangles = {}; ///< the body's, now; as long as the frame
     std::span<const Vec3> positions = {};
 };
 
-/// [m], of the triangles that take heat.
+/// [m] The mean edge of the triangles that take heat.
 double meanEdge(const Reached& reached)
 {
     std::set<int> heated;
@@ -249,7 +249,8 @@ void Electrodes::touch(const frame::Frame& frame, const std::vector<Burnings::Su
         for (const Reached& here : all) sum += here.weight;
         for (Reached& here : all) {
             if (looked_.emplace(each.body, here.surface->body).second)
-                warnIfCoarse(each.name, each.def.radius, here, physics::describeBody(*physics.def(here.surface->body)));
+                warnIfCoarse(each.name, each.def.radius, here,
+                             text("soft body '", shortened(physics.nameOf(here.surface->body)), "'"));
             const double time = each.balance.active - each.spent.at(here.surface->body);
             const double energy = each.def.power * time * here.weight / sum;
             if (here.surface->dt > 0.0 && energy > 0.0)

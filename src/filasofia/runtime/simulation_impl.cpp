@@ -241,6 +241,7 @@ void Simulation::Impl::treat(BodyId id, const surface::Treatment& treatment)
 
 void Simulation::Impl::dressScene(visual::VisualServer& visual)
 {
+    smoke.showAgain();
     for (const visual::GuiDef& gui : picture.guis) visual.add(gui);
     for (const auto& dress : picture.dresses) dress(visual);
     if (!picture.dresses.empty()) return;

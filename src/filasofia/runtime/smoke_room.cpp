@@ -96,6 +96,12 @@ void SmokeRoom::afterStep(std::uint64_t step, double time, physics::PhysicsServe
     fresh_ = true;
 }
 
+void SmokeRoom::showAgain()
+{
+    const std::lock_guard lock(mutex_);
+    fresh_ = true;
+}
+
 std::optional<visual::Smoke> SmokeRoom::takePicture()
 {
     if (!any_) return std::nullopt;
@@ -132,6 +138,7 @@ Memory SmokeRoom::memory()
     out.restore = [this, restore = out.restore](const std::any& saved) {
         restore(saved);
         const std::lock_guard lock(mutex_);
+        any_ = !state_.all.empty();
         fresh_ = true;
     };
     return out;

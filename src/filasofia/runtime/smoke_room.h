@@ -21,6 +21,7 @@ public:
     void restart();
     /// After a step of physics that ended at `time` [s], and after that of the heat: the stepping thread.
     void afterStep(std::uint64_t step, double time, physics::PhysicsServer& physics, Burnings& burnings);
+    void showAgain(); ///< to a picture that has nothing of it yet
     /// What is seen of it, if that has changed since the last call.
     [[nodiscard]] std::optional<visual::Smoke> takePicture();
     void fill(RunReport& report) const;

@@ -219,8 +219,11 @@ private:
     void noteLater(const runtime::SceneElectrode&) { note("bodies that became electrodes during the run are none"); }
     void noteLater(const runtime::SceneActivated&) { note("pedals that were pressed are left out"); }
     void noteLater(const runtime::SceneDuct&) { note("ducts that were added during the run are none"); }
-    void noteLater(const runtime::SceneSmoke&) { note("smoke that there was room for during the run is none"); }
-    void noteLater(const runtime::SceneExtracted& extracted) { command(extracted.command); }
+    void noteLater(const runtime::SceneSmoke&) { note("smoke of a room that was added during the run is left out"); }
+    void noteLater(const runtime::SceneExtracted& extracted)
+    {
+        if (scene_.smoke) command(extracted.command);
+    }
     void noteLater(const runtime::SceneFile&) {}
     void noteLater(const runtime::SceneBegan& event) { show(event); }
     void noteLater(const runtime::SceneStage& stage)

@@ -22,7 +22,7 @@ Removal removePieceOf(BodyId body, int piece, SofaScene& scene);
 /// Removes pieces that have fallen out of the scene. They would fall for ever.
 void removeLostPieces(SofaScene& scene, physics::StepReport& report);
 
-/// [-] How many elements of bodies that its blades could cut a rigid body's blades are in, or touch from within a cut.
+/// The elements of all bodies that a rigid body's blades could cut.
 engine::ElementsAtBlade elementsAtBlades(const RigidNode& tool, const SofaScene& scene);
 /// Draws blades that are switched off once they are out of tissue, and counts those that were pushed on into it.
 void followSheaths(SofaScene& scene, physics::TopologyReport& report);

@@ -214,7 +214,7 @@ TEST_CASE("the filter prevents stiff contacts from costing iterations")
         limits.kappa.contact = k == 0 ? 1.0 : 1e4;
         limits.nonlinear = 0; // the same contacts throughout, which is what the filter is for
         const CoupledReport report = scene.solve(limits);
-        CHECK(report.converged);
+        CHECK(report.residual <= limits.linear.tolerance);
         iterations[static_cast<std::size_t>(k)] = report.iterations;
     }
     CHECK(iterations[1] <= 3 * iterations[0]);

@@ -45,6 +45,7 @@ struct Bin {
                                                             .collision = {{}},
                                                             .friction = friction}));
         }
+        stage.step(0.0);
     }
     /// [m^2/s^2] Kinetic energy without spin and height, over the mass of a ball.
     double energy()
@@ -79,7 +80,7 @@ TEST_CASE("a heap of small round bodies gains no energy, and comes to rest")
             highest = std::max(highest, bin.energy() / atStart);
             CHECK_FALSE(report.has(StepFlag::Undone));
             // Forces that are not those of the contact law are told.
-            unlawful += report.contacts.mismatch > 0.1 && !report.has(StepFlag::NotConverged) ? 1 : 0;
+            unlawful += report.contacts.mismatch > 0.05 && !report.has(StepFlag::NotConverged) ? 1 : 0;
         }
         CAPTURE(friction);
         CHECK(highest < 1.001);

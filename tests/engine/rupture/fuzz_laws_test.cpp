@@ -10,11 +10,11 @@ using namespace filasofia::testing;
 TEST_CASE("small bodies of every law are cut, torn, pulled and pressed at random: finite, flagged, and the same when "
           "replayed")
 {
-    const int scenes = cases(32); // four of each law and of shells
+    const int scenes = cases(36); // four of each law and of shells
     const LawFuzzReport report = fuzzLaws({.seed = 5, .scenes = scenes});
     CHECK(report.scenes == scenes);
     CHECK(report.replays == scenes);
-    for (const LawFuzzKind& kind : report.kinds) CHECK((kind.scenes > 0 || scenes < 8));
+    for (const LawFuzzKind& kind : report.kinds) CHECK((kind.scenes > 0 || scenes < 9));
     for (const std::string& example : report.examples) UNSCOPED_INFO(example);
     CHECK(report.silentInverted == 0);
     CHECK(report.silentStrain == 0);
@@ -26,7 +26,7 @@ TEST_CASE("small bodies of every law are cut, torn, pulled and pressed at random
 TEST_CASE("crumbs that tears leave stretched far, or inside out, are not thrown through their body")
 {
     // Their bodies were restored in step after step, as crumbs went off at thousands of metres per second.
-    for (const int scene : {17, 459, 774}) {
+    for (const int scene : {12, 14, 23}) {
         INFO("scene " << scene);
         const LawFuzzReport report = fuzzLaws({.seed = 2, .scenes = 1, .first = scene});
         long tears = 0, undone = 0;

@@ -23,7 +23,7 @@ struct CollisionSurface {
     /// [m] current vertices. Elements with a vertex that is not finite or beyond 1e9 m are not found.
     std::vector<Vec3> x;
     std::vector<Vec3> v; ///< [m/s] velocities in the coming step
-    Vec3 spin = {};      ///< [rad/s] of a rigid element; zero for a soft body
+    Vec3 spin = {};      ///< [rad/s] a rigid element's; zero for a soft body
     /// Per vertex: the number of its piece; -1: a fragment that meets nothing of its own body. Empty if there is only
     /// one piece.
     std::vector<int> pieceOf;

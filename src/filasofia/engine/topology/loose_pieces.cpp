@@ -5,7 +5,6 @@
 #include "filasofia/engine/soft/rigid_motion.h"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 namespace filasofia::engine {
