@@ -46,10 +46,7 @@ void FilamentBackend::start(const VisualServerDef& def)
     filament::Renderer::DisplayInfo display;
     display.refreshRate = 0.0F; // unknown, so that Filament does not pace frames; the caller does
     renderer_->setDisplayInfo(display);
-    filament::Renderer::ClearOptions clear;
-    clear.clear = true; // the default leaves the last frame's pixels where there is no view
-    clear.clearColor = {0.0F, 0.0F, 0.0F, 1.0F};
-    renderer_->setClearOptions(clear);
+    renderer_->setClearOptions(clearTo(1.0F)); // the default leaves the last frame's pixels where there is no view
     scene_ = engine_->createScene();
     grading_ = filament::ColorGrading::Builder()
                    .toneMapping(filament::ColorGrading::ToneMapping::ACES)
@@ -291,15 +288,9 @@ template <class Render> void FilamentBackend::drawView(PlacedView& each, Render&
     each.view->setDynamicLightingOptions(float(4.0 * eye.near), float(eye.far));
     if (smoke_ && !smoke_->empty()) {
         const PlacedCamera& placed = cameras_.at(each.camera);
-        const auto clear = [&](float opacity) {
-            filament::Renderer::ClearOptions options;
-            options.clear = true;
-            options.clearColor = {0.0F, 0.0F, 0.0F, opacity};
-            renderer_->setClearOptions(options);
-        };
-        clear(0.0F); // the picture of the smoke is transparent where there is none
+        renderer_->setClearOptions(clearTo(0.0F)); // the picture of the smoke is transparent where there is none
         smoke_->draw(render, {placed.camera, placed.pose, eye, double(pixels.width) / double(pixels.height)}, bodies_);
-        clear(1.0F);
+        renderer_->setClearOptions(clearTo(1.0F));
     }
     each.view->setViewport(pixels);
     each.view->setRenderTarget(target);

@@ -3,18 +3,6 @@
 #include "filasofia/core/assert.h"
 
 namespace filasofia::visual {
-namespace {
-
-filament::Renderer::ClearOptions clearTo(float opacity)
-{
-    filament::Renderer::ClearOptions options;
-    options.clear = true;
-    options.clearColor = {0.0F, 0.0F, 0.0F, opacity};
-    return options;
-}
-
-} // namespace
-
 FilamentOverlays::FilamentOverlays(filament::Engine& engine, filament::Renderer& renderer, filament::Scene& scene,
                                    MaterialPool& pool)
     : engine_(engine), renderer_(renderer), scene_(scene), pool_(pool), inside_(engine, scene, pool, false),

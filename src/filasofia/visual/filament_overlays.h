@@ -3,9 +3,20 @@
 #include "filasofia/visual/filament_canvas.h"
 #include "filasofia/visual/filament_debug.h"
 
+#include <filament/Renderer.h>
+
 #include <map>
 
 namespace filasofia::visual {
+
+/// Options that clear to black of this opacity.
+inline filament::Renderer::ClearOptions clearTo(float opacity)
+{
+    filament::Renderer::ClearOptions options;
+    options.clear = true;
+    options.clearColor = {0.0F, 0.0F, 0.0F, opacity};
+    return options;
+}
 
 /// Draws Guis, Canvases and debug drawings with Filament.
 class FilamentOverlays final : public OverlayBackend {

@@ -167,8 +167,7 @@ bool CoupledSolve::isOther(const Projected& now, const Projected& then)
 
 void CoupledSolve::renewFilter()
 {
-    if (!exact_ && others_ * kOthers <= rows_.size()) return;
-    if (others_ == 0) return;
+    if (others_ <= (exact_ ? 0 : rows_.size() / kOthers)) return;
     makeFilter();
     restart_ = restart_ || exact_;
 }
