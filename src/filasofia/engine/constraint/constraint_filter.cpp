@@ -4,86 +4,24 @@
 
 namespace filasofia::engine {
 
-/// Numbers the blocks of unknowns that contact points act on, or that D couples with others, body by body, and collects
-/// their blocks of D and of J.
-void ConstraintFilter::numberUnknowns(std::span<const CoupledBody> bodies, std::span<const int> first)
-{
-    places_.clear();
-    d_.clear();
-    ofPoints_.clear();
-    firstOfPoint_.assign(1, 0);
-    int unknowns = 0;
-    std::vector<int> blocks;
-    std::vector<BlockPlace> coupled;
-    const auto number = [&](int block) {
-        if (static_cast<std::size_t>(block) >= unknownOf_.size())
-            unknownOf_.resize(static_cast<std::size_t>(block) + 1, -1);
-        int& unknown = unknownOf_[static_cast<std::size_t>(block)];
-        if (unknown < 0) {
-            unknown = unknowns++;
-            blocks.push_back(block);
-        }
-        return unknown;
-    };
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
-        const BodySmoother& smoother = *bodies[b].smoother;
-        blocks.clear();
-        for (int point = 0; point < first[b + 1] - first[b]; ++point) {
-            scratch_.clear();
-            smoother.addColumns(point, scratch_);
-            for (const auto& [block, j] : scratch_) ofPoints_.push_back({number(block), j});
-            firstOfPoint_.push_back(ofPoints_.size());
-        }
-        coupled.clear();
-        if (!blocks.empty()) smoother.addPlaces(coupled);
-        for (const auto& [row, column] : coupled) {
-            const int i = number(row), k = number(column);
-            const bool lower = i > k;
-            places_.push_back({std::max(i, k), std::min(i, k)});
-            d_.push_back(lower ? smoother.block(row, column) : smoother.block(column, row));
-        }
-        for (int block : blocks) {
-            const int unknown = number(block);
-            places_.push_back({unknown, unknown});
-            d_.push_back(smoother.block(block, block));
-            unknownOf_[static_cast<std::size_t>(block)] = -1;
-        }
-    }
-    vector_.resize(static_cast<std::size_t>(unknowns));
-}
-
 void ConstraintFilter::begin(std::span<const CoupledBody> bodies, std::span<const int> first,
                              const ConstraintRows& rows)
 {
-    numberUnknowns(bodies, first);
-    firstColumn_.assign(1, 0);
-    columns_.clear();
-    for (const ConstraintRow& row : rows.list) {
-        const Mat3 frame = asMatrix(row.constraint->frame);
-        for (const WeightedPoint& each : rows.pointsOf(row)) {
-            const auto point = static_cast<std::size_t>(each.point);
-            for (std::size_t k = firstOfPoint_[point]; k < firstOfPoint_[point + 1]; ++k) {
-                const auto from = columns_.begin() + static_cast<std::ptrdiff_t>(firstColumn_.back());
-                auto column = std::find_if(from, columns_.end(),
-                                           [&](const Column& other) { return other.unknown == ofPoints_[k].unknown; });
-                if (column == columns_.end()) column = columns_.insert(column, {ofPoints_[k].unknown, {}});
-                column->j += each.weight * (frame * ofPoints_[k].j);
-            }
-        }
-        firstColumn_.push_back(columns_.size());
-    }
+    columns_.collect(bodies, first, rows);
+    places_.assign(columns_.places().begin(), columns_.places().end());
+    vector_.resize(columns_.unknowns());
 }
 
 bool ConstraintFilter::build(std::span<const Vec3> sigma)
 {
     sigma_.assign(sigma.begin(), sigma.end());
-    places_.resize(d_.size());
-    k_ = d_;
+    places_.resize(columns_.places().size());
+    k_.assign(columns_.d().begin(), columns_.d().end());
     for (std::size_t r = 0; r < sigma_.size(); ++r) {
         if (sigma_[r] == Vec3{}) continue;
-        for (const Column& one : columnsOf(r)) {
+        for (const ConstraintColumns::Column& one : columns_.of(r)) {
             const Mat3 stiff = transpose(Mat3::diagonal(sigma_[r]) * one.j);
-            for (const Column& two : columnsOf(r)) {
+            for (const ConstraintColumns::Column& two : columns_.of(r)) {
                 if (one.unknown < two.unknown) continue;
                 places_.push_back({one.unknown, two.unknown});
                 k_.push_back(stiff * two.j);
@@ -100,14 +38,14 @@ void ConstraintFilter::apply(std::span<Vec3> perRow)
     for (std::size_t r = 0; r < sigma_.size(); ++r) {
         perRow[r] = times(sigma_[r], perRow[r]);
         if (perRow[r] == Vec3{}) continue;
-        for (const auto& [unknown, j] : columnsOf(r))
+        for (const auto& [unknown, j] : columns_.of(r))
             vector_[static_cast<std::size_t>(unknown)] += transposeTimes(j, perRow[r]);
     }
     factor_.solve(vector_);
     for (std::size_t r = 0; r < sigma_.size(); ++r) {
         if (sigma_[r] == Vec3{}) continue;
         Vec3 yielded;
-        for (const auto& [unknown, j] : columnsOf(r)) yielded += j * vector_[static_cast<std::size_t>(unknown)];
+        for (const auto& [unknown, j] : columns_.of(r)) yielded += j * vector_[static_cast<std::size_t>(unknown)];
         perRow[r] -= times(sigma_[r], yielded);
     }
 }

@@ -1,8 +1,6 @@
 #pragma once
 
-#include "filasofia/engine/constraint/body_operator.h"
-#include "filasofia/engine/constraint/constraint.h"
-#include "filasofia/linalg/block_cholesky.h"
+#include "filasofia/engine/constraint/constraint_columns.h"
 
 #include <span>
 #include <vector>
@@ -26,29 +24,14 @@ public:
     /// In: velocities u [m/s]; out: impulses M u [N s]; per row in its frame.
     void apply(std::span<Vec3> perRow);
 
+    [[nodiscard]] const ConstraintColumns& columns() const { return columns_; } ///< of begin()
+
 private:
-    /// The columns of F J of a row for one block of unknowns.
-    struct Column {
-        int unknown = 0;
-        Mat3 j;
-    };
-
-    [[nodiscard]] std::span<const Column> columnsOf(std::size_t row) const
-    {
-        return std::span(columns_).subspan(firstColumn_[row], firstColumn_[row + 1] - firstColumn_[row]);
-    }
-    void numberUnknowns(std::span<const CoupledBody> bodies, std::span<const int> first);
-
+    ConstraintColumns columns_;
     std::vector<linalg::BlockCholesky::Place> places_; ///< where D has its blocks, then where the rows add theirs
-    std::vector<Mat3> d_, k_;                          ///< lower halves, at these places
-    std::vector<Column> ofPoints_;                     ///< J, per contact point
-    std::vector<std::size_t> firstOfPoint_;            ///< per contact point; last, the total number
-    std::vector<std::size_t> firstColumn_;             ///< per row; last, the total number
-    std::vector<Column> columns_;
-    std::vector<Vec3> sigma_, vector_; ///< per row; per unknown
+    std::vector<Mat3> k_;                              ///< lower half, at these places
+    std::vector<Vec3> sigma_, vector_;                 ///< per row; per unknown
     linalg::BlockCholesky factor_;
-    std::vector<BlockColumns> scratch_;
-    std::vector<int> unknownOf_; ///< scratch: per block of a body; -1 if it has no number yet
 };
 
 } // namespace filasofia::engine

@@ -19,8 +19,8 @@ constexpr int kJoinAfter = 16;
 constexpr int kMostJoined = 4;
 // Multipliers are updated again if the last update has brought the worst constraint down to this share.
 constexpr double kUpdateHelps = 0.5;
-// [-] Mismatch beyond which a solve whose active set was frozen has not converged: contacts pull, or slide uphill.
-constexpr double kLawful = 0.05;
+// Iterations of Newton's method after which rigid bodies are solved by sweeps. Towers and heaps at rest take less.
+constexpr int kSweepAfter = 40;
 constexpr double kSteepEnough = 0.1; // a direction's derivative relative to that of z; if it is less, z is used instead
 
 } // namespace
@@ -46,6 +46,9 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     const bool mayJoin = std::ranges::count_if(bodies, [](const CoupledBody& body) {
                              return body.deflation() != nullptr;
                          }) <= kMostJoined;
+    const bool maySweep = exact_ && std::ranges::none_of(bodies, [](const CoupledBody& body) {
+                              return body.smoother->couplesNodes(); // a constraint on a rod moves all of it
+                          });
     const linalg::SolveLimits& linear = limits.linear;
     CoupledReport report;
     report.rounds = 1;
@@ -66,17 +69,17 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
             continue;
         }
         if (report.converged || !number || report.iterations >= linear.maxIterations) break;
-        report.outOfTime = report.iterations == linear.stopAt ||
-                           (report.iterations >= linear.minIterations && linear.outOfTime && linear.outOfTime());
+        report.outOfTime = isOutOfTime(report.iterations);
         if (report.outOfTime) break;
-        if (nonlinear == limits.nonlinear) {
-            freezeActiveSet();
+        if (nonlinear == (maySweep ? std::min(kSweepAfter, limits.nonlinear) : limits.nonlinear)) {
             ++report.rounds;
+            if (maySweep && sweep(report)) break;
+            freezeActiveSet();
         }
         if (!updateDirection(rz)) break; // no positive curvature: rounding errors dominate
         lineSearch();
     }
-    report.mismatch = mismatch();
+    if (!swept_) report.mismatch = mismatch();
     report.converged = report.converged && report.mismatch <= kLawful;
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Constraint& solved = *rows.list[c].constraint;
@@ -86,8 +89,16 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     return report;
 }
 
+bool CoupledSolve::isOutOfTime(int iterations) const
+{
+    const linalg::SolveLimits& linear = limits_->linear;
+    return iterations == linear.stopAt ||
+           (iterations >= linear.minIterations && linear.outOfTime && linear.outOfTime());
+}
+
 Vec3 CoupledSolve::carried(std::size_t c) const
 {
+    if (swept_) return rows_[c].impulse;
     if (staysAsleep(c, 0.0)) return {};
     // Where the law was linearised in a state that does not hold, it would ask for impulses that are many times those
     // that act: the next step threw three boxes of some grams apart at 2 m/s.
@@ -135,7 +146,7 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
     if (together_) filter_.begin(*bodies_, first_, *constraints_);
     smallest_ = mass * limits_->smallChange;
     energy_ = smallest_ * limits_->smallChange;
-    activeSetFrozen_ = false;
+    activeSetFrozen_ = swept_ = false;
     restart_ = true;
     missed_ = std::numeric_limits<double>::infinity();
 }

@@ -4,6 +4,7 @@
 #include "filasofia/engine/constraint/coarse_correction.h"
 #include "filasofia/engine/constraint/constraint.h"
 #include "filasofia/engine/constraint/constraint_filter.h"
+#include "filasofia/engine/constraint/impulse_sweeps.h"
 #include "filasofia/linalg/matrix_free_cg.h"
 
 #include <algorithm>
@@ -38,7 +39,7 @@ struct CoupledLimits {
 
 /// `residual` is defined as for one body.
 struct CoupledReport : linalg::NodeSolveReport {
-    int rounds = 0;        ///< 1, plus 1 per multiplier update, plus 1 if the active set was frozen
+    int rounds = 0;        ///< 1, plus 1 per multiplier update, plus 1 if the active set was frozen or swept
     double mismatch = 0.0; ///< [-] distance of the impulses from their law, relative to the largest; 0 if satisfied
 };
 
@@ -64,7 +65,8 @@ struct CoupledReport : linalg::NodeSolveReport {
 ///
 /// Coulomb's law has no potential. The difference to Tresca's law is left to the iteration, which converges as long as
 /// friction does not feed back more than it takes. If it has not converged after `nonlinear` iterations, the active set
-/// and the slip are frozen, once: the problem is linear then, and conjugate gradients always solve it.
+/// and the slip are frozen, once: the problem is linear then, and conjugate gradients always solve it. Between rigid
+/// bodies, whose filter is exact, sweeps take over before that (ImpulseSweeps).
 ///
 /// The caller carries the multipliers to the next step. If that is too late, as in an impact, the multipliers are set
 /// to the impulses found, and the solve goes on.
@@ -152,9 +154,18 @@ private:
     void lineSearch();
     void projectImpulses(); ///< onto the constraint law; `scratch`: their change
     void freezeActiveSet();
+    void solveForImpulses();
+    [[nodiscard]] bool sweepsAwake(std::size_t c, Vec3 u) const;
+    double sweepOnce(double& mismatch);
+    bool sweep(CoupledReport& report); ///< until the impulses settle; false if they are far from their law then
+    [[nodiscard]] bool isOutOfTime(int iterations) const;
     bool updateMultipliers(); ///< false if none is needed
     [[nodiscard]] double mismatch() const;
     [[nodiscard]] Vec3 carried(std::size_t c) const; ///< [N s] the multiplier that the next step starts from
+
+    // [-] Mismatch beyond which a solve whose active set was frozen, or that sweeps have left, has not converged:
+    // contacts pull, or slide uphill.
+    static constexpr double kLawful = 0.05;
 
     [[nodiscard]] const Constraint& constraint(std::size_t c) const { return *constraints_->list[c].constraint; }
     [[nodiscard]] std::span<Vec3> ofBody(std::size_t b) ///< the part of atPoints_
@@ -186,6 +197,7 @@ private:
     std::vector<Vec3> smoothed_;        ///< [m/s] velocity of D^-1 r, at active rows
     std::vector<Vec3> impulses_;        ///< [N s] scratch
     std::vector<Mat3> filters_;         ///< [kg] M of single constraints; zero if they are not active
+    ImpulseSweeps sweeps_;
     ConstraintFilter filter_;           ///< M of all constraints together
     bool together_ = false;             ///< it is used in place of those of single constraints
     bool exact_ = false;                ///< D is A in all bodies
@@ -196,6 +208,7 @@ private:
     double energy_ = 0.0, smallest_ = 0.0;
 
     bool activeSetFrozen_ = false; ///< the active set is frozen, and the law is linear
+    bool swept_ = false;           ///< the impulses are those of sweeps
     double missed_ = 0.0;          ///< by the worst constraint at the last update, relative to its tolerance
     bool restart_ = true;          ///< the next direction is conjugate to no other
     double ownCurvature_ = 0.0;    ///< p . A p
