@@ -125,6 +125,21 @@ TEST_CASE("only models of one group touch")
     }
 }
 
+TEST_CASE("a body that collides among bodies that do not is told to collide with nothing")
+{
+    // A floor whose collision was forgotten: the box fell through it for ever, without a word.
+    for (const bool floor : {false, true}) {
+        std::string logged;
+        setLogSink([&](LogLevel, std::string_view line) { logged += line; });
+        Stage stage;
+        if (floor) stage.add(physics::RigidBodyDef{.mesh = geometry::shapes::box({1.0, 0.1, 1.0})});
+        stage.add(rigidBox({0.01, 0.01, 0.01}, {{0, 0.011, 0}, {}}));
+        stage.step(1e-3);
+        setLogSink({});
+        CHECK((logged.find("it collides with nothing") != std::string::npos) == floor);
+    }
+}
+
 TEST_CASE("the collision models of one body do not collide with each other")
 {
     Stage stage = onFloor();

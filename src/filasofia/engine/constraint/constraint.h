@@ -33,6 +33,7 @@ struct ContactInfo {
     double gap = 0.0;       ///< [m] signed distance; negative if the surfaces overlap
     double proximity = 0.0; ///< [m] sum of both surfaces' proximities
     double skin = 0.0;      ///< [m] the gap that the contact keeps
+    double turning = 0.0;   ///< [m] change of the gap in the step beyond that by the velocity at its start
     bool passing = false;   ///< keeps lines from passing through each other in this step; the next starts without it
 };
 

@@ -19,6 +19,8 @@ constexpr int kJoinAfter = 16;
 constexpr int kMostJoined = 4;
 // Multipliers are updated again if the last update has brought the worst constraint down to this share.
 constexpr double kUpdateHelps = 0.5;
+// [-] Mismatch beyond which a solve has not converged, frozen or swept: contacts pull, or slide uphill.
+constexpr double kLawful = 0.05;
 // Iterations of Newton's method after which rigid bodies are solved by sweeps. Towers and heaps at rest take less.
 constexpr int kSweepAfter = 40;
 constexpr double kSteepEnough = 0.1; // a direction's derivative relative to that of z; if it is less, z is used instead
@@ -73,7 +75,10 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
         if (report.outOfTime) break;
         if (nonlinear == (maySweep ? std::min(kSweepAfter, limits.nonlinear) : limits.nonlinear)) {
             ++report.rounds;
-            if (maySweep && sweep(report)) break;
+            if (maySweep) {
+                sweep(report);
+                break;
+            }
             freezeActiveSet();
         }
         if (!updateDirection(rz)) break; // no positive curvature: rounding errors dominate

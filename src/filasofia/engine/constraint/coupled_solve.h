@@ -156,16 +156,12 @@ private:
     void freezeActiveSet();
     void solveForImpulses();
     [[nodiscard]] bool sweepsAwake(std::size_t c, Vec3 u) const;
-    double sweepOnce(double& mismatch);
-    bool sweep(CoupledReport& report); ///< until the impulses settle; false if they are far from their law then
+    double sweepOnce(double part, double& mismatch);
+    void sweep(CoupledReport& report); ///< until the impulses settle
     [[nodiscard]] bool isOutOfTime(int iterations) const;
     bool updateMultipliers(); ///< false if none is needed
     [[nodiscard]] double mismatch() const;
     [[nodiscard]] Vec3 carried(std::size_t c) const; ///< [N s] the multiplier that the next step starts from
-
-    // [-] Mismatch beyond which a solve whose active set was frozen, or that sweeps have left, has not converged:
-    // contacts pull, or slide uphill.
-    static constexpr double kLawful = 0.05;
 
     [[nodiscard]] const Constraint& constraint(std::size_t c) const { return *constraints_->list[c].constraint; }
     [[nodiscard]] std::span<Vec3> ofBody(std::size_t b) ///< the part of atPoints_

@@ -61,15 +61,12 @@ void warnOfLoneGroups(const Scene& scene, const std::vector<SurfaceOwner>& owner
 {
     for (const SurfaceOwner& owner : owners) {
         const CollisionShape& shape = *owner.collision->shape;
-        const auto isOther = [&](const SurfaceOwner& each) {
-            return each.soft != owner.soft || each.body != owner.body;
-        };
         const auto meets = [&](const SurfaceOwner& each) {
-            return isOther(each) && each.collision->shape->group == shape.group;
+            return (each.soft != owner.soft || each.body != owner.body) && each.collision->shape->group == shape.group;
         };
         const bool meetsItself = shape.self || (owner.collision->own && owner.collision->selfOnceCut && shape.closed &&
                                                 scene.soft[owner.body].model.dynamicTopology);
-        if (meetsItself || std::ranges::none_of(owners, isOther) || std::ranges::any_of(owners, meets)) continue;
+        if (meetsItself || scene.soft.size() + scene.rigid.size() < 2 || std::ranges::any_of(owners, meets)) continue;
         if (!warned.insert(shape.group).second) continue;
         const std::string body =
             owner.soft ? describe(scene.soft[owner.body].model) : text("rigid body '", nameOf(scene, owner), "'");

@@ -44,6 +44,10 @@ constexpr double kDeepLinePenalty = 300.0;
 // [-] The same of a line in a rigid body, where it begins at this depth: from the start on, the corners of a polygon
 // would be felt. Without it a bar that was drawn through a taut thread at 0.3 m/s came through.
 constexpr double kCorners = 0.1;
+// [-] The part of the way to where points come down that contacts are shifted by; with all of it, one ball of 200 that
+// roll and tumble gained a sixth of its energy in two seconds.
+constexpr double kForesight = 0.9;
+constexpr double kLargestTurn = 0.15; ///< [rad] in a step; beyond it, points are foreseen less far
 
 /// [m] the inset of a surface at the place of a proximity.
 double insetAt(const CollisionModel& collision, const Proximity& found, std::size_t side)
@@ -144,6 +148,34 @@ BodyPoint pointOf(const SurfaceOwner& owner, const Proximity& found, std::size_t
     return point;
 }
 
+/// What turns carries its points along an arc, and a contact that they come down to is solved where they will be then.
+/// A ball that rolls at 100 rad/s was borne at 1 kHz by what came down a tenth of a radian ahead of its centre, and
+/// lost half its speed in a second; now 7 %. Both sides are shifted alike, as momentum asks for it: by the one that
+/// turns more.
+void turn(double dt, const RigidPlan& plan, Constraint& contact)
+{
+    const auto isRigid = [](const BodyPoint& point) { return point.of == BodyPoint::Of::Rigid; };
+    if (!std::ranges::all_of(contact.sides, isRigid)) return;
+    std::array<Vec3, 2> angles, arms, moved; // [rad], [m], [m]
+    for (std::size_t side = 0; side < 2; ++side) {
+        const RigidPlanElement& element = plan[contact.sides[side].body];
+        const double angle = dt * length(element.angularVelocity);
+        angles[side] = (angle > kLargestTurn ? kLargestTurn / angle : 1.0) * dt * element.angularVelocity;
+        arms[side] = contact.sides[side].position - element.centre;
+        moved[side] = rotate(axisAngle(angles[side], length(angles[side])), arms[side]) - arms[side];
+    }
+    const Vec3 more = lengthSquared(moved[0]) >= lengthSquared(moved[1]) ? moved[0] : moved[1];
+    const double fall = dot(contact.frame[0], moved[1] - moved[0]), gap = contact.contact.gap;
+    const Vec3 shift = (gap > 0.0 && fall > 0.0 ? std::min(1.0, gap / fall) : 0.0) * kForesight * more;
+    for (std::size_t side = 0; side < 2; ++side) {
+        BodyPoint& point = contact.sides[side];
+        point.shift = shift;
+        point.velocity += cross(plan[point.body].angularVelocity, shift);
+        const double beyond = dot(contact.frame[0], moved[side] - cross(angles[side], arms[side] + shift));
+        contact.contact.turning += side == 0 ? beyond : -beyond;
+    }
+}
+
 // The gap that contacts keep, relative to the sum of both proximities. Surfaces at rest stay apart by this little, so
 // that it is clear which side is outside: if the skin were 0, half of them would be inside.
 constexpr double kSkin = 0.01;
@@ -178,7 +210,7 @@ void setLaw(const physics::ContactMethod& method, double dt, Constraint& constra
     const double resting = constraint.impulse.x > 0.0 ? contact.skin : 0.0;
     const double shallow = std::clamp(gap, -contact.skin, resting), deep = std::min(0.0, gap + contact.skin);
     const double recovery = std::max(kSkinRecovery * shallow + kRecovery * deep, -kRecoverySpeed * dt);
-    constraint.bias.x = (recovery + std::max(0.0, gap - resting)) / dt;
+    constraint.bias.x = (recovery + std::max(0.0, gap - resting) + contact.turning) / dt;
     const double soft = anySoft ? kSoftTolerance * contact.proximity : 0.0;
     constraint.tolerance =
         std::max({kSkinRecovery * contact.skin, contact.gap - dt * constraint.bias.x, soft, kContactTolerance}) / dt;
@@ -242,7 +274,7 @@ void addDeepPoints(const std::vector<SurfaceOwner>& owners, ContactDetection& de
 }
 
 /// Writes the contact at a proximity whose gap is known: in place, as it is large.
-void writeContact(const Proximity& found, double gap, const std::array<const SurfaceOwner*, 2>& sides,
+void writeContact(const Proximity& found, double gap, const std::array<const SurfaceOwner*, 2>& sides, double dt,
                   const Scene& scene, const Coupling& coupling, Constraint& contact)
 {
     const std::vector<CollisionSurface>& surfaces = coupling.detection.surfaces;
@@ -257,6 +289,7 @@ void writeContact(const Proximity& found, double gap, const std::array<const Sur
                        .gap = gap,
                        .proximity = proximity,
                        .skin = kSkin * proximity};
+    turn(dt, coupling.rigid, contact);
 }
 
 /// Factor on the penalty between two lines, or between a line and a rigid body.
@@ -287,7 +320,7 @@ void addContact(const Proximity& found, const std::array<const SurfaceOwner*, 2>
     const double gap = found.gap - insetAt(*sides[0]->collision, found, 0) - insetAt(*sides[1]->collision, found, 1);
     if (!(gap < proximity + comingNearer(coupling.detection.surfaces, found, dt))) return;
     Constraint& contact = coupling.constraints.emplace_back();
-    writeContact(found, gap, sides, scene, coupling, contact);
+    writeContact(found, gap, sides, dt, scene, coupling, contact);
     contact.yielding = linePenalty(sides, gap, scene);
 }
 
@@ -337,7 +370,7 @@ void addMissed(const StepContext& context, std::span<const MissedContact> missed
         const double gap =
             pass.at.gap - insetAt(*sides[0]->collision, pass.at, 0) - insetAt(*sides[1]->collision, pass.at, 1);
         Constraint& contact = added.emplace_back();
-        writeContact(pass.at, gap, sides, scene, coupling, contact);
+        writeContact(pass.at, gap, sides, context.dt, scene, coupling, contact);
         setLaw(context.method, context.dt, contact);
         contact.contact.passing = true;
         if (pass.line) {

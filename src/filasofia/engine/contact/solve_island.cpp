@@ -196,7 +196,7 @@ private:
             if (at.of == BodyPoint::Of::Turning)
                 add({.link = link, .axis = at.axis});
             else
-                add({.arm = at.position - coupling_.rigid[at.body].centre, .link = link});
+                add({.arm = at.position + at.shift - coupling_.rigid[at.body].centre, .link = link});
         }
     }
 
