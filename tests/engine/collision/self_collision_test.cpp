@@ -132,6 +132,28 @@ TEST_CASE("a point before one face of a sharp edge of its own surface is not ins
     }
 }
 
+TEST_CASE("a body that moves as a whole comes no nearer to itself")
+{
+    std::mt19937 random(17);
+    Scene scene;
+    scene.dt = 0.02;
+    scene.add(lumpMesh(0.8, 10, 0.1, random), {.proximity = 0.02, .depth = 0.03, .self = true});
+    for (Vec3& x : scene.surfaces[0].x) { // bent over itself
+        const double turn = 2.2 * x.x;
+        x = Vec3{std::sin(turn) * (0.4 + x.z), x.y, std::cos(turn) * (0.4 + x.z)};
+    }
+    scene.find();
+    const std::vector<std::array<int, 2>> atRest = scene.scratch.elementPairs;
+    const std::vector<Proximity> found = scene.found;
+    scene.surfaces[0].v.assign(scene.surfaces[0].v.size(),
+                               Vec3{3.0, -40.0, 7.0}); // 1.2 m in the time of the look-ahead
+    scene.find();
+    CHECK(scene.scratch.elementPairs == atRest); // all pairs that face each other, before
+    REQUIRE(scene.found.size() == found.size());
+    for (std::size_t i = 0; i < found.size(); ++i) CHECK(scene.found[i].feature == found[i].feature);
+    CHECK_FALSE(atRest.empty());
+}
+
 TEST_CASE("pairs of a surface's own elements that do not face each other have nothing to find")
 {
     std::mt19937 random(17);

@@ -27,7 +27,7 @@ Bounds boundsOf(Vec3 x, Vec3 v, float depth, float reach)
 
 } // namespace
 
-void boundVertices(CollisionSurface& surface, double reach)
+void boundVertices(CollisionSurface& surface, double reach, Vec3 drift)
 {
     const std::size_t count = surface.shape->rest.size();
     FILASOFIA_ASSERT(surface.x.size() == count && surface.v.size() == count);
@@ -35,7 +35,7 @@ void boundVertices(CollisionSurface& surface, double reach)
     surface.whole = emptyBounds();
     const auto depth = static_cast<float>(surface.shape->depth), time = static_cast<float>(reach);
     for (std::size_t i = 0; i < count; ++i) {
-        surface.vertexBounds[i] = boundsOf(surface.x[i], surface.v[i], depth, time);
+        surface.vertexBounds[i] = boundsOf(surface.x[i], surface.v[i] - drift, depth, time);
         surface.whole = merged(surface.whole, surface.vertexBounds[i]);
     }
 }

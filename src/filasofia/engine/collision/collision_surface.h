@@ -35,8 +35,9 @@ struct CollisionSurface {
     Bounds whole{};
 };
 
-/// Computes boxes that hold every vertex now and at any time within `reach` [s], with the shape's depth around it.
-void boundVertices(CollisionSurface& surface, double reach);
+/// Computes boxes that hold every vertex now and at any time within `reach` [s], with the shape's depth around it; as
+/// seen by who moves with `drift` [m/s].
+void boundVertices(CollisionSurface& surface, double reach, Vec3 drift = {});
 /// Computes the boxes of elements and nodes; to be called after boundVertices().
 void boundTree(CollisionSurface& surface);
 

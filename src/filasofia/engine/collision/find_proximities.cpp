@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kPartSize = 64;     // pairs of elements: some 10 µs
 constexpr double kMostTurn = 0.5; // [rad]
+constexpr double kDrift = 0.1;    // [-] of the depth, by which a body moves as a whole, so that its boxes are made anew
 
 bool movesRelativeTo(const CollisionSurface& a, const CollisionSurface& b) // both on one body
 {
@@ -59,6 +60,21 @@ void collectSurfacePairs(std::vector<CollisionSurface>& surfaces, double reach, 
         const auto at = static_cast<std::size_t>(i);
         if (scratch.wanted[at] != 0) boundTree(surfaces[at]);
     });
+}
+
+/// [m/s] The mean velocity of a surface's vertices that are finite.
+Vec3 driftOf(const CollisionSurface& surface)
+{
+    Vec3 sum;
+    for (const Vec3& v : surface.v)
+        if (isFinite(v)) sum += v;
+    return 1.0 / static_cast<double>(surface.v.size()) * sum;
+}
+
+void bound(CollisionSurface& surface, double reach, Vec3 drift)
+{
+    boundVertices(surface, reach, drift);
+    boundTree(surface);
 }
 
 void testPoints(const SurfacePair& meeting, int source, int mine, int other, std::vector<PointMinimum>& out)
@@ -134,11 +150,17 @@ void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerP
     for (const auto& [i, k] : scratch.surfacePairs) {
         const SurfacePair meeting{
             {&surfaces[i], &surfaces[k]}, {i, k}, reach, turnWithin(reach, surfaces[i], surfaces[k])};
+        // Nothing of a body comes nearer to the rest of it because it moves as a whole. A bunny of 10,000 tetrahedra
+        // with `self` that fell at 2 m/s took 11 ms a step.
+        const Vec3 drift = meeting.self() ? driftOf(surfaces[i]) : Vec3{};
+        const bool drifts = length(drift) * reach > kDrift * surfaces[i].shape->depth;
+        if (drifts) bound(surfaces[i], reach, drift);
         const bool ownSolid = meeting.ownSolid();
         if (ownSolid) boundNormals(surfaces[i], scratch.normals);
         collectElementPairs(surfaces[i], surfaces[k], ownSolid ? &scratch.normals : nullptr, scratch);
         testElementPairs(meeting, pool, scratch);
         keepMinima(meeting, sides, scratch, found);
+        if (drifts) bound(surfaces[i], reach, {});
     }
     std::ranges::sort(scratch.nextSides);
     std::swap(sides, scratch.nextSides);

@@ -143,8 +143,10 @@ private:
         const CollisionSurface &a = surfaceOf(pair[0]), &b = surfaceOf(pair[1]);
         const SurfacePair meeting{{&a, &b}, pair, 0.0};
         const auto between = attachmentsBetween(scene_, one.name.body, two.name.body);
-        crossings_.clear();
-        findSurfaceCrossings(meeting, context_.pool, detection_.scratch, crossings_);
+        if (meeting.self())
+            crossItself(pair[0]);
+        else
+            cross(meeting);
         std::erase_if(crossings_, [&](const SurfaceCrossing& each) { return isHeld(each, between); });
         const bool unseen = !meeting.self() && !crossings_.empty() && isUnseen(meeting, before);
         for (const SurfaceCrossing& each : crossings_)
@@ -177,18 +179,31 @@ private:
         return scene_.time - since >= kUnseenFor;
     }
 
+    void cross(const SurfacePair& meeting)
+    {
+        crossings_.clear();
+        findSurfaceCrossings(meeting, context_.pool, detection_.scratch, crossings_);
+    }
+
+    /// With boxes around the surface as it is now: nearly all of those around its motion overlap, if it is fast.
+    void crossItself(int place)
+    {
+        CollisionSurface& surface = detection_.surfaces[static_cast<std::size_t>(place)];
+        const auto bound = [&](double reach) { boundVertices(surface, reach), boundTree(surface); };
+        bound(0.0);
+        cross({{&surface, &surface}, {place, place}});
+        bound(kStepsAhead * context_.dt);
+    }
+
     void testFolds(int place)
     {
         CollisionSurface& surface = detection_.surfaces[static_cast<std::size_t>(place)];
         const SurfaceOwner& owner = ownerOf(place);
         if (surface.self || surface.shape->nodes.empty()) return;
         findPieces(scene_.soft[owner.body].model, *owner.collision, surface.pieceOf);
-        if (detection_.scratch.wanted[static_cast<std::size_t>(place)] == 0) boundTree(surface);
-        crossings_.clear();
-        const SurfacePair meeting{{&surface, &surface}, {place, place}, 0.0};
-        findSurfaceCrossings(meeting, context_.pool, detection_.scratch, crossings_);
+        crossItself(place);
         for (const SurfaceCrossing& each : crossings_)
-            if (isLost(each, meeting))
+            if (isLost(each, {{&surface, &surface}, {place, place}}))
                 add(owner, owner, {.crossings = 1, .depth = each.depth, .place = each.place}, watch_.folded);
     }
 
