@@ -1,4 +1,6 @@
 """Hands that tie knots."""
+import math
+
 import filasofia as fs
 import pytest
 from filasofia import shapes
@@ -8,7 +10,7 @@ def bars(**fields):
     """Two bars, a thread below both whose ends stand up, and hands for a single throw."""
     sim = fs.Simulation(rate=1000, threads=1)
     for x in (-4e-3, 4e-3):
-        sim.add(fs.RigidBodyDef(mesh=shapes.cylinder(2e-3, 40e-3, 16), elements=[((x, -2e-3, 0), fs.axis_angle((1, 0, 0), 1.5707963267948966))],
+        sim.add(fs.RigidBodyDef(mesh=shapes.cylinder(2e-3, 40e-3, 16), elements=[fs.Pose((x, -2e-3, 0), fs.axis_angle((1, 0, 0), math.pi / 2))],
                                 collision=[fs.CollisionDef(proximity=1e-4)], friction=0.05))
     points = [(-21.4e-3, 50e-3, 0), (-6.4e-3, -2e-3, 0), (-5.8e-3, -3.8e-3, 0), (-4e-3, -4.5e-3, 0), (4e-3, -4.5e-3, 0),
               (5.8e-3, -3.8e-3, 0), (6.4e-3, -2e-3, 0), (15.4e-3, 30e-3, 0)]
