@@ -112,10 +112,12 @@ std::string reportText(const Report& report)
     if (const metric::Event* event = metric::findUnfinished(session))
         out += text("the task was not finished: ", shownName(event->what), '\n');
     if (session.lost > 0) out += text(session.lost, " samples were lost\n");
+    bool netForce = false; // whether its line is there
     for (std::size_t i = 0; i < report.values.size(); ++i) {
         const metric::MetricInfo& info = metric::catalog()[i];
         const metric::Value& value = report.values[i];
         if (!value.value) continue;
+        netForce = netForce || info.id == "force_max";
         char line[200];
         const std::string number = shownValue(info, *value.value, session), unit = shownUnit(info.unit);
         std::snprintf(line, sizeof line, "  %-28s %10s %-5s", std::string(info.name).c_str(), number.c_str(),
@@ -127,9 +129,9 @@ std::string reportText(const Report& report)
         }
         out += '\n';
     }
-    out +=
-        "Largest net force: of one instrument; contacts on opposite sides of it cancel. A trainer's total force adds "
-        "all.\n";
+    if (netForce)
+        out += "Largest net force: of one instrument; contacts on opposite sides of it cancel. A trainer's total force "
+               "adds all.\n";
     return out;
 }
 

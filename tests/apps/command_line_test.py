@@ -617,6 +617,15 @@ class Replay(Program):
         self.assertIn(f"incomplete: {self.file}: cannot be written (disk full?)\n", done.stdout)
         self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
 
+    def test_a_run_whose_physics_fails_ends_with_1_and_says_so(self):
+        scene = Path(self.folder.name, "fails.json")
+        scene.write_text(json.dumps({
+            "bodies": [{"name": "block", "mesh": {"type": "block", "size": "20 20 20 mm", "cells": [2, 2, 2]}}],
+            "commands": [{"time": 0.01, "type": "SetForces", "id": "block", "forces": [{"node": 3, "force": [1e300, 1e300, 0]}]}]}))
+        done = run("run", str(scene), "--headless", "--steps", "50")
+        self.assertEqual(done.returncode, 1, done.stderr)
+        self.assertRegex(done.stdout, r"physics failed: in the last 4\d steps of the run a body had no finite state")
+
     def test_a_full_disk_loses_the_picture_and_not_the_summary(self):
         if not can_draw():
             self.skipTest("this build draws nothing")

@@ -84,6 +84,16 @@ class Outputs(Report):
         self.assertIn("2 of 3", (self.folder / "filasofia_report.html").read_text())
         self.assertAlmostEqual(self.metrics(file)["steps_done"]["value"], 2 / 3)  # for programs still a share
 
+    def test_a_report_without_forces_says_nothing_of_them(self):
+        head, *lines = [json.loads(line) for line in session().splitlines()]
+        head["tracks"][0]["force"] = False
+        for line in lines:
+            if "s" in line:
+                line["s"] = [track[:7] for track in line["s"]]
+        said = self.report(self.write("a.jsonl", "".join(json.dumps(line) + "\n" for line in [head, *lines])))
+        self.assertIn("Path length", said)
+        self.assertNotIn("net force", said)
+
     def test_the_numbers_are_those_of_the_closed_form(self):
         metrics = self.metrics(self.write("a.jsonl", session()))
         self.assertAlmostEqual(metrics["path_length"]["value"], 0.1, 6)

@@ -129,7 +129,7 @@ def test_what_the_user_shows_of_a_body_replaces_what_the_first_picture_showed():
             sim.render(96, 64)
         shown = sim.show(tissue, material=fs.MetalMaterial())
         if not first:
-            sim.show(tool, material=fs.MetalMaterial())
+            sim.show(tool)  # as what it is, which is how the first picture showed it
         both = sim.render(96, 64)
         sim.set_visible(shown, False)
         hidden = sim.render(96, 64)

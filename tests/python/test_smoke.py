@@ -51,10 +51,14 @@ def test_wrong_smoke_is_an_error():
     sim = fs.Simulation(rate=500)
     with pytest.raises(fs.Error, match="no room"):
         sim.smoke()
-    with pytest.raises(fs.Error, match="room"):
+    with pytest.raises(fs.Error, match=r"add_smoke: room\.low\[0\] must be finite"):
         sim.add_smoke(fs.SmokeDef())
     with pytest.raises(fs.Error, match="albedo"):
         sim.add_smoke(fs.SmokeDef(room=ROOM, albedo=2))
     sim.add_smoke(fs.SmokeDef(room=ROOM))
-    with pytest.raises(fs.Error, match="already"):
+    with pytest.raises(fs.Error, match="the simulation has a room for it already"):
         sim.add_smoke(fs.SmokeDef(room=ROOM))
+    with pytest.raises(fs.Error, match="extract: place must be in the room of the smoke"):
+        sim.extract(fs.Extract(place=(0, 1, 0), flow=1e-4))
+    with pytest.raises(fs.Error, match=r"smoke_between: begin\[0\] must be finite, got nan"):
+        sim.smoke_between((math.nan, 0, 0), (0, 0, 0))

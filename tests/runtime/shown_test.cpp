@@ -39,6 +39,25 @@ TEST_CASE("a shown surface can be hidden, shown again, given another material an
     CHECK(stage.drawn().size() == 2);
 }
 
+TEST_CASE("a body that nobody describes looks as what it is: tissue, plastic, a thread")
+{
+    ShownStage stage;
+    const BodyId block = stage.addBlock(), box = stage.addBox();
+    const BodyId rod = stage.physics.add(
+        physics::RodBodyDef{.name = "thread", .points = {{0, 0, 0}, {0.1, 0, 0}}, .spacing = 0.01, .radius = 1e-3});
+    for (const BodyId each : {block, box, rod}) stage.bindings.show(each, {}, stage.physics);
+    stage.bindings.show(box, {.material = visual::TissueMaterial{}}, stage.physics);
+    stage.step();
+    const auto all = stage.drawn();
+    REQUIRE(all.size() == 4);
+    const auto tissue = [&](std::size_t i) { return std::get<visual::TissueMaterial>(all[i]->material); };
+    CHECK(tissue(0) == visual::TissueMaterial{});
+    CHECK(tissue(1) == visual::plainMaterial({0.34, 0.35, 0.37}));
+    CHECK(tissue(2).vessels == 0.0);
+    CHECK(tissue(2) != tissue(1));
+    CHECK(tissue(3) == visual::TissueMaterial{}); // what was asked for
+}
+
 TEST_CASE("changes of a shown surface hold for the next visual server too")
 {
     ShownStage stage;

@@ -206,6 +206,28 @@ TEST_CASE("a run that fails leaves a simulation that can run")
     CHECK(report.visual.bodies == 1);
 }
 
+TEST_CASE("a run at whose end a body is rolled back has failed, and one that recovers has not")
+{
+    Simulation sim;
+    const BodyId body = sim.add(bunny());
+    const RunReport good = sim.run(headless(20));
+    CHECK(good.complete());
+    CHECK(good.undoneAtEnd == 0);
+    std::vector<NodalForce> beyond; // all numbers, in every step
+    for (int node = 0; node < 237; ++node) beyond.push_back({node, {1e300, 1e300, 0.0}});
+    sim.physics().setForces(body, beyond);
+    const RunReport failed = sim.run(headless(30));
+    CHECK(failed.undoneAtEnd == 30);
+    CHECK_FALSE(failed.complete());
+    CHECK_THAT(summary(failed), Catch::Contains("physics failed: in the last 30 steps of the run a body had no finite "
+                                                "state and was rolled back"));
+    sim.physics().setForces(body, {});
+    const RunReport again = sim.run(headless(20));
+    CHECK(again.undoneAtEnd == 0);
+    CHECK(again.complete());
+    CHECK_THAT(summary(again), !Catch::Contains("physics failed"));
+}
+
 TEST_CASE("several functions dress a scene in order, and none can be set during a run")
 {
     Simulation sim;

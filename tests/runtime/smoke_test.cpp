@@ -6,6 +6,7 @@
 #include "runtime/cut_block.h"
 #include "skip.h"
 
+#include <cmath>
 #include <filesystem>
 
 #include <unistd.h>
@@ -117,6 +118,43 @@ TEST_CASE("a replay shows the smoke of the run, to the byte")
     std::filesystem::remove_all(folder);
 }
 
+TEST_CASE("an opening that a body carries takes nothing while it is outside the room")
+{
+    Ward ward;
+    const BodyId tube = ward.sim.add(RigidBodyDef{.name = "tube", .elements = {{{8_mm, 200_mm, 0}, {}}}});
+    ward.sim.extract({.flow = 1e-4, .body = tube});
+    CHECK(ward.sim.run({.headless = true, .steps = 300}).smoke->smoke.extracted == 0.0);
+    ward.sim.physics().setPose(tube, {{8_mm, 20_mm, 0}, {}});
+    CHECK(ward.sim.run({.headless = true, .steps = 100}).smoke->smoke.extracted > 0.0);
+}
+
+TEST_CASE("every legal smoke can be drawn, however thick or wide")
+{
+    if (skipIf(!visual::hasBackend(Backend::Headless), "this build draws nothing")) return;
+    const auto draw = [](const SmokeDef& def) {
+        CutBlock block(1, {16, 4, 12});
+        block.sim.burn(block.tissue, {.depth = 0.5_mm});
+        block.sim.addSmoke(def);
+        block.sim.treat(block.tissue, Heat{.place = {8_mm, 6_mm, 0}, .radius = 3_mm, .power = 60.0});
+        block.sim.show(block.tissue);
+        const auto file = std::filesystem::temp_directory_path() / text("filasofia_thick_", getpid(), ".png");
+        block.sim.run({.headless = true, .steps = 400, .picture = file.string()});
+        CHECK(std::filesystem::remove(file));
+    };
+    SmokeDef thick = room();
+    thick.yield = 1e-3;
+    thick.extinction = 1e6;
+    draw(thick);
+    thick.mixing = 1e-3; // all of it is haze
+    draw(thick);
+    SmokeDef wide = room();
+    wide.room = Box{{-1e5, -1e5, -1e5}, {1e5, 1e5, 1e5}};
+    wide.diffusivity = 1.0;
+    wide.radius = 1.0;
+    wide.warmth = 1.0;
+    draw(wide);
+}
+
 TEST_CASE("wrong use of smoke is one clear error")
 {
     using Catch::Contains;
@@ -128,6 +166,12 @@ TEST_CASE("wrong use of smoke is one clear error")
     ward.sim.addSmoke(room());
     CHECK_THROWS_WITH(ward.sim.addSmoke(room()), Contains("has a room for it already"));
     CHECK_THROWS_WITH(ward.sim.extract({.flow = -1.0}), Contains("extract: flow must be in [0, 1] m^3/s, got -1"));
+    CHECK_THROWS_WITH(ward.sim.extract({.place = {0, 90_mm, 0}, .flow = 1e-4}),
+                      Contains("extract: place must be in the room of the smoke, from (-0.06 -0.02 -0.06) m to "
+                               "(0.06 0.08 0.06) m, got (0 0.09 0) m"));
+    ward.sim.extract({.place = {0, 90_mm, 0}}); // closes one, wherever
+    CHECK_THROWS_WITH(ward.sim.smokeBetween({0, std::nan(""), 0}, {}),
+                      Contains("smokeBetween: both points must be finite, got (0 nan 0) m and (0 0 0) m"));
     CHECK_THROWS_WITH(ward.sim.extract({.flow = 1e-4, .body = ward.tissue}), Contains("body must be a rigid one"));
     CHECK_THROWS_WITH(ward.sim.extract({.flow = 1e-4, .body = ward.knife, .element = 1}),
                       Contains("element must be in [0, 1), got 1"));

@@ -128,19 +128,28 @@ TEST_CASE("without ffmpeg, or with one that does not run, a video is refused bef
     CHECK(sim.run({.headless = true, .steps = 1}).steps == 1); // nothing was stepped, and it can still run
 }
 
-TEST_CASE("if ffmpeg dies on the way or finds the disk full at the end, the run ends with its message")
+TEST_CASE("if ffmpeg dies on the way or finds the disk full at the end, the run goes on and its report says so")
 {
     Simulation sim(small());
+    const auto problem = [](const RunReport& report) {
+        CHECK_FALSE(report.complete());
+        CHECK(report.pictures.empty());
+        REQUIRE(report.fileProblems.size() == 1);
+        CHECK_THAT(summary(report), Catch::Contains("incomplete: " + report.fileProblems[0]));
+        return report.fileProblems[0];
+    };
     {
         const FakeFfmpeg dying(
             thenDoes("head -c 100 > /dev/null\necho 'first' >&2\necho 'No space left on device' >&2\nexit 1\n"));
-        CHECK_THROWS_WITH(sim.run({.backend = Backend::Null, .video = dying.file(), .fps = 240}),
-                          Catch::Contains("No space left on device (exit code 1)") && Catch::Contains("video '"));
+        const RunReport report = sim.run({.backend = Backend::Null, .steps = 500, .video = dying.file(), .fps = 240});
+        CHECK(report.steps == 500);
+        CHECK_THAT(problem(report),
+                   Catch::Contains("No space left on device (exit code 1)") && Catch::Contains("video '"));
     }
     {
         const FakeFfmpeg late(thenDoes("cat > /dev/null\necho 'cannot write the trailer' >&2\nexit 3\n"));
-        CHECK_THROWS_WITH(sim.run({.backend = Backend::Null, .steps = 5, .freeRunning = true, .video = late.file()}),
-                          Catch::Contains("cannot write the trailer (exit code 3)"));
+        const RunDef run{.backend = Backend::Null, .steps = 5, .freeRunning = true, .video = late.file()};
+        CHECK_THAT(problem(sim.run(run)), Catch::Contains("cannot write the trailer (exit code 3)"));
     }
     {
         const FakeFfmpeg killed(thenDoes("kill -9 $$\n"));

@@ -118,7 +118,7 @@ TEST_CASE("save: what a program did becomes a scene file with the same hash afte
     CHECK(scene.physics.rate == 500.0);
     CHECK(scene.physics.gravity == Vec3{0.1, -9.0, 0.0});
     CHECK(scene.bodies.at(0).show.at(0).subdivision == 1);
-    CHECK(std::get<visual::TissueMaterial>(scene.bodies[0].show[0].material).vessels == 0.25);
+    CHECK(std::get<visual::TissueMaterial>(scene.bodies[0].show[0].material.value()).vessels == 0.25);
     CHECK(scene.bodies.at(0).paint.at(0).state.burn == 0.5);
     CHECK(scene.bodies.at(2).motions.at(0).keys.size() > 20);
     CHECK(std::filesystem::exists(folder.file("saved/liver_files/liver.msh")));

@@ -67,7 +67,7 @@ TEST_CASE("scene files: fields of all kinds are read, and what is missing keeps 
     CHECK(std::isinf(fem.tearingThreshold));
     CHECK(std::get<physics::TotalMass>(cube.mass).value == 0.02);
     CHECK(std::holds_alternative<physics::Cholesky>(cube.solver));
-    CHECK(std::get<visual::MetalMaterial>(scene.bodies[0].show.at(0).material).roughness == 0.25);
+    CHECK(std::get<visual::MetalMaterial>(scene.bodies[0].show.at(0).material.value()).roughness == 0.25);
     const auto& tool = std::get<physics::RigidBodyDef>(scene.bodies[1].def);
     CHECK(tool.elements.at(0).position.y == 0.01);
     CHECK(tool.elements.at(1).position == Vec3{1, 2, 3});

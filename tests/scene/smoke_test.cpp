@@ -91,4 +91,27 @@ TEST_CASE("scenes: wrong smoke is an Error with its place")
     CHECK_THAT(problem(kRoom, R"(, {"time": 1, "type": "Extract", "place": "0 0 0 mm"})"), Contains("flow"));
 }
 
+TEST_CASE("scenes: an Extract that the run would refuse is refused before it")
+{
+    const SceneFolder folder;
+    const auto problem = [&](const std::string& smoke, const std::string& command) {
+        const SceneDef scene = folder.load(theatre(smoke, R"(, {"time": 1, "type": "Extract", )" + command + "}"));
+        Simulation sim(simulationDef(scene));
+        try {
+            static_cast<void>(addScene(sim, scene));
+            return std::string();
+        } catch (const Error& error) {
+            return std::string(error.what());
+        }
+    };
+    CHECK_THAT(problem(kRoom, R"("body": "tube", "element": 1, "flow": "6 l/min")"),
+               Contains(":9:") && Contains("extract: element must be in [0, 1), got 1"));
+    CHECK_THAT(problem(kRoom, R"("place": "0 1 0 m", "flow": "6 l/min")"),
+               Contains("extract: place must be in the room of the smoke"));
+    SceneDef scene = folder.load(theatre(kRoom, kOpened));
+    scene.smoke.reset();
+    Simulation sim(simulationDef(scene));
+    CHECK_THROWS_WITH(addScene(sim, scene), Contains("there is no room for it"));
+}
+
 } // namespace smoke_test

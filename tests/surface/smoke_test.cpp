@@ -160,6 +160,9 @@ TEST_CASE("an opening takes what is in the gas that it takes")
     CHECK(aside.puffs().at(0).place.x ==
           Approx(0.04 - std::cbrt(std::pow(0.04, 3) - 3.0 * kFlow * 0.2 / (4.0 * pi))).epsilon(1e-9));
 
+    // One outside the closed room takes nothing.
+    CHECK(suck(there, {0, 0.11, 0}, 1.0).extracted == taken.extracted);
+
     // What has mixed with the room: flow over volume.
     def.mixing = 1e-3;
     Smoke mixed(def, "smoke");
@@ -240,16 +243,17 @@ TEST_CASE("tissue at the boiling point fumes, and no other")
     Burning burning({.depth = 0.0005}, mesh->triangles, "plate");
     burning.apply({.place = {0.01, 0, 0}, .radius = 0.002, .power = 1.0}, mesh->vertices);
     burning.step(mesh->vertices, {}, kStep);
-    CHECK(burning.fumes().empty()); // warm
+    CHECK(burning.takeFumes().empty()); // warm
     burning.apply({.place = {0.01, 0, 0}, .radius = 0.002, .power = 30.0}, mesh->vertices);
     double taken = 0.0, boiled = 0.0;
     for (int i = 0; i < 60; ++i) {
         burning.step(mesh->vertices, {}, kStep);
-        for (const Fume& each : burning.fumes()) {
+        for (const Fume& each : burning.takeFumes()) {
             taken += each.taken;
             boiled += each.boiled;
             CHECK(distance(each.place, {0.01, 0, 0}) < 0.008);
         }
+        CHECK(burning.takeFumes().empty()); // they are handed out once, however often they are asked for
     }
     const HeatBalance heat = burning.balance();
     CHECK(taken > 5.0);
@@ -258,7 +262,7 @@ TEST_CASE("tissue at the boiling point fumes, and no other")
     CHECK(heat.fuming <= heat.delivered);
     burning.apply({.place = {0.01, 0, 0}, .power = 0.0}, mesh->vertices);
     for (int i = 0; i < 120; ++i) burning.step(mesh->vertices, {}, kStep);
-    CHECK(burning.fumes().empty());
+    CHECK(burning.takeFumes().empty());
 }
 
 } // namespace smoke_test

@@ -68,7 +68,7 @@ TEST_CASE("the bunny looks like wet tissue under an endoscope: red, glistening, 
 TEST_CASE("a box of any size is framed and exposed alike")
 {
     double expected = 0.0;
-    for (double radius : {0.05, 0.02, 0.5}) {
+    for (double radius : {0.05, 0.02, 0.0025, 0.5}) {
         VisualServer server({.width = 160, .height = 120});
         VisualBodyDef def = sphereDef(radius);
         def.material = TissueMaterial{.noiseScale = 8.0 / radius};
@@ -76,7 +76,8 @@ TEST_CASE("a box of any size is framed and exposed alike")
         addEndoscopeLook(server, boundsOf(def.mesh), Quality::Low);
         const double now = brightness(server.capture());
         if (expected == 0.0) expected = now;
-        CHECK(now == Approx(expected).epsilon(0.05));
+        // Nearer than a centimetre light no longer falls off with the distance.
+        CHECK(now == Approx(expected).epsilon(radius < 0.01 ? 0.15 : 0.05));
     }
 }
 

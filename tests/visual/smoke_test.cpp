@@ -96,6 +96,50 @@ TEST_CASE("white smoke is lit by the scene's lights")
     CHECK(seen(0.2) > 2.0 * dark);
 }
 
+TEST_CASE("smoke takes light of a lamp outside its room only within the room")
+{
+    // A lamp four times as far and sixteen times as bright lights the room alike.
+    const auto seen = [](double far, bool haze) {
+        Wall wall(1e-6);
+        Smoke smoke = haze ? black({}, 30.0) : black({{.place = {0, 0, 0.03}, .radius = 0.008, .depth = 3.0}}, 10.0);
+        smoke.room = {{-0.03, -0.03, 0.005}, {0.03, 0.03, 0.06}};
+        smoke.color = {0.95, 0.95, 0.95};
+        wall.server.setSmoke(smoke);
+        wall.server.add(LightDef{.kind = PointLight{20000.0 * far * far, 100.0}}).setPose({{0, far, 0.1}, {}});
+        return wall.middle();
+    };
+    for (const bool haze : {false, true}) {
+        INFO(haze);
+        CHECK(seen(0.5, haze) > 20.0);
+        CHECK(seen(2.0, haze) == Approx(seen(0.5, haze)).epsilon(0.1));
+    }
+}
+
+TEST_CASE("haze has the colour of its lights, and its own")
+{
+    const auto seen = [](Color light, Color own, const EnvironmentDef& around) {
+        Wall wall(1e-6);
+        wall.server.setEnvironment(around);
+        Smoke smoke = black({}, 30.0);
+        smoke.room = {{-1, -1, 0.005}, {1, 1, 1}};
+        smoke.color = own;
+        wall.server.setSmoke(smoke);
+        wall.server.add(LightDef{.kind = PointLight{400.0, 100.0}, .color = light}).setPose({{0, 0.1, 0.1}, {}});
+        const Image image = wall.server.capture();
+        return image.pixel(80, 60);
+    };
+    const Color white{0.95, 0.95, 0.95}, red{1.0, 0.1, 0.1};
+    const auto grey = seen({1, 1, 1}, white, {.intensity = 0.0});
+    CHECK(grey[0] > 60);
+    CHECK(std::abs(grey[0] - grey[2]) < 0.15 * grey[0]);
+    for (const auto& each :
+         {seen(red, white, {.intensity = 0.0}), seen({1, 1, 1}, red, {.intensity = 0.0}),
+          seen({1e-6, 1e-6, 1e-6}, white, {.intensity = 3000.0, .above = red, .below = red, .lampStrength = 0.0})}) {
+        CHECK(each[0] > 60);
+        CHECK(each[0] > 2 * each[2]);
+    }
+}
+
 TEST_CASE("smoke has no edge where it meets a surface")
 {
     Wall wall;

@@ -3,6 +3,7 @@
 #include "def_table.h"
 
 #include "filasofia/prefab/clip_applier.h"
+#include "filasofia/prefab/knot_hands.h"
 #include "filasofia/prefab/metric_tracker.h"
 
 #include <nanobind/stl/vector.h>
@@ -33,6 +34,7 @@ const DefTable& table()
         out.add<surface::SmokeDef>();
         out.add<surface::Extract>();
         out.add<prefab::ClipApplierDef>();
+        out.add<prefab::KnotDef>();
         out.add<runtime::PictureDef>();
         out.add<runtime::ViewerDef>();
         out.add<runtime::ReplayDef>();

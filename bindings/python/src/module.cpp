@@ -49,6 +49,7 @@ NB_MODULE(_core, module)
     bindFrames(module);
     bindSimulation(module);
     addClipApplier(module);
+    addKnotHands(module);
     module.def("close_all", &closeAll, nb::call_guard<nb::gil_scoped_release>());
     explainWrongArguments(module);
 }

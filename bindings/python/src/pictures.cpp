@@ -20,21 +20,6 @@ bool hasSurface(const physics::BodyDef& def)
     return !file || !file->empty();
 }
 
-/// Grey plastic: a flat floor of metal would mirror nothing but the dark surroundings.
-visual::TissueMaterial plastic()
-{
-    constexpr visual::Color kGrey{0.34, 0.35, 0.37};
-    return {.baseColor = kGrey,
-            .subsurfaceColor = kGrey,
-            .vesselColor = kGrey,
-            .roughness = 0.5,
-            .wetness = 0.1,
-            .thickness = 0.0,
-            .mottling = 0.0,
-            .vessels = 0.0,
-            .bump = 0.0};
-}
-
 /// If the user chose nothing to be drawn, everything that has a surface is, but for what a library has shown.
 void showAll(HeldSimulation& self)
 {
@@ -43,8 +28,7 @@ void showAll(HeldSimulation& self)
     for (const BodyId id : session.physics().bodies()) {
         const auto def = session.physics().def(id);
         if (self.shownByUs.contains(id) || self.shownBeside.contains(id) || !hasSurface(*def)) continue;
-        self.shownByUs[id] = session.simulation().show(
-            id, physics::isRigid(*def) ? runtime::ShowDef{.material = plastic()} : runtime::ShowDef{});
+        self.shownByUs[id] = session.simulation().show(id);
     }
 }
 
@@ -268,7 +252,8 @@ void addPictures(nb::class_<HeldSimulation>& sim)
                               readArgument<Vec3>(to, "smoke_between", "end"));
         },
         nb::arg("begin").none(), nb::arg("end").none(),
-        nb::sig("def smoke_between(self, begin: filasofia.Vec3, end: filasofia.Vec3) -> float"),
+        nb::sig("def smoke_between(self, begin: collections.abc.Sequence[float], end: collections.abc.Sequence[float]) "
+                "-> float"),
         "The optical depth of the smoke on a straight way: exp(-depth) of the light passes.");
     sim.def("_render", &render);
     sim.def("_render_depth", &renderDepth);

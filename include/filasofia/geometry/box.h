@@ -2,6 +2,8 @@
 
 #include "filasofia/math/vec3.h"
 
+#include <algorithm>
+#include <array>
 #include <limits>
 #include <span>
 
@@ -49,6 +51,29 @@ constexpr bool overlap(const Box& a, const Box& b)
 constexpr double squaredDistance(const Box& a, Vec3 p)
 {
     return lengthSquared(max(max(a.low - p, p - a.high), Vec3{}));
+}
+
+/// Whether a point is in the box or on its border.
+constexpr bool contains(const Box& a, Vec3 p) { return squaredDistance(a, p) == 0.0; }
+
+/// How much [m] of a straight way lies in a box.
+inline double lengthWithin(const Box& box, Vec3 from, Vec3 to)
+{
+    const Vec3 way = to - from;
+    double begin = 0.0, end = 1.0;
+    const std::array<std::array<double, 4>, 3> axes{{{from.x, way.x, box.low.x, box.high.x},
+                                                     {from.y, way.y, box.low.y, box.high.y},
+                                                     {from.z, way.z, box.low.z, box.high.z}}};
+    for (const auto& [at, along, low, high] : axes) {
+        if (along == 0.0) {
+            if (at < low || at > high) return 0.0;
+            continue;
+        }
+        const double a = (low - at) / along, b = (high - at) / along;
+        begin = std::max(begin, std::min(a, b));
+        end = std::min(end, std::max(a, b));
+    }
+    return std::max(end - begin, 0.0) * length(way);
 }
 
 constexpr auto fields(const Box*)

@@ -137,6 +137,8 @@ struct RunReport {
     std::uint64_t undone = 0;        ///< [-], steps in which a body was rolled back (StepFlag::Undone)
     /// [-], steps among these in which it was advanced again from rest, damped (StepFlag::Damped)
     std::uint64_t damped = 0;
+    /// [-], steps without a break at the end of the run in which a body was rolled back: physics has failed
+    std::uint64_t undoneAtEnd = 0;
     std::uint64_t notConverged = 0; ///< [-], steps in which a solver reached its iteration limit
     std::uint64_t outOfTime = 0;    ///< [-], steps in which a solver stopped at the deadline (StepFlag::OutOfTime)
     std::uint64_t intersecting = 0; ///< [-], steps in which surfaces pass through each other (StepFlag::Intersecting)
@@ -172,8 +174,9 @@ struct RunReport {
     std::vector<std::string> pictures; ///< files written, including the video
     /// why log or recording end before the run, or a screenshot is missing; empty: all are complete
     std::vector<std::string> fileProblems;
-    /// Whether everything was done: no script ended early, and all files are complete.
-    [[nodiscard]] bool complete() const { return callbackProblems.empty() && fileProblems.empty(); }
+    /// Whether everything was done: no script ended early, all files are complete, and physics had not failed at the
+    /// end.
+    [[nodiscard]] bool complete() const { return callbackProblems.empty() && fileProblems.empty() && undoneAtEnd == 0; }
 };
 
 /// The report as text for a person, several lines.

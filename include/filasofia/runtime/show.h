@@ -31,7 +31,9 @@ struct ShowDef {
                                 ///< or a rigid one's mesh at every element
     int element = 0;            ///< [-], >= 0, the element of a rigid body that carries a given surface
     int subdivision = 0;        ///< [-], in [0, 3], each level has four times the triangles
-    visual::Material material = visual::TissueMaterial{}; ///< what it looks like
+    /// What it looks like. Not given: as what the body is: tissue if it is soft, grey plastic if it is rigid, a
+    /// thread's violet if it is a rod.
+    std::optional<visual::Material> material = {};
     /// What the inside looks like if cuts and tears open a soft body that is drawn as its own boundary. Not given: the
     /// material above, redder and wetter if it is tissue.
     std::optional<visual::Material> interior = {};
@@ -44,7 +46,7 @@ constexpr auto fields(const ShowDef*)
     return describe("ShowDef", field("surface", &T::surface, "a surface file, or the surface"),
                     field("element", &T::element, "-", nonNegative(), "element of a rigid body"),
                     field("subdivision", &T::subdivision, "-", closed(0, 3), "each level has four times the triangles"),
-                    field("material", &T::material, "what it looks like"),
+                    field("material", &T::material, "what it looks like; not given: as what the body is"),
                     field("interior", &T::interior, "what it looks like where it is cut"),
                     field("castShadows", &T::castShadows, "whether it casts shadows"),
                     field("visible", &T::visible, "whether it is visible from the start"));

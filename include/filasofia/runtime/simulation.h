@@ -156,13 +156,15 @@ public:
     /// Lets what burns smoke, in a room that holds it: see surface::SmokeDef. Pictures show it. Error if the simulation
     /// has such a room already, or if a field is wrong.
     void addSmoke(const surface::SmokeDef& def);
-    /// Sucks smoke away, from its next step on. Error if there is no room for it, no such rigid body or element, or if
-    /// a field is wrong.
+    /// Sucks smoke away, from its next step on. Error if there is no room for it, no such rigid body or element, if the
+    /// place of an opening that no body carries is outside the room, or if a field is wrong.
     void extract(const surface::Extract& command);
+    /// The Error that extract() would throw, without its effect.
+    void checkExtract(const surface::Extract& command) const;
     /// What has become of the smoke, up to its last step. Error if there is no room for it.
     [[nodiscard]] surface::SmokeBalance smoke() const;
     /// The optical depth [-] of the smoke on the straight way between two points: exp(-depth) of the light passes.
-    /// Error if there is no room for it.
+    /// Error if there is no room for it, or if a point is not finite.
     [[nodiscard]] double smokeBetween(Vec3 from, Vec3 to) const;
     /// What has become of its blood, up to the last step of the film that has ended.
     [[nodiscard]] surface::BloodBalance blood(BodyId id) const;

@@ -195,6 +195,7 @@ struct SceneDef {
     std::optional<surface::SmokeDef> smoke = {};            ///< the room that holds smoke; none: nothing smokes
     std::vector<SceneBody> bodies = {};
     std::vector<SceneInstrument> instruments = {}; ///< BodyIds of a scene count them after the bodies
+    std::vector<SceneKnot> knots = {};             ///< that hands tie; none of their bodies has a number
     std::vector<TimedCommand> commands = {};       ///< at any times; those of the same time in this order
     std::vector<runtime::HapticInterfaceDef> haptics = {};
     std::vector<ScenePedal> pedals = {};            ///< how a person activates electrodes
@@ -216,6 +217,7 @@ constexpr auto fields(const SceneDef*)
                     field("bodies", &T::bodies, "the bodies; one may name those before it"),
                     field("commands", &T::commands, "commands at their times"),
                     field("instruments", &T::instruments, "instruments, which come after the bodies"),
+                    field("knots", &T::knots, "knots that hands tie"),
                     field("haptics", &T::haptics, "haptic interfaces"),
                     field("pedals", &T::pedals, "how a person activates electrodes"),
                     field("task", &T::task, "what a trainee has to do"),
@@ -233,7 +235,7 @@ struct [[nodiscard]] AddedScene {
     std::shared_ptr<prefab::MetricTracker> tracker = {};
 };
 
-/// Adds the scene's bodies, pictures, motions, commands, cameras, lights, instruments, haptic interfaces and task to a
+/// Adds the scene's bodies, pictures, motions, commands, cameras, lights, instruments, knots, haptics and task to a
 /// simulation that is not running. `tracker` says what becomes of its measures, if it names a file or keeps them; what
 /// is observed, and the names of task and steps, are the scene's. Throws an Error that begins with the place of what is
 /// wrong, or with its path; what came before it stays added.

@@ -3,6 +3,7 @@
 #include "filasofia/prefab/articulated_instrument.h"
 #include "filasofia/prefab/clip_applier.h"
 #include "filasofia/prefab/endoscope.h"
+#include "filasofia/prefab/knot_hands.h"
 #include "filasofia/prefab/laparoscope.h"
 #include "filasofia/prefab/laparoscopic_instrument.h"
 #include "filasofia/prefab/metric_tracker.h"
@@ -77,6 +78,21 @@ constexpr auto fields(const SceneInstrument*)
                     field("grip", &T::grip, "what its jaws do from which time on, ascending"),
                     field("electrodes", &T::electrodes, "parts that heat what they touch"),
                     field("clips", &T::clips, "clips that its jaws close"));
+}
+
+/// A knot that two hands tie with the ends of a thread of the scene. In a file, the fields of its Def stand beside the
+/// others.
+struct SceneKnot {
+    prefab::KnotDef def = {};
+    double begin = 0.0;                 ///< [s], >= 0, when the hands take the thread
+    std::optional<double> release = {}; ///< [s], > begin, when they let it go; not given: never
+};
+constexpr auto fields(const SceneKnot*)
+{
+    using T = SceneKnot;
+    return describe("SceneKnot", field("", &T::def, "its Def, whose fields stand beside the others"),
+                    field("begin", &T::begin, "s", nonNegative(), "when the hands take the thread"),
+                    field("release", &T::release, "s", positive(), "when they let it go; not given: never"));
 }
 
 /// How a person activates an electrode: while a key of the window is held, or a button of the haptic interface that

@@ -7,6 +7,8 @@
 
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace filasofia::surface {
 
@@ -54,7 +56,7 @@ public:
     /// negative where there is no surface.
     [[nodiscard]] std::vector<float> marks() const;
     /// What the last step gave off, at most one for each cube of a centimetre.
-    [[nodiscard]] const std::vector<Fume>& fumes() const { return fumes_; }
+    [[nodiscard]] std::vector<Fume> takeFumes() { return std::exchange(fumes_, {}); }
     /// Per node of the body, 1 where it is damaged: omega >= 1.
     [[nodiscard]] std::vector<std::uint8_t> burnt() const;
     [[nodiscard]] const BurningDef& def() const { return def_; }

@@ -35,7 +35,8 @@ public:
 
     /// Given off evenly over the next step.
     void emit(const Fume& fume);
-    /// An opening at a place in the world takes so much gas [m^3/s] in the next step.
+    /// An opening at a place in the world takes so much gas [m^3/s] in the next step; none while it is outside the
+    /// room.
     void extract(Vec3 place, double flow);
     /// `dt` [s], >= 0. Error-free; nothing happens in clear air.
     void step(Vec3 gravity, double dt);

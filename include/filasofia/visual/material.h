@@ -219,6 +219,20 @@ constexpr auto fields(const NamedMaterial*)
 }
 constexpr std::size_t addedFields(const NamedMaterial*) { return 1; }
 
+/// A surface of one colour without any pattern, as plastic and paint are.
+inline TissueMaterial plainMaterial(Color color)
+{
+    return {.baseColor = color,
+            .subsurfaceColor = color,
+            .vesselColor = color,
+            .roughness = 0.5,
+            .wetness = 0.1,
+            .thickness = 0.0,
+            .mottling = 0.0,
+            .vessels = 0.0,
+            .bump = 0.0};
+}
+
 using Material = std::variant<TissueMaterial, MetalMaterial, MucosaMaterial, BoneMaterial, GlassMaterial, UnlitMaterial,
                               CustomMaterial, NamedMaterial>;
 

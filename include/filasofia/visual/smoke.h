@@ -32,9 +32,8 @@ struct Smoke {
     std::vector<SmokePuff> puffs = {}; ///< at most 256
     double haze = 0.0;                 ///< [1/m], in [0, 1e6], extinction of what is spread evenly over the room
     geometry::Box room = {{}, {}};     ///< [m], in the world; the haze fills it
-    Color color = {0.93, 0.95,
-                   0.97}; ///< [-], in [0, 1], share of the light taken that is scattered; haze has the mean of it
-    double wisps = 1.0;   ///< [-], in [0, 1], how uneven puffs are; their mean optical depth stays
+    Color color = {0.93, 0.95, 0.97};  ///< [-], in [0, 1], share of the light taken that is scattered
+    double wisps = 1.0;                ///< [-], in [0, 1], how uneven puffs are; their mean optical depth stays
     friend bool operator==(const Smoke&, const Smoke&) = default;
 };
 constexpr auto fields(const Smoke*)

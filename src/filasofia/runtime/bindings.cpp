@@ -67,11 +67,13 @@ bool fits(const mapping::MappedSurface& surface, const frame::SoftBodyFrame& bod
 
 } // namespace
 
-ShownId Bindings::show(BodyId id, const ShowDef& def, const physics::PhysicsServer& physics)
+ShownId Bindings::show(BodyId id, const ShowDef& given, const physics::PhysicsServer& physics)
 {
     const auto body = physics.def(id);
     const std::string object = text("show ", physics::describeBody(*body));
-    validate(def, object);
+    validate(given, object);
+    ShowDef def = given;
+    if (!def.material) def.material = materialOf(*body);
     const auto surface = loadSurface(def.surface, object);
 
     std::vector<Binding> made;
@@ -217,7 +219,7 @@ void Bindings::apply(const PendingChange& change, Binding& binding, const visual
     if (!binding.drawn) return;
     if (change.visible) binding.drawn->setVisible(*change.visible);
     try {
-        if (change.material) binding.drawn->setMaterial(binding.def.material);
+        if (change.material) binding.drawn->setMaterial(*binding.def.material);
     } catch (const Error& problem) { // a problem that shows only now, such as a missing file; the picture goes on
         logError(problem.what());
     }
@@ -273,7 +275,7 @@ void Bindings::openInteriors()
             inside.marks = {};
             inside.mapped = newest->second.interior;
             inside.nodes = mapping::nodesNeeded(inside.mapped->map);
-            inside.def.material = skin.def.interior.value_or(interiorOf(skin.def.material, *visual_));
+            inside.def.material = skin.def.interior.value_or(interiorOf(*skin.def.material, *visual_));
             inside.subdivision = 0; // until the worker has it
             painted_.add(inside.key, {inside.id, std::nullopt, inside.start}, inside.mapped);
             askMesh(inside);
@@ -322,7 +324,7 @@ void Bindings::addPending(visual::VisualServer& visual)
             visual::VisualBody& drawn = visual.add(visual::VisualBodyDef{.name = binding.name,
                                                                          .mesh = binding.mapped->surface,
                                                                          .subdivision = binding.subdivision,
-                                                                         .material = binding.def.material,
+                                                                         .material = *binding.def.material,
                                                                          .castShadows = binding.def.castShadows,
                                                                          .label = static_cast<int>(binding.id.value)});
             if (!binding.def.visible) drawn.setVisible(false);

@@ -81,8 +81,8 @@ private:
         SharedSurface mapped = {}; ///< a rigid body's has no map
         int nodes = 0;             ///< number of nodes that a frame of the body must have
         mapping::RigidMap rigidMap = {};
-        Pose start = {}; ///< start pose of the surface's coordinates, for a rigid body
-        ShowDef def = {};
+        Pose start = {};       ///< start pose of the surface's coordinates, for a rigid body
+        ShowDef def = {};      ///< with its material
         int subdivision = 0;   ///< the level that is drawn; less than in def if a cut surface cannot be subdivided
         bool boundary = false; ///< a soft body's own boundary is drawn
         bool interior = false; ///< the opened inside of that boundary is drawn

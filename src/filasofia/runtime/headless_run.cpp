@@ -41,16 +41,13 @@ public:
         const bool asked = impl_.screenshots.asked();
         if (!film && !(asked && opened())) return;
         impl_.mapFinishedFrame(*visual_);
-        if (film) video_->show(visual_->capture(), time - start_);
+        if (film && !impl_.files.attempt([&] { video_->show(visual_->capture(), time - start_); })) video_.reset();
         impl_.takeScreenshots(*visual_);
     }
     void last(RunReport& report)
     {
         if (!def_.picture.empty() && def_.pictureEvery == 0.0) impl_.takePicture(*visual_, def_.picture);
-        if (video_) {
-            video_->close();
-            impl_.files.addPicture(def_.video);
-        }
+        if (video_ && impl_.files.attempt([this] { video_->close(); })) impl_.files.addPicture(def_.video);
         if (visual_) report.visual = visual_->statistics();
     }
 

@@ -99,17 +99,18 @@ public:
         impl_.mapNewestFrame(*visual_);
         inspector_->beforePicture();
         bool drawn = true;
-        if (video_ && video_->due(wall))
-            video_->show(visual_->capture(), wall);
-        else
+        if (video_ && video_->due(wall)) {
+            if (!impl_.files.attempt([&] { video_->show(visual_->capture(), wall); })) video_.reset();
+        } else {
             drawn = visual_->render();
+        }
         impl_.takeScreenshots(*visual_);
         if (drawn) post(std::make_unique<event::VisualUpdateEvent>());
         inspector_->afterPicture(drawn);
     }
-    void closeVideo()
+    void closeVideo(const std::string& file)
     {
-        if (video_) video_->close();
+        if (video_ && impl_.files.attempt([this] { video_->close(); })) impl_.files.addPicture(file);
     }
     /// A picture for a file shows the scene without the inspector.
     void closeInspector() { inspector_->setOpen(false); }
@@ -209,10 +210,7 @@ RunReport runLive(Simulation::Impl& impl, const RunDef& def)
         impl.takeScreenshots(screen.visual());
     }
     files.close();
-    if (!def.video.empty()) {
-        screen.closeVideo();
-        impl.files.addPicture(def.video);
-    }
+    screen.closeVideo(def.video);
     report.visual = screen.visual().statistics();
     return report;
 }

@@ -14,7 +14,7 @@ public:
     /// Begins a run: all counts but stepsEver() return to zero.
     void begin()
     {
-        undone_ = damped_ = notConverged_ = outOfTime_ = inverted_ = beyondStrain_ = 0;
+        undone_ = undoneAtEnd_ = damped_ = notConverged_ = outOfTime_ = inverted_ = beyondStrain_ = 0;
         restless_ = energyGained_ = intersecting_ = 0;
         deepest_ = {};
         unrest_ = {};
@@ -30,6 +30,7 @@ public:
     {
         ++stepsEver_;
         undone_ += report.has(physics::StepFlag::Undone);
+        if (report.dt > 0.0) undoneAtEnd_ = report.has(physics::StepFlag::Undone) ? undoneAtEnd_ + 1 : 0;
         damped_ += report.has(physics::StepFlag::Damped);
         notConverged_ += report.has(physics::StepFlag::NotConverged);
         outOfTime_ += report.has(physics::StepFlag::OutOfTime);
@@ -77,6 +78,7 @@ public:
     void fill(RunReport& report) const
     {
         report.undone = undone_;
+        report.undoneAtEnd = undoneAtEnd_;
         report.damped = damped_;
         report.notConverged = notConverged_;
         report.outOfTime = outOfTime_;
@@ -97,7 +99,8 @@ public:
 private:
     std::uint64_t stepsEver_ = 0;
     /// [-] steps of this run
-    std::uint64_t undone_ = 0, damped_ = 0, notConverged_ = 0, outOfTime_ = 0, inverted_ = 0, beyondStrain_ = 0;
+    std::uint64_t undone_ = 0, undoneAtEnd_ = 0, damped_ = 0, notConverged_ = 0, outOfTime_ = 0, inverted_ = 0,
+                  beyondStrain_ = 0;
     std::uint64_t restless_ = 0, energyGained_ = 0, intersecting_ = 0; ///< [-] steps of this run
     physics::Intersection deepest_;                                    ///< in the step in which it was deepest
     physics::InvertedElements worst_;                                  ///< of the step with the most of them

@@ -38,6 +38,9 @@ void warn(const RunReport& report)
         logWarning(steps(report.undone), " a body's new state was not finite and was rolled back (Undone)",
                    report.damped > 0 ? text(", in ", report.damped, " of them advanced again with damping (Damped)")
                                      : "");
+    if (report.undoneAtEnd > 0)
+        logError("physics failed: in the last ", report.undoneAtEnd, report.undoneAtEnd == 1 ? " step" : " steps",
+                 " of the run a body had no finite state and was rolled back");
     if (report.notConverged > 0) logWarning(steps(report.notConverged), " a solver stopped at its iteration limit");
     if (report.inverted > 0)
         logWarning(steps(report.inverted), " elements were inside out, at most ", report.worstInverted.count,
@@ -164,6 +167,7 @@ void Simulation::extract(const surface::Extract& command)
     impl_->smoke.extract(command, impl_->physics);
     impl_->recordScene(SceneExtracted{command});
 }
+void Simulation::checkExtract(const surface::Extract& command) const { impl_->smoke.check(command, impl_->physics); }
 surface::SmokeBalance Simulation::smoke() const { return impl_->smoke.balance(); }
 double Simulation::smokeBetween(Vec3 from, Vec3 to) const { return impl_->smoke.depth(from, to); }
 surface::BloodBalance Simulation::blood(BodyId id) const { return impl_->bleedings.balance(id); }

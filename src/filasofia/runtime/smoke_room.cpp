@@ -1,14 +1,19 @@
 #include "filasofia/runtime/smoke_room.h"
 
 #include "filasofia/core/validate.h"
+#include "filasofia/physics/physics_server.h"
 #include "filasofia/runtime/told_and_kept.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace filasofia::runtime {
 namespace {
 
 using surface::Extract;
+
+std::string shown(Vec3 at) { return text("(", at.x, " ", at.y, " ", at.z, ") m"); }
 
 /// Where an opening is now; nothing if the body that carries it is gone.
 std::optional<Vec3> placeOf(const Extract& opening, const frame::Frame& frame)
@@ -36,7 +41,7 @@ const SmokeRoom::Room& SmokeRoom::room() const
     return state_.all.front();
 }
 
-void SmokeRoom::extract(const Extract& command, const physics::PhysicsServer& physics)
+void SmokeRoom::check(const Extract& command, const physics::PhysicsServer& physics) const
 {
     validate(command, "extract");
     if (command.body) {
@@ -47,7 +52,16 @@ void SmokeRoom::extract(const Extract& command, const physics::PhysicsServer& ph
             fail("extract: element must be in [0, ", count, "), got ", command.element);
     }
     const std::lock_guard lock(mutex_);
-    static_cast<void>(room());
+    const geometry::Box& within = room().smoke.def().room;
+    if (!command.body && command.flow > 0.0 && !geometry::contains(within, command.place))
+        fail("extract: place must be in the room of the smoke, from ", shown(within.low), " to ", shown(within.high),
+             ", got ", shown(command.place));
+}
+
+void SmokeRoom::extract(const Extract& command, const physics::PhysicsServer& physics)
+{
+    check(command, physics);
+    const std::lock_guard lock(mutex_);
     auto& openings = state_.all.front().openings;
     if (command.flow > 0.0)
         openings[command.source] = command;
@@ -63,6 +77,8 @@ surface::SmokeBalance SmokeRoom::balance() const
 
 double SmokeRoom::depth(Vec3 from, Vec3 to) const
 {
+    if (!isFinite(from) || !isFinite(to))
+        fail("smokeBetween: both points must be finite, got ", shown(from), " and ", shown(to));
     const std::lock_guard lock(mutex_);
     return room().smoke.opticalDepth(from, to);
 }
@@ -107,15 +123,17 @@ std::optional<visual::Smoke> SmokeRoom::takePicture()
     if (!any_) return std::nullopt;
     const std::lock_guard lock(mutex_);
     if (!std::exchange(fresh_, false)) return std::nullopt;
-    constexpr double kUnseen = 1e-4; // [-], [1/m]
+    // What is thicker or larger than the picture can show looks like the most that it can.
+    constexpr double kUnseen = 1e-4, kMost = 1e6; // [-], [1/m]
+    constexpr double kLargest = 1e3;              // [m]
     const surface::Smoke& smoke = state_.all.front().smoke;
-    visual::Smoke out{.haze = smoke.haze(), .room = smoke.def().room};
+    visual::Smoke out{.haze = std::min(smoke.haze(), kMost), .room = smoke.def().room};
     if (out.haze < kUnseen) out.haze = 0.0;
     for (const surface::Puff& puff : smoke.puffs())
         if (const double depth = smoke.middle(puff); depth > kUnseen)
             out.puffs.push_back({.place = puff.place,
-                                 .radius = puff.radius,
-                                 .depth = depth,
+                                 .radius = std::min(puff.radius, kLargest),
+                                 .depth = std::min(depth, kMost),
                                  .pattern = puff.number % 1000 + puff.age / (puff.age + 5.0)}); // its own, and it turns
     // Smoke is a little bluer than what it is lit by: small particles scatter short waves more.
     const double albedo = smoke.def().albedo;

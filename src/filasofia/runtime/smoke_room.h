@@ -5,6 +5,13 @@
 #include "filasofia/runtime/surface_layers.h"
 
 #include "filasofia/surface/smoke.h"
+#include "filasofia/visual/smoke.h"
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <vector>
 
 namespace filasofia::runtime {
 
@@ -13,6 +20,8 @@ class SmokeRoom {
 public:
     /// Any thread. Error as Simulation::addSmoke().
     void add(const surface::SmokeDef& def, Vec3 gravity);
+    /// Any thread. Error as Simulation::extract().
+    void check(const surface::Extract& command, const physics::PhysicsServer& physics) const;
     /// Takes effect at the smoke's next step. Any thread. Error as Simulation::extract().
     void extract(const surface::Extract& command, const physics::PhysicsServer& physics);
     [[nodiscard]] surface::SmokeBalance balance() const;  ///< any thread; Error without a room

@@ -205,6 +205,9 @@ std::string summary(const RunReport& report)
     out += text("late steps ", report.timing.late, ", clamped to period + slack ", report.timing.clamped,
                 ", rolled back ", report.undone, again, ", solver at its iteration limit ", report.notConverged,
                 ", at the deadline ", report.outOfTime, "\n");
+    if (report.undoneAtEnd > 0)
+        out += text("physics failed: in the last ", report.undoneAtEnd, report.undoneAtEnd == 1 ? " step" : " steps",
+                    " of the run a body had no finite state and was rolled back\n");
     if (report.inverted > 0) out += invertedLine(report);
     if (report.intersecting > 0) out += intersectionLine(report);
     if (report.beyondStrain > 0) out += strainedLine(report);

@@ -160,8 +160,10 @@ bool SurfaceLayers<Layer>::takeResults(BodyId id, double time, Patient& patient,
     patient.fresh = true;
     if constexpr (requires { patient.turn->layer.taken(); })
         patient.taken = patient.restart ? std::map<int, double>() : patient.turn->layer.taken();
-    if constexpr (requires { patient.turn->layer.fumes(); })
-        patient.fumes = patient.restart ? std::vector<surface::Fume>() : patient.turn->layer.fumes();
+    if constexpr (requires { patient.turn->layer.takeFumes(); }) {
+        patient.fumes = patient.turn->layer.takeFumes();
+        if (patient.restart) patient.fumes.clear();
+    }
     patient.burnt = patient.restart ? nullptr : patient.turn->burnt; // a reset heals
     return tell(id, time, patient, post);
 }

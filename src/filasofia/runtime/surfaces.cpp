@@ -60,4 +60,12 @@ TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, c
     return mapping::withCreases(*mesh, kCrease);
 }
 
+visual::Material materialOf(const physics::BodyDef& body)
+{
+    // No metal: a flat floor of it would mirror nothing but the dark surroundings.
+    if (physics::isRigid(body)) return visual::plainMaterial({0.34, 0.35, 0.37});
+    if (std::holds_alternative<physics::RodBodyDef>(body)) return visual::plainMaterial({0.25, 0.1, 0.5});
+    return visual::TissueMaterial{};
+}
+
 } // namespace filasofia::runtime

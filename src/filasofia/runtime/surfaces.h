@@ -26,4 +26,7 @@ mapping::MappedSurface mapRod(const physics::RodBodyDef& body, const geometry::T
 /// The mesh of a rigid body, ready to be drawn.
 geometry::TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, const std::string& object);
 
+/// What a body looks like if nobody says it.
+visual::Material materialOf(const physics::BodyDef& body);
+
 } // namespace filasofia::runtime

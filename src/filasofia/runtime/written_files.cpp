@@ -1,6 +1,5 @@
 #include "filasofia/runtime/written_files.h"
 
-#include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/visual/image.h"
 
@@ -15,13 +14,13 @@ void WrittenFiles::begin()
 
 void WrittenFiles::savePicture(const visual::Image& image, const std::string& file)
 {
-    try {
-        visual::savePng(image, file);
-        addPicture(file);
-    } catch (const Error& problem) {
-        logError(problem.what());
-        pictureProblems_.emplace_back(problem.what());
-    }
+    if (attempt([&] { visual::savePng(image, file); })) addPicture(file);
+}
+
+void WrittenFiles::keep(const Error& problem)
+{
+    logError(problem.what());
+    pictureProblems_.emplace_back(problem.what());
 }
 
 void WrittenFiles::fill(RunReport& report) const

@@ -2,6 +2,8 @@
 
 #include "filasofia/runtime/run.h"
 
+#include "filasofia/core/error.h"
+
 #include <string>
 #include <vector>
 
@@ -18,14 +20,27 @@ public:
     void begin();
     /// A picture or video was written. Main thread.
     void addPicture(const std::string& file) { pictures_.push_back(file); }
-    /// Writes a picture and adds it. If it cannot be written, the problem is logged and kept: the run goes on. Main
-    /// thread.
+    /// Calls write(), and returns whether it could. If it throws an Error, that is logged and kept: the run goes on.
+    /// Main thread.
+    template <class Write> bool attempt(Write&& write)
+    {
+        try {
+            write();
+            return true;
+        } catch (const Error& problem) {
+            keep(problem);
+            return false;
+        }
+    }
+    /// Writes a picture and adds it, if it can be written. Main thread.
     void savePicture(const visual::Image& image, const std::string& file);
     /// A file that gets a line per step (log, recording) is incomplete. The files' thread; fill() comes after its end.
     void addFileProblem(const std::string& problem) { fileProblems_.push_back(problem); }
     void fill(RunReport& report) const;
 
 private:
+    void keep(const Error& problem);
+
     std::vector<std::string> pictures_;
     std::vector<std::string> pictureProblems_;
     std::vector<std::string> fileProblems_; ///< apart from the above: another thread writes it

@@ -1,6 +1,7 @@
 #include "filasofia/scene/commands.h"
 #include "filasofia/scene/dress.h"
 #include "filasofia/scene/instruments.h"
+#include "filasofia/scene/knots.h"
 #include "filasofia/scene/motion.h"
 #include "filasofia/scene/pedals.h"
 #include "filasofia/scene/places.h"
@@ -86,6 +87,7 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
             failAtPlace(body.places, pathIn(body, error.what()), error.what());
         }
     const Instruments instruments = addInstruments(simulation, scene, ids);
+    addKnots(simulation, scene, ids);
     dressScene(simulation, scene, ids);
     for (const TimedCommand& each : scene.commands)
         if (const auto* gone = std::get_if<physics::RemoveBody>(&each.command);

@@ -104,7 +104,7 @@ class CommandCheck {
 public:
     CommandCheck(runtime::Simulation& simulation, const std::vector<BodyId>& ids,
                  std::map<AttachmentId, AttachmentId> attachments)
-        : trial_(simulation.physics()), ids_(ids), attachments_(std::move(attachments))
+        : simulation_(simulation), trial_(simulation.physics()), ids_(ids), attachments_(std::move(attachments))
     {
     }
 
@@ -127,12 +127,14 @@ private:
             trial_.give(physics::SetMaterial{command.id, std::move(command.material), {}});
         else if constexpr (std::is_same_v<Command, Treat> || std::is_same_v<Command, Activate>)
             trial_.mustBeThere(command.id);
-        else if constexpr (std::is_same_v<Command, surface::Extract>)
-            command.body ? trial_.mustBeThere(command.body) : void();
-        else if (const AttachmentId made = trial_.give(std::move(command)))
+        else if constexpr (std::is_same_v<Command, surface::Extract>) {
+            if (command.body) trial_.mustBeThere(command.body);
+            simulation_.checkExtract(command);
+        } else if (const AttachmentId made = trial_.give(std::move(command)))
             attachments_[number] = made;
     }
 
+    const runtime::Simulation& simulation_;
     physics::CommandTrial trial_;
     const std::vector<BodyId>& ids_;
     std::map<AttachmentId, AttachmentId> attachments_; ///< by their numbers in the scene

@@ -40,6 +40,7 @@ template <> inline constexpr bool kFlat<SceneLight> = true;
 template <> inline constexpr bool kFlat<SceneView> = true;
 template <> inline constexpr bool kFlat<SceneFollow> = true;
 template <> inline constexpr bool kFlat<SceneInstrument> = true;
+template <> inline constexpr bool kFlat<SceneKnot> = true;
 template <> inline constexpr bool kFlat<SceneBody> = true; ///< its first field's members stand beside its others
 
 /// Objects that may also be written as a list of their numbers.
@@ -105,6 +106,8 @@ template <class T> std::vector<std::string_view> required()
         return {"path"};
     else if constexpr (std::is_same_v<T, prefab::ClipApplierDef>)
         return {"targets"};
+    else if constexpr (std::is_same_v<T, SceneKnot>)
+        return {"thread"};
     else if constexpr (IsAnyOf<T, BoxShape, BlockShape>)
         return {"size"};
     else if constexpr (std::is_same_v<T, SphereShape>)

@@ -339,10 +339,7 @@ void MjcfFlex::addRigid(const Flex& flex, const MjcfPlace& place)
     for (const physics::CollisionDef& each : contact.collision)
         tree.def.collision.push_back({.mesh = mesh, .element = place.link, .group = each.group});
     const MjcfSource::Look look = source_.lookOf(flex.says);
-    if (!look.hidden)
-        tree.show.push_back({.surface = mesh,
-                             .element = place.link,
-                             .material = look.material.value_or(visual::Material(visual::TissueMaterial{}))});
+    if (!look.hidden) tree.show.push_back({.surface = mesh, .element = place.link, .material = look.material});
 }
 
 } // namespace filasofia::scene

@@ -302,7 +302,7 @@ private:
     void dress()
     {
         for (auto& [number, shown] : shown_) {
-            name(shown.def.material);
+            if (shown.def.material) name(*shown.def.material);
             if (shown.def.interior) name(*shown.def.interior);
             scene_.bodies[shown.body].show.push_back(shown.def);
         }

@@ -36,30 +36,20 @@ public:
             });
         reader_.knowBodies(std::move(names));
         SceneDef scene;
-        readMembers("physics", scene.physics);
-        readMembers("window", scene.window);
-        readMembers("look", scene.look);
-        forEachMember("bodies", [&](const Json& json, const Place& place) {
-            scene.bodies.push_back(reader_.readBody(json, place));
-        });
-        forEachMember("instruments", [&](const Json& json, const Place& place) {
-            const Place numbered{place.outer, {}, scene.instruments.size()};
-            reader_.readMember({{&json}}, numbered, scene.places, scene.instruments.emplace_back());
-            reader_.addInstrument(scene.instruments.back(), json, numbered);
-        });
+        readList("bodies", scene.bodies, scene.places); // what has a number comes before what may name it
+        readList("instruments", scene.instruments, scene.places);
         reader_.endBodies();
-        readList("cameras", scene.cameras, scene.places);
-        readList("lights", scene.lights, scene.places);
-        readList("views", scene.views, scene.places);
-        readMembers("environment", scene.environment);
-        readMembers("smoke", scene.smoke, &scene.places);
-        forEachMember("commands", [&](const Json& json, const Place& place) {
-            scene.commands.push_back(reader_.readCommand(json, place));
+        forEachField<SceneDef>([&](const auto& each) {
+            auto& member = scene.*(each.member);
+            using Member = std::remove_cvref_t<decltype(member)>;
+            if constexpr (std::is_same_v<Member, std::vector<SceneBody>> ||
+                          std::is_same_v<Member, std::vector<SceneInstrument>>)
+                return; // read already
+            else if constexpr (kIsVector<Member>)
+                readList(each.name, member, scene.places);
+            else
+                readMembers(each.name, member, scene.places);
         });
-        readList("haptics", scene.haptics, scene.places);
-        readList("pedals", scene.pedals, scene.places);
-        readMembers("task", scene.task, &scene.places);
-        readList("measured", scene.measured, scene.places);
         checkDefaults();
         scene.files = {files_.back()->path}; // itself comes last
         scene.files.insert(scene.files.end(), reader_.named().begin(), reader_.named().end());
@@ -154,7 +144,7 @@ private:
         return types;
     }
 
-    template <class T> void readMembers(std::string_view name, T& out, Places* places = nullptr)
+    template <class T> void readMembers(std::string_view name, T& out, Places& places)
     {
         Layers layers;
         for (auto file = files_.rbegin(); file != files_.rend(); ++file)
@@ -164,17 +154,21 @@ private:
             if (!each.json->is_object()) reader_.refuse(*each.json, place, "must be an object");
         if (layers.empty())
             reader_.fill(place, out);
-        else if (places)
-            reader_.readMember(layers, place, *places, out);
         else
-            reader_.read(layers, place, {}, out);
+            reader_.readMember(layers, place, places, out);
     }
     /// The members of all files together.
     template <class T> void readList(std::string_view name, std::vector<T>& out, Places& places)
     {
         forEachMember(name, [&](const Json& json, const Place& place) {
             const Place numbered{place.outer, {}, out.size()}; // by its number in the scene, which files may share
-            reader_.readMember({{&json}}, numbered, places, out.emplace_back());
+            if constexpr (std::is_same_v<T, SceneBody>)
+                out.push_back(reader_.readBody(json, place));
+            else if constexpr (std::is_same_v<T, TimedCommand>)
+                out.push_back(reader_.readCommand(json, place));
+            else
+                reader_.readMember({{&json}}, numbered, places, out.emplace_back());
+            if constexpr (std::is_same_v<T, SceneInstrument>) reader_.addInstrument(out.back(), json, numbered);
         });
     }
     template <class Each> void forEachMember(std::string_view name, Each&& each)

@@ -152,16 +152,7 @@ std::optional<physics::GivenInertia> principal(const physics::RigidInertia& iner
 
 visual::Material plainMaterial(Vec3 rgb)
 {
-    const visual::Color color{linear(rgb.x), linear(rgb.y), linear(rgb.z)};
-    return visual::TissueMaterial{.baseColor = color,
-                                  .subsurfaceColor = color,
-                                  .vesselColor = color,
-                                  .roughness = 0.5,
-                                  .wetness = 0.1,
-                                  .thickness = 0.0,
-                                  .mottling = 0.0,
-                                  .vessels = 0.0,
-                                  .bump = 0.0};
+    return visual::plainMaterial({linear(rgb.x), linear(rgb.y), linear(rgb.z)});
 }
 
 } // namespace filasofia::scene

@@ -40,26 +40,6 @@ double draught(int seed, double time, int axis)
     return (1.0 - weight) * chance(seed, tick, axis) + weight * chance(seed, tick + 1, axis);
 }
 
-/// How much [m] of a straight way lies in a box.
-double lengthWithin(const geometry::Box& box, Vec3 from, Vec3 to)
-{
-    const Vec3 way = to - from;
-    double begin = 0.0, end = 1.0;
-    const std::array<std::array<double, 4>, 3> axes{{{from.x, way.x, box.low.x, box.high.x},
-                                                     {from.y, way.y, box.low.y, box.high.y},
-                                                     {from.z, way.z, box.low.z, box.high.z}}};
-    for (const auto& [at, along, low, high] : axes) {
-        if (along == 0.0) {
-            if (at < low || at > high) return 0.0;
-            continue;
-        }
-        const double a = (low - at) / along, b = (high - at) / along;
-        begin = std::max(begin, std::min(a, b));
-        end = std::min(end, std::max(a, b));
-    }
-    return std::max(end - begin, 0.0) * length(way);
-}
-
 /// The share of something given off evenly over `dt` that is still there, if it falls at `rate` [1/s].
 double shareLeft(double rate, double dt)
 {
@@ -97,7 +77,10 @@ double Smoke::volume() const
 }
 
 void Smoke::emit(const Fume& fume) { fumes_.push_back(fume); }
-void Smoke::extract(Vec3 place, double flow) { openings_.push_back({place, flow}); }
+void Smoke::extract(Vec3 place, double flow)
+{
+    if (geometry::contains(def_.room, place)) openings_.push_back({place, flow});
+}
 
 void Smoke::step(Vec3 gravity, double dt)
 {
@@ -259,7 +242,7 @@ double Smoke::opticalDepth(Vec3 from, Vec3 to) const
 {
     double sum = 0.0;
     for (const Puff& puff : puffs_) sum += middle(puff) * gaussianColumn(puff.place, puff.radius, from, to);
-    return sum + haze() * lengthWithin(def_.room, from, to);
+    return sum + haze() * geometry::lengthWithin(def_.room, from, to);
 }
 
 } // namespace filasofia::surface

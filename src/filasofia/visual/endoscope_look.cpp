@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -27,8 +28,11 @@ Camera& addCamera(VisualServer& server, Transform& rig, double away)
 Light& addLamp(VisualServer& server, Transform& rig, double away)
 {
     SpotLight spot;
-    spot.intensity = 8000.0 * away * away; // [cd], the same illuminance at any distance
-    spot.innerAngle = 0.12;
+    // Filament takes what is nearer than this to be so far away; and what is seen is nearer than the middle.
+    constexpr double kNearest = 0.01, kSeen = 0.85; // [m], [-]
+    const double lit = std::max(away, kNearest / kSeen);
+    spot.intensity = 8000.0 * lit * lit; // [cd], the same illuminance at any distance
+    spot.innerAngle = 0.45;
     spot.outerAngle = 0.95; // slightly beyond the corners of the picture, so that none of it is black
     spot.range = 8.0 * away;
     LightDef def;
@@ -74,8 +78,12 @@ EndoscopeLook addEndoscopeLook(VisualServer& server, const geometry::Box& around
     view.occlusionRadius = 0.08 * radius;
     look.view = &server.add(view, *look.camera);
 
-    // The walls of the cavity reflect light: a dim, soft glow from above the camera.
+    // What is around reflects light: a soft glow from above the camera. Without it, all that faces aside is nearly
+    // black.
     EnvironmentDef environment;
+    environment.intensity = 600.0;
+    environment.above = {0.55, 0.475, 0.465};
+    environment.below = {0.25, 0.2, 0.195};
     environment.lampDirection = rotate(look.rig->pose().orientation, Vec3{0.45, 0.8, 0.6});
     server.setEnvironment(environment);
     return look;

@@ -248,6 +248,7 @@ void FilamentBackend::resize(int width, int height)
 bool FilamentBackend::beginFrame(int tries)
 {
     prepareOptics();
+    lightSmoke();
     for (int i = 0; i < tries; ++i) {
         if (renderer_->beginFrame(swapChain_)) return true;
         if (i + 1 < tries) engine_->flushAndWait(); // the queue of frames is full: wait until it is empty
@@ -310,7 +311,6 @@ template <class Render> void FilamentBackend::drawView(PlacedView& each, Render&
 void FilamentBackend::drawViews()
 {
     overlays_->drawCanvases();
-    lightSmoke();
     bool seen = false;
     for (const bool offScreen : {true, false})
         for (auto& [slot, each] : views_)

@@ -29,8 +29,8 @@ double again(double depth) { return 1.0 - 2.6 * std::expm1(-depth); }
 constexpr double kLost = 0.35;
 
 struct Corner {
-    Float3 place; ///< in the camera's coordinates
-    float ambient;
+    Float3 place;   ///< in the camera's coordinates
+    float exposure; ///< of haze
     float unused;
     std::array<float, 4> what, look, more; ///< see smoke.mat
 };
@@ -103,7 +103,7 @@ void SmokePass::make()
                    .vertexCount(4 * kMostQuads)
                    .bufferCount(1)
                    .attribute(Attribute::POSITION, 0, Type::FLOAT3, offsetof(Corner, place), sizeof(Corner))
-                   .attribute(Attribute::UV0, 0, Type::FLOAT2, offsetof(Corner, ambient), sizeof(Corner))
+                   .attribute(Attribute::UV0, 0, Type::FLOAT2, offsetof(Corner, exposure), sizeof(Corner))
                    .attribute(Attribute::CUSTOM0, 0, Type::FLOAT4, offsetof(Corner, what), sizeof(Corner))
                    .attribute(Attribute::CUSTOM1, 0, Type::FLOAT4, offsetof(Corner, look), sizeof(Corner))
                    .attribute(Attribute::CUSTOM2, 0, Type::FLOAT4, offsetof(Corner, more), sizeof(Corner))
@@ -176,19 +176,27 @@ void SmokePass::set(const Smoke& smoke)
 void SmokePass::light(const std::vector<SmokeLight>& lights, const std::array<double, 3>& ambient)
 {
     const Vec3 color = vec(smoke_.color), sides{ambient[0], ambient[1], ambient[2]};
-    ambient_ = ambient;
     lamp_ = {.visible = false};
     for (const SmokeLight& each : lights)
         if (each.visible && (!lamp_.visible || intensityOf(each.def) > intensityOf(lamp_.def))) lamp_ = each;
+    const auto scatteredOf = [&](Vec3 light) {
+        const Float3 out = toFloat3({color.x * light.x, color.y * light.y, color.z * light.z});
+        return filament::math::float3{out.x, out.y, out.z};
+    };
+    puffs_->setParameter("hazeSides", scatteredOf(sides));
+    puffs_->setParameter(
+        "hazeLamp", scatteredOf(lamp_.visible ? kScattered * intensityOf(lamp_.def) * vec(lamp_.def.color) : Vec3{}));
     shone_.clear();
     for (const SmokePuff& puff : smoke_.puffs) {
         Vec3 sum = sides;
         for (const SmokeLight& each : lights) {
             if (!each.visible) continue;
             Vec3 from = each.pose.position;
-            if (std::holds_alternative<DirectionalLight>(each.def.kind))
-                from = puff.place - rotate(each.pose.orientation, {0, 0, -1}); // a metre of the way
-            double depth = smoke_.haze * length(puff.place - from);
+            if (std::holds_alternative<DirectionalLight>(each.def.kind)) {            // from outside the room
+                const double far = 1.0 + distance(smoke_.room.low, smoke_.room.high); // [m]
+                from = puff.place - far * rotate(each.pose.orientation, {0, 0, -1});
+            }
+            double depth = smoke_.haze * geometry::lengthWithin(smoke_.room, from, puff.place);
             for (const SmokePuff& other : smoke_.puffs)
                 depth += other.depth * gaussianColumn(other.place, other.radius, from, puff.place);
             sum += kScattered * again(puff.depth) * illuminance(each.def, each.pose, puff.place) *
@@ -229,7 +237,7 @@ void SmokePass::upload(const SmokeEye& eye)
         if (middle.z > reach) continue; // behind the camera
         const Float3 shone = shone_[i];
         const Corner corner{.place = {},
-                            .ambient = 0.0F,
+                            .exposure = 0.0F,
                             .unused = 0.0F,
                             .what = packed(middle, puff.radius),
                             .look = {float(exposure) * shone.x, float(exposure) * shone.y, float(exposure) * shone.z,
@@ -246,17 +254,13 @@ void SmokePass::upload(const SmokeEye& eye)
         add({middle - right - up, middle + right - up, middle - right + up, middle + right + up}, corner);
     }
     if (smoke_.haze > 0.0) {
-        const double scattered = exposure * kScattered * intensityOf(lamp_.def) *
-                                 (smoke_.color.red + smoke_.color.green + smoke_.color.blue) / 3.0;
-        const double ambient = exposure * (ambient_[0] + ambient_[1] + ambient_[2]) / 3.0 *
-                               (smoke_.color.red + smoke_.color.green + smoke_.color.blue) / 3.0;
         const Vec3 lamp = transform(toEye, lamp_.pose.position);
         add(all, {.place = {},
-                  .ambient = float(ambient),
+                  .exposure = float(exposure),
                   .unused = 0.0F,
                   .what = packed(smoke_.room.low - eye.pose.position, 0.0),
                   .look = packed(smoke_.room.high - eye.pose.position, smoke_.haze),
-                  .more = packed(lamp, lamp_.visible ? scattered : 0.0)});
+                  .more = packed(lamp, 0.0)});
     }
     corners.resize(4 * kMostQuads); // the rest has no size
     corners_->setBufferAt(engine_, 0, ownedBuffer(std::move(corners)));

@@ -37,7 +37,8 @@ public:
 
     void set(const Smoke& smoke);
     [[nodiscard]] bool empty() const { return smoke_.puffs.empty() && !(smoke_.haze > 0.0); }
-    /// The light of the puffs, once per frame. `ambient` [lx] is that of the surroundings from all sides.
+    /// The light of puffs and haze, once per frame, before it begins. `ambient` [lx] is that of the surroundings from
+    /// all sides.
     void light(const std::vector<SmokeLight>& lights, const std::array<double, 3>& ambient);
     /// Before a view is drawn by `render(filament::View*)`: the smoke in it.
     template <class Render> void draw(Render&& render, const SmokeEye& eye, const DepthPass::Bodies& bodies)
@@ -58,9 +59,8 @@ private:
     MaterialPool& pool_;
     DepthPass depth_;
     Smoke smoke_;
-    std::vector<Float3> shone_;       ///< [lx], light that each puff scatters, before exposure
-    std::array<double, 3> ambient_{}; ///< [lx]
-    SmokeLight lamp_;                 ///< the strongest spot or point light, which glares in haze
+    std::vector<Float3> shone_; ///< [lx], light that each puff scatters, before exposure
+    SmokeLight lamp_;           ///< the strongest spot or point light, which glares in haze
     std::unique_ptr<DrawnPicture> picture_;
     filament::Scene* air_ = nullptr; ///< holds the puffs
     filament::View* view_ = nullptr;

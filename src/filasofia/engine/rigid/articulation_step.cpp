@@ -4,7 +4,6 @@
 #include "filasofia/engine/scene/find_body.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace filasofia::engine {
 namespace {

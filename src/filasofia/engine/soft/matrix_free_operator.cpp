@@ -22,15 +22,18 @@ void copyNodes(std::span<const float> from, std::span<const int> nodes, std::spa
 } // namespace
 
 MatrixFreeOperator::MatrixFreeOperator(MatrixFreeSystem& system)
-    : system_(system),
-      mass_(std::accumulate(system.masses_.begin(), system.masses_.begin() + system.freeNodes_, 0.0) / system.scale_),
-      z_(system.dv_.blocks()), p_(system.dv_.blocks(), system.dv_.pinnedBlocks()), q_(system.dv_.blocks())
+    : system_(system), z_(system.dv_.blocks()), p_(system.dv_.blocks(), system.dv_.pinnedBlocks()),
+      q_(system.dv_.blocks())
 {
 }
 
 void MatrixFreeOperator::prepare(std::span<const Vec3> dv, WorkerPool& pool)
 {
     pool_ = &pool;
+    // Summed anew, as edits change the nodes: an operator made later, as that of a restored state, must agree to the
+    // bit.
+    mass_ =
+        std::accumulate(system_.masses_.begin(), system_.masses_.begin() + system_.freeNodes_, 0.0) / system_.scale_;
     system_.load(dv, {}, p_, pool);
 }
 

@@ -49,7 +49,7 @@ private:
 
     MatrixFreeSystem& system_;
     WorkerPool* pool_ = nullptr;
-    double mass_ = 0.0;
+    double mass_ = 0.0;                       ///< [kg] of the free nodes, as of prepare()
     std::vector<int> slots_;                  ///< per contact point
     std::vector<Mat3> inverse_;               ///< D^-1 there, scaled
     std::vector<linalg::ColumnEntry> column_; ///< scratch

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "filasofia/scene/scene_def.h"
+
+namespace filasofia::scene {
+
+/// Adds the hands that tie a scene's knots, and lets them begin and let go at their times.
+void addKnots(runtime::Simulation& simulation, const SceneDef& scene, const std::vector<BodyId>& ids);
+
+} // namespace filasofia::scene

@@ -1,0 +1,80 @@
+#include "adding_fails.h"
+#include "filasofia/filasofia.h"
+#include "filasofia/runtime/stepped_run.h"
+#include "filasofia/scene/scene_file.h"
+#include "scene_folder.h"
+
+#include <catch2/catch.hpp>
+
+namespace knots_test {
+
+using namespace filasofia;
+using namespace filasofia::scene;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::string kTie = text(FILASOFIA_SOURCE_DIR, "/examples/scenes/tie.json");
+
+/// A thread, and a knot of these fields.
+std::string thread(const std::string& knot)
+{
+    return R"({
+"bodies": [{"type": "RodBodyDef", "name": "silk", "points": ["-20 50 0 mm", "0 -4 0 mm", "20 50 0 mm"], "spacing": "1 mm"},
+           {"type": "RigidBodyDef", "name": "bar"}],
+"knots": [{)" +
+           knot + "}]}";
+}
+
+} // namespace
+
+TEST_CASE("scenes: hands tie a knot at its time, let go, and the knot holds, also after saving")
+{
+    const SceneFolder folder;
+    const SceneDef scene = loadScene(kTie);
+    REQUIRE(scene.knots.size() == 1);
+    saveScene(scene, folder.file("again.json"));
+    CHECK(loadScene(folder.file("again.json")).knots[0].release == scene.knots[0].release);
+    Simulation sim(simulationDef(scene));
+    const AddedScene added = addScene(sim, scene);
+    CHECK(added.bodies.size() == 3); // the hands have no number
+    runtime::SteppedRun run(sim);
+    const auto to = [&](double time) {
+        while (sim.physics().latest()->time < time) run.step();
+    };
+    run.step();
+    to(1.0);
+    const auto state = run.save();
+    const auto held = [&] { return sim.physics().latest()->attachments.size(); };
+    CHECK(held() > 3); // the thread's own, and those of hands and fingers
+    for (int i = 0; i < 200; ++i) run.step();
+    const std::uint64_t hash = sim.physics().hash();
+    run.restore(*state);
+    for (int i = 0; i < 200; ++i) run.step();
+    CHECK(sim.physics().hash() == hash);
+    to(7.0);
+    CHECK(held() == 1);
+    double tight = 0.0; // [N] on the left bar, which was drawn away
+    for (const frame::Contact& each : sim.physics().latest()->contacts)
+        if (each.first == added.bodies[0] || each.second == added.bodies[0])
+            tight += std::abs(each.normal.x) * each.normalForce;
+    CHECK(tight > 0.3);
+}
+
+TEST_CASE("scenes: a wrong knot is an Error with its place")
+{
+    const SceneFolder folder;
+    const auto problem = [&](const std::string& knot) { return addingFails(folder, thread(knot)); };
+    CHECK(problem(R"("thread": "silk", "force": "1 N", "release": "5 s")") == "no error");
+    CHECK_THAT(folder.errorOf(thread("")), Contains("thread"));
+    CHECK_THAT(folder.errorOf(thread(R"("thread": "wool")")), Contains("knots[0].thread") && Contains("wool"));
+    CHECK_THAT(folder.errorOf(thread(R"("thread": "silk", "force": "0 N")")),
+               Contains("knots[0].force must be > 0 N, got"));
+    CHECK_THAT(folder.errorOf(thread(R"("thread": "silk", "begun": 1)")), Contains("begun") && Contains("begin"));
+    CHECK_THAT(problem(R"("thread": "bar")"), Contains("scene.json:4:11: knots[0]: knot 'knot': thread must be a rod"));
+    CHECK_THAT(problem(R"("thread": "silk", "begin": "2 s", "release": "2 s")"),
+               Contains("knots[0]: release must be > begin = 2 s, got 2"));
+    CHECK_THAT(problem(R"("thread": "silk", "nodes": [0, 9999])"), Contains("nodes must be in [0, "));
+}
+
+} // namespace knots_test
