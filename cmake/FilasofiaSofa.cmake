@@ -25,6 +25,8 @@ if(NOT FILASOFIA_SOFA STREQUAL OFF)
     if(NOT Sofa.Simulation.Graph_VERSION MATCHES "^25\\.12")
       message(WARNING "The room sofa is written for SOFA 25.12, but ${Sofa.Simulation.Graph_VERSION} was found")
     endif()
+    # It passes --no-undefined on to all that links it: a module of Python, which is not linked to Python, would not link.
+    set_property(TARGET Sofa.Config PROPERTY INTERFACE_LINK_OPTIONS)
     set(FILASOFIA_SOFA_VERSION ${Sofa.Simulation.Graph_VERSION})
     set(FILASOFIA_HAS_SOFA ON)
   elseif(FILASOFIA_SOFA STREQUAL AUTO)

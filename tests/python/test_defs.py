@@ -55,6 +55,14 @@ def test_keywords_positions_and_attributes():
     assert fs.HarmonicField(from_=fs.Labelled(label=1)).from_ == fs.Labelled(label=1)
 
 
+def test_a_flag_may_be_left_to_the_engine():
+    assert fs.CollisionDef().self_once_cut is None
+    for given in (True, False, None):
+        assert fs.CollisionDef(self_once_cut=given).self_once_cut is given
+    with pytest.raises(TypeError, match="CollisionDef: self_once_cut must be "):
+        fs.CollisionDef(self_once_cut="no")
+
+
 def test_docstrings_say_unit_bound_and_meaning():
     assert "poisson_ratio: float, [-], must be in [0, 0.5)" in fs.FemMaterial.__doc__
     assert "Young's modulus of the tissue" in fs.FemMaterial.__doc__

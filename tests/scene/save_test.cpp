@@ -44,7 +44,7 @@ struct Program {
         .mesh = geometry::shapes::block({0.04, 0.02, 0.03}, {4, 2, 3}),
         .material = FemMaterial{.youngModulus = 1e4 / 3.0, .poissonRatio = 0.45},
         .attachments = {{.box = Box{{-1, -1, -1}, {1, -0.0099, 1}}}},
-        .collision = {{}},
+        .collision = {{.selfOnceCut = true}},
         .dynamicTopology = true,
     });
     BodyId sheet = sim.add(SoftBodyDef{.name = "sheet",
@@ -121,6 +121,11 @@ TEST_CASE("save: what a program did becomes a scene file with the same hash afte
     CHECK(std::get<visual::TissueMaterial>(scene.bodies[0].show[0].material.value()).vessels == 0.25);
     CHECK(scene.bodies.at(0).paint.at(0).state.burn == 0.5);
     CHECK(scene.bodies.at(2).motions.at(0).keys.size() > 20);
+    const auto collisionOf = [&](std::size_t i) {
+        return std::get<SoftBodyDef>(scene.bodies.at(i).def).collision.at(0);
+    };
+    CHECK(collisionOf(0).selfOnceCut == true); // said, though the engine does so without it
+    CHECK_FALSE(collisionOf(1).selfOnceCut.has_value());
     CHECK(std::filesystem::exists(folder.file("saved/liver_files/liver.msh")));
     CHECK_THAT(contentOf(file), Contains("\"youngModulus\": 3333.333333333333"));
     CHECK_THAT(contentOf(file), !Contains("friction")); // defaults are left out

@@ -99,7 +99,7 @@ TEST_CASE("scene files: defaults and classes stand behind what an object says it
     const SceneDef scene = SceneFolder().load(text(R"({
         "defaults": {"SoftBodyDef": {"friction": 0.1, "material": {"youngModulus": "1 kPa", "poissonRatio": 0.2}},
                      "FemMaterial": {"poissonRatio": 0.4, "yieldStress": "5 kPa"}},
-        "classes": {"hard": {"SoftBodyDef": {"material": {"youngModulus": "9 kPa"}, "collision": [{}, {}]}},
+        "classes": {"hard": {"SoftBodyDef": {"material": {"youngModulus": "9 kPa"}, "collision": [{"selfOnceCut": null}, {"selfOnceCut": false}]}},
                     "springs": {"SoftBodyDef": {"material": {"type": "MassSpringMaterial", "stiffness": 7}}}},
         "bodies": [
             {"name": "plain", )",
@@ -120,6 +120,8 @@ TEST_CASE("scene files: defaults and classes stand behind what an object says it
     CHECK(fem(1).youngModulus == 9000.0);
     CHECK(fem(1).poissonRatio == 0.2);
     CHECK(softOf(scene, 1).collision.size() == 2);
+    CHECK_FALSE(softOf(scene, 1).collision[0].selfOnceCut.has_value());
+    CHECK(softOf(scene, 1).collision[1].selfOnceCut == false);
     CHECK(fem(2).youngModulus == 5.0);
     CHECK(softOf(scene, 2).collision.empty());
     const auto springs = std::get<physics::MassSpringMaterial>(softOf(scene, 3).material);

@@ -366,6 +366,26 @@ TEST_CASE("the log says that components of a user are gone with a cut, and nothi
     CHECK_THAT(lines[0], Catch::Contains("soft body 'bar': components that tune() has added"));
 }
 
+TEST_CASE("only those who ask for a cut body that meets itself are told that SOFA has none")
+{
+    std::vector<std::string> lines;
+    setLogSink([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+    const std::optional<bool> asked = GENERATE(as<std::optional<bool>>(), std::nullopt, false, true);
+    const bool anyway = GENERATE(false, true);
+    SoftBodyDef def = barDef();
+    def.collision = {{.self = anyway, .selfOnceCut = asked}};
+    const auto server = serverWith("sofa");
+    server->add(def);
+    setLogSink({});
+    CAPTURE(asked.has_value(), anyway, lines.size());
+    if (asked == true && !anyway) {
+        REQUIRE(lines.size() == 1);
+        CHECK_THAT(lines[0], Catch::Contains("soft body 'bar': collision[0].selfOnceCut: with the engine 'sofa'"));
+    } else {
+        CHECK(lines.empty());
+    }
+}
+
 TEST_CASE("bodies are cut, removed and added again many times", "[slow]")
 {
     Cut cut("sofa", barDef(Cholesky{}));

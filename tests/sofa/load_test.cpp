@@ -1,5 +1,6 @@
 #include "sofa/sofa_stage.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/runtime/assets.h"
 #include "filasofia/runtime/simulation.h"
 #include "filasofia/sofa/load.h"
@@ -121,6 +122,26 @@ TEST_CASE("a scene file of SOFA runs: its states and pictures are bodies, by nam
     server->setGravity({});
     server->step(0.01);
     CHECK(length(server->latest()->rigidBody(frame)->poses[0].position - Vec3{0.1, 0.2, 0.3}) < 1e-9);
+}
+
+TEST_CASE("what a picture has for OpenGL is left out without a word, and what nobody knows is told")
+{
+    std::vector<std::string> lines;
+    setLogSink([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+    std::string words = R"(color="red" material="Default" texturename="a.png" texcoords="0 0" normals="0")";
+    const bool known = GENERATE(true, false);
+    if (!known) words = R"(colour="red")";
+    const auto server = serverWith("native", 0.01);
+    sofaengine::load(*server,
+                     {.file = sceneFile("picture", "<DefaultAnimationLoop/><OglModel name=\"Skin\" " + words +
+                                                       R"( position="0 0 0  1 0 0  0 1 0" triangles="0 1 2"/>)")});
+    setLogSink({});
+    if (known) {
+        CHECK(lines.empty());
+    } else {
+        REQUIRE(lines.size() == 1);
+        CHECK_THAT(lines[0], Catch::Contains("colour"));
+    }
 }
 
 TEST_CASE("what a loaded scene cannot do is refused")

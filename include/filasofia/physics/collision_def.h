@@ -4,6 +4,7 @@
 #include "filasofia/geometry/triangle_mesh.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -36,8 +37,8 @@ struct CollisionDef {
     bool self = false;
     /// Whether the own surface of a solid soft body collides with itself once the body has been cut or torn, fragments
     /// of at most 32 elements apart: a flap then rests on its bed, and a severed piece on the rest, into which they
-    /// sink otherwise. It costs what contacts cost. The native engine only.
-    bool selfOnceCut = true;
+    /// sink otherwise. It costs what contacts cost. Not given: as the engine can; the native one does, SOFA cannot.
+    std::optional<bool> selfOnceCut = {};
     /// On a rigid body, a blade: its lines (the mesh's edges, or those of its segments) cut soft bodies of its group
     /// that have dynamicTopology and pass through them; it pushes everything else of the group. On a soft body: the
     /// groups whose blades may cut it, if these are not all groups of its other models; nothing collides with such a
@@ -78,7 +79,8 @@ constexpr auto fields(const CollisionDef*)
                           "distance within which contacts are found; both bodies' proximities add up"),
                     field("group", &T::group, "only models of the same group collide"),
                     field("self", &T::self, "whether the body collides with itself"),
-                    field("selfOnceCut", &T::selfOnceCut, "whether it does once it has been cut or torn"),
+                    field("selfOnceCut", &T::selfOnceCut,
+                          "whether it does once it has been cut or torn; not given: as the engine can"),
                     field("cutting", &T::cutting, "whether it is a blade, or may be cut by one"));
 }
 constexpr auto fields(const ExactContact*)

@@ -44,7 +44,7 @@ std::vector<CollisionPlan> planCollision(const physics::SoftBodyDef& def, const 
         if (def.collision[i].cutting) continue; // it names a group of blades: see mayBeCut()
         checkModel(def.collision[i], field);
         // Both sides of a cut touch exactly, vertex on vertex, and SOFA sees no contact there, nor from inside.
-        if (def.dynamicTopology && def.collision[i].selfOnceCut && !def.collision[i].self)
+        if (def.dynamicTopology && def.collision[i].selfOnceCut.value_or(false) && !def.collision[i].self)
             logWarning(field, ".selfOnceCut: with the engine 'sofa' the sides of a cut pass through each other");
         CollisionPlan& plan = plans.emplace_back(CollisionPlan{.def = def.collision[i]});
         if (const auto given = physics::loadMesh(plan.def.mesh, field + ".mesh")) {

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/geometry/embedding.h"
+#include "filasofia/physics/held_whole.h"
 #include "filasofia/sofa/near_surface.h"
 
 #include <algorithm>
@@ -121,19 +122,14 @@ void meet(const std::vector<Vec3>& places, const physics::AttachmentDef* def, Ha
     }
 }
 
-/// [m] Radius of gyration of an element, from its centre of mass; a quarter of its surface's size if it has no mass.
 double gyration(const RigidNode& body)
 {
     const physics::RigidInertia& inertia = body.plan().inertia;
-    if (inertia.mass > 0.0) return std::sqrt(0.5 * trace(inertia.inertia) / inertia.mass);
-    const auto surface = physics::loadMesh(body.plan().def.mesh, "mesh");
-    if (!surface) return 0.0;
-    const geometry::Box box = geometry::boxAround(surface->vertices);
-    return 0.25 * length(box.high - box.low);
+    const auto surface = inertia.mass > 0.0 ? nullptr : physics::loadMesh(body.plan().def.mesh, "mesh");
+    return physics::gyration(inertia, surface.get());
 }
 
-/// Four points around the centre of mass, not in one plane: they hold position and orientation, as in the native
-/// engine.
+/// The points by which an element is held as a whole.
 std::vector<Vec3> pointsAround(const Tie::Side& body, const Tie::Side& other)
 {
     double radius = body.rigid->plan().def.dynamic ? gyration(*body.rigid) : 0.0;
@@ -142,9 +138,7 @@ std::vector<Vec3> pointsAround(const Tie::Side& body, const Tie::Side& other)
         const geometry::Box box = geometry::boxAround(other.soft->plan().mesh.nodes);
         radius = 0.25 * length(box.high - box.low);
     }
-    const Vec3 centre = body.rigid->plan().inertia.centre;
-    const double r = radius / std::sqrt(3.0);
-    return {centre + Vec3{r, r, r}, centre + Vec3{r, -r, -r}, centre + Vec3{-r, r, -r}, centre + Vec3{-r, -r, r}};
+    return physics::pointsAround(body.rigid->plan().inertia.centre, radius);
 }
 
 /// Leaves out the pairs of which a node is of a removed piece; false if none is left.

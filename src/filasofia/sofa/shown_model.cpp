@@ -17,10 +17,17 @@ ShownModel::ShownModel()
       d_rotation(initData(&d_rotation, "rotation", "degrees about x, y and z")),
       d_translation(initData(&d_translation, "translation", "translation")),
       d_scale(initData(&d_scale, 1.0, "scale", "scale")), d_dx(initData(&d_dx, 0.0, "dx", "translation")),
-      d_dy(initData(&d_dy, 0.0, "dy", "translation")), d_dz(initData(&d_dz, 0.0, "dz", "translation")),
-      d_color(initData(&d_color, "color", "not used")), d_material(initData(&d_material, "material", "not used")),
-      d_texture(initData(&d_texture, "texturename", "not used"))
+      d_dy(initData(&d_dy, 0.0, "dy", "translation")), d_dz(initData(&d_dz, 0.0, "dz", "translation"))
 {
+}
+
+void ShownModel::parse(::sofa::core::objectmodel::BaseObjectDescription* words)
+{
+    // An OglModel has these, and a picture of ours has no use for them. SOFA warns of words that nobody reads.
+    for (const char* each : {"color", "material", "materials", "texturename", "texcoords", "normals", "useNormals",
+                             "updateNormals", "handleDynamicTopology"})
+        words->getAttribute(each);
+    State::parse(words);
 }
 
 void ShownModel::init()

@@ -26,8 +26,8 @@ public:
     /// How its own vertices are placed at the start: scaled, turned about x, y and z, moved.
     ::sofa::Data<::sofa::type::Vec3> d_scale3d, d_rotation, d_translation; ///< [-] [deg] and the scene's unit
     ::sofa::Data<double> d_scale, d_dx, d_dy, d_dz;                        ///< older names of these
-    ::sofa::Data<std::string> d_color, d_material, d_texture;              ///< read and not used
 
+    void parse(::sofa::core::objectmodel::BaseObjectDescription* words) override;
     void init() override;
     /// The mesh whose faces it shows; null if it has faces of its own.
     [[nodiscard]] Topology* mesh() const;

@@ -38,7 +38,7 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
     setProximity(def.proximity, model.inset, shape);
     model.shape = std::make_shared<const CollisionShape>(std::move(shape));
     model.proximity = def.proximity;
-    model.selfOnceCut = def.selfOnceCut;
+    model.selfOnceCut = def.selfOnceCut.value_or(true);
     return model;
 }
 

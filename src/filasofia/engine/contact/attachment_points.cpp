@@ -7,6 +7,7 @@
 #include "filasofia/engine/scene/find_body.h"
 #include "filasofia/geometry/bvh.h"
 #include "filasofia/geometry/distance.h"
+#include "filasofia/physics/held_whole.h"
 
 #include <algorithm>
 #include <cmath>
@@ -249,18 +250,12 @@ void addNodesNear(const physics::AttachmentDef& def, std::span<const Vec3> x, co
     }
 }
 
-/// [m] Radius of gyration of a rigid element, from its centre of mass; 0 if it is unknown.
 double gyration(const RigidModel& model, int element)
 {
-    const physics::RigidInertia& body = model.inertias[static_cast<std::size_t>(element)];
-    if (body.mass > 0.0) return std::sqrt(0.5 * trace(body.inertia) / body.mass);
-    if (!model.surface) return 0.0;
-    const Box box = geometry::boxAround(model.surface->vertices);
-    return 0.25 * length(box.high - box.low);
+    return physics::gyration(model.inertias[static_cast<std::size_t>(element)], model.surface.get());
 }
 
-/// Four points around the centre of mass, not in one plane: attaching them fixes both position and orientation. [m] in
-/// the element's coordinates.
+/// The points by which an element is held as a whole. [m] in its coordinates.
 std::vector<Vec3> pointsAround(const physics::RigidAttachmentDef& def, const RigidModel& body, const Scene& scene)
 {
     double radius = body.dynamic ? gyration(body, def.element) : 0.0;
@@ -278,9 +273,7 @@ std::vector<Vec3> pointsAround(const physics::RigidAttachmentDef& def, const Rig
         }
     }
     FILASOFIA_ASSERT(radius > 0.0); // one of the two bodies is dynamic or soft
-    const Vec3 centre = body.inertias[static_cast<std::size_t>(def.element)].centre;
-    const double r = radius / std::sqrt(3.0);
-    return {centre + Vec3{r, r, r}, centre + Vec3{r, -r, -r}, centre + Vec3{-r, r, -r}, centre + Vec3{-r, -r, r}};
+    return physics::pointsAround(body.inertias[static_cast<std::size_t>(def.element)].centre, radius);
 }
 
 AttachedPairs paired(std::vector<AttachedPoint> first, std::vector<AttachedPoint> second)
