@@ -152,6 +152,7 @@ TEST_CASE("a body that moves as a whole comes no nearer to itself")
     REQUIRE(scene.found.size() == found.size());
     for (std::size_t i = 0; i < found.size(); ++i) CHECK(scene.found[i].feature == found[i].feature);
     CHECK_FALSE(atRest.empty());
+    CHECK_FALSE(found.empty());
 }
 
 TEST_CASE("pairs of a surface's own elements that do not face each other have nothing to find")

@@ -98,7 +98,7 @@ TEST_CASE("sweeps end at the impulses that all constraints' laws ask for, betwee
         ConstraintColumns columns;
         columns.collect(problem.bodies, problem.first, problem.rows);
         ImpulseSweeps sweeps;
-        sweeps.begin(columns);
+        REQUIRE(sweeps.begin(columns));
         std::vector<Vec3> impulses(problem.constraints.size());
         for (int sweep = 0; sweep < 2000; ++sweep)
             for (std::size_t r = 0; r < impulses.size(); ++r) {

@@ -4,6 +4,7 @@
 #include "filasofia/engine/constraint/constraint.h"
 #include "filasofia/linalg/block_cholesky.h"
 
+#include <cstddef>
 #include <span>
 #include <vector>
 

@@ -48,9 +48,6 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     const bool mayJoin = std::ranges::count_if(bodies, [](const CoupledBody& body) {
                              return body.deflation() != nullptr;
                          }) <= kMostJoined;
-    const bool maySweep = exact_ && std::ranges::none_of(bodies, [](const CoupledBody& body) {
-                              return body.smoother->couplesNodes(); // a constraint on a rod moves all of it
-                          });
     const linalg::SolveLimits& linear = limits.linear;
     CoupledReport report;
     report.rounds = 1;
@@ -73,12 +70,9 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
         if (report.converged || !number || report.iterations >= linear.maxIterations) break;
         report.outOfTime = isOutOfTime(report.iterations);
         if (report.outOfTime) break;
-        if (nonlinear == (maySweep ? std::min(kSweepAfter, limits.nonlinear) : limits.nonlinear)) {
+        if (nonlinear == (limits.sweeps ? std::min(kSweepAfter, limits.nonlinear) : limits.nonlinear)) {
             ++report.rounds;
-            if (maySweep) {
-                sweep(report);
-                break;
-            }
+            if (limits.sweeps && sweep(report)) break;
             freezeActiveSet();
         }
         if (!updateDirection(rz)) break; // no positive curvature: rounding errors dominate

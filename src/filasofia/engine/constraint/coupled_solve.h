@@ -25,8 +25,10 @@ inline constexpr double kRigidKappa = 1e4;
 /// Limits and parameters of a coupled solve.
 struct CoupledLimits {
     linalg::SolveLimits linear; ///< for all iterations together
-    /// Iterations in which impulses are projected onto the constraint law; after them, the active set is frozen.
+    /// Iterations in which impulses are projected onto the constraint law; after them, the active set is frozen, or
+    /// sweeps take over.
     int nonlinear = 40;
+    bool sweeps = false;       ///< all bodies are rigid elements or articulations
     int multiplierUpdates = 3; ///< maximum number of updates, made while constraints exceed their tolerance
     double tolerance = 5e-3;   ///< [-] change of the impulses, relative to all impulses
     Kappa kappa = {};
@@ -37,7 +39,7 @@ struct CoupledLimits {
     double smallChange = 1e-3; ///< [m/s] the error is relative to at least the energy of this velocity change
 };
 
-/// `residual` is defined as for one body.
+/// `residual` is defined as for one body; after sweeps it is the share of the impulses that the last one changed.
 struct CoupledReport : linalg::NodeSolveReport {
     int rounds = 0;        ///< 1, plus 1 per multiplier update, plus 1 if the active set was frozen or swept
     double mismatch = 0.0; ///< [-] distance of the impulses from their law, relative to the largest; 0 if satisfied
@@ -66,7 +68,7 @@ struct CoupledReport : linalg::NodeSolveReport {
 /// Coulomb's law has no potential. The difference to Tresca's law is left to the iteration, which converges as long as
 /// friction does not feed back more than it takes. If it has not converged after `nonlinear` iterations, the active set
 /// and the slip are frozen, once: the problem is linear then, and conjugate gradients always solve it. Between rigid
-/// bodies, whose filter is exact, sweeps take over before that (ImpulseSweeps).
+/// bodies, whose filter is exact, sweeps take over in place of that (ImpulseSweeps).
 ///
 /// The caller carries the multipliers to the next step. If that is too late, as in an impact, the multipliers are set
 /// to the impulses found, and the solve goes on.
@@ -157,7 +159,7 @@ private:
     void solveForImpulses();
     [[nodiscard]] bool sweepsAwake(std::size_t c, Vec3 u) const;
     double sweepOnce(double part, double& mismatch);
-    void sweep(CoupledReport& report); ///< until the impulses settle
+    bool sweep(CoupledReport& report); ///< until the impulses settle; false if D is not positive definite
     [[nodiscard]] bool isOutOfTime(int iterations) const;
     bool updateMultipliers(); ///< false if none is needed
     [[nodiscard]] double mismatch() const;

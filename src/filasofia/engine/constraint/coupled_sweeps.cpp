@@ -33,7 +33,7 @@ void CoupledSolve::solveForImpulses()
 bool CoupledSolve::sweepsAwake(std::size_t c, Vec3 u) const
 {
     const Row& row = rows_[c];
-    if (row.stiffness.x == 0.0) return false; // no body can move along the normal
+    if (row.stiffness.x == 0.0 || row.stiffness.y == 0.0) return false; // no body can move along the normal
     return row.law.bilateral() || row.impulse.x > 0.0 || reaction(c, u).x > 0.0;
 }
 
@@ -61,11 +61,11 @@ double CoupledSolve::sweepOnce(double part, double& mismatch)
     return std::sqrt(change / std::max(all, small * small));
 }
 
-void CoupledSolve::sweep(CoupledReport& report)
+bool CoupledSolve::sweep(CoupledReport& report)
 {
+    if (!sweeps_.begin(filter_.columns())) return false;
     solveForImpulses();
     for (Row& row : rows_) row.passed = {};
-    sweeps_.begin(filter_.columns());
     double part = 1.0, halfway = 0.0;
     for (int done = 0; done < kMaxSweeps && report.iterations < limits_->linear.maxIterations && !report.outOfTime;
          ++done) {
@@ -79,7 +79,6 @@ void CoupledSolve::sweep(CoupledReport& report)
     }
     passing_.clear();
     for (std::size_t c = 0; c < rows_.size(); ++c) {
-        normals_[c].sleeps = !rows_[c].law.bilateral() && rows_[c].impulse == Vec3{};
         if (rows_[c].passed == Vec3{}) continue;
         impulses_[c] = inWorld(rows_[c].law.frame, rows_[c].passed);
         passing_.push_back(c);
@@ -88,7 +87,7 @@ void CoupledSolve::sweep(CoupledReport& report)
         body.matrix->add(impulses, SolveVector::Residual);
     });
     solveForImpulses();
-    swept_ = true;
+    return swept_ = true;
 }
 
 } // namespace filasofia::engine

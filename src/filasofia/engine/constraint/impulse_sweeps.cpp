@@ -20,7 +20,7 @@ Vec3 errorOf(const ConstraintLaw& law, Vec3 stiffness, const Mat3& compliance, V
 
 } // namespace
 
-void ImpulseSweeps::begin(const ConstraintColumns& columns)
+bool ImpulseSweeps::begin(const ConstraintColumns& columns)
 {
     columns_ = &columns;
     coupled_.assign(columns.unknowns(), false);
@@ -36,9 +36,9 @@ void ImpulseSweeps::begin(const ConstraintColumns& columns)
         const auto [row, column] = columns.places()[k];
         if (row == column) inverse_[static_cast<std::size_t>(row)] = inverse(columns.d()[k]);
     }
-    if (std::ranges::find(coupled_, true) == coupled_.end()) return;
+    if (std::ranges::find(coupled_, true) == coupled_.end()) return true;
     factor_.analyse(columns.places(), static_cast<int>(columns.unknowns()));
-    factor_.factorise(columns.d());
+    return factor_.factorise(columns.d());
 }
 
 Vec3 ImpulseSweeps::velocityOf(std::size_t row) const

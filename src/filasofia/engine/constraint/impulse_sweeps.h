@@ -2,6 +2,8 @@
 
 #include "filasofia/engine/constraint/constraint_columns.h"
 
+#include <array>
+#include <span>
 #include <vector>
 
 namespace filasofia::engine {
@@ -10,8 +12,9 @@ namespace filasofia::engine {
 /// law has while all others keep theirs (Jourdan, Alart and Jean 1998).
 class ImpulseSweeps {
 public:
-    /// Nothing has changed yet. The columns must outlive the sweeps.
-    void begin(const ConstraintColumns& columns);
+    /// Nothing has changed yet. The columns must outlive the sweeps. Returns false if D is not positive definite to
+    /// rounding; nothing else must be called then.
+    [[nodiscard]] bool begin(const ConstraintColumns& columns);
     /// [m/s] the change of a row's velocity by all impulses added so far, in its frame
     [[nodiscard]] Vec3 velocityOf(std::size_t row) const;
     /// [N s] The row's impulse by its law. `u` [m/s] is the row's velocity with the impulse that it has now;

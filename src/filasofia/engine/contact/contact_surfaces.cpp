@@ -56,7 +56,8 @@ void placeSurface(double dt, const SurfaceOwner& owner, const Scene& scene, cons
     }
 }
 
-/// Logs a warning once per collision group that only one body has, as this is rarely intended.
+/// Logs a warning once per collision group that only one body has, as this is rarely intended. Where
+/// there is only one body, it is.
 void warnOfLoneGroups(const Scene& scene, const std::vector<SurfaceOwner>& owners, std::set<int>& warned)
 {
     for (const SurfaceOwner& owner : owners) {

@@ -5,6 +5,7 @@
 #include "filasofia/engine/contact/contact_surfaces.h"
 #include "filasofia/engine/contact/intersections.h"
 #include "filasofia/engine/contact/islands.h"
+#include "filasofia/engine/contact/turned_contact.h"
 #include "filasofia/engine/contact/warm_start.h"
 
 #include <algorithm>
@@ -44,10 +45,6 @@ constexpr double kDeepLinePenalty = 300.0;
 // [-] The same of a line in a rigid body, where it begins at this depth: from the start on, the corners of a polygon
 // would be felt. Without it a bar that was drawn through a taut thread at 0.3 m/s came through.
 constexpr double kCorners = 0.1;
-// [-] The part of the way to where points come down that contacts are shifted by; with all of it, one ball of 200 that
-// roll and tumble gained a sixth of its energy in two seconds.
-constexpr double kForesight = 0.9;
-constexpr double kLargestTurn = 0.15; ///< [rad] in a step; beyond it, points are foreseen less far
 
 /// [m] the inset of a surface at the place of a proximity.
 double insetAt(const CollisionModel& collision, const Proximity& found, std::size_t side)
@@ -148,34 +145,6 @@ BodyPoint pointOf(const SurfaceOwner& owner, const Proximity& found, std::size_t
     return point;
 }
 
-/// What turns carries its points along an arc, and a contact that they come down to is solved where they will be then.
-/// A ball that rolls at 100 rad/s was borne at 1 kHz by what came down a tenth of a radian ahead of its centre, and
-/// lost half its speed in a second; now 7 %. Both sides are shifted alike, as momentum asks for it: by the one that
-/// turns more.
-void turn(double dt, const RigidPlan& plan, Constraint& contact)
-{
-    const auto isRigid = [](const BodyPoint& point) { return point.of == BodyPoint::Of::Rigid; };
-    if (!std::ranges::all_of(contact.sides, isRigid)) return;
-    std::array<Vec3, 2> angles, arms, moved; // [rad], [m], [m]
-    for (std::size_t side = 0; side < 2; ++side) {
-        const RigidPlanElement& element = plan[contact.sides[side].body];
-        const double angle = dt * length(element.angularVelocity);
-        angles[side] = (angle > kLargestTurn ? kLargestTurn / angle : 1.0) * dt * element.angularVelocity;
-        arms[side] = contact.sides[side].position - element.centre;
-        moved[side] = rotate(axisAngle(angles[side], length(angles[side])), arms[side]) - arms[side];
-    }
-    const Vec3 more = lengthSquared(moved[0]) >= lengthSquared(moved[1]) ? moved[0] : moved[1];
-    const double fall = dot(contact.frame[0], moved[1] - moved[0]), gap = contact.contact.gap;
-    const Vec3 shift = (gap > 0.0 && fall > 0.0 ? std::min(1.0, gap / fall) : 0.0) * kForesight * more;
-    for (std::size_t side = 0; side < 2; ++side) {
-        BodyPoint& point = contact.sides[side];
-        point.shift = shift;
-        point.velocity += cross(plan[point.body].angularVelocity, shift);
-        const double beyond = dot(contact.frame[0], moved[side] - cross(angles[side], arms[side] + shift));
-        contact.contact.turning += side == 0 ? beyond : -beyond;
-    }
-}
-
 // The gap that contacts keep, relative to the sum of both proximities. Surfaces at rest stay apart by this little, so
 // that it is clear which side is outside: if the skin were 0, half of them would be inside.
 constexpr double kSkin = 0.01;
@@ -274,8 +243,8 @@ void addDeepPoints(const std::vector<SurfaceOwner>& owners, ContactDetection& de
 }
 
 /// Writes the contact at a proximity whose gap is known: in place, as it is large.
-void writeContact(const Proximity& found, double gap, const std::array<const SurfaceOwner*, 2>& sides, double dt,
-                  const Scene& scene, const Coupling& coupling, Constraint& contact)
+void writeContact(const Proximity& found, double gap, const std::array<const SurfaceOwner*, 2>& sides,
+                  const StepContext& context, const Scene& scene, const Coupling& coupling, Constraint& contact)
 {
     const std::vector<CollisionSurface>& surfaces = coupling.detection.surfaces;
     const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
@@ -289,7 +258,7 @@ void writeContact(const Proximity& found, double gap, const std::array<const Sur
                        .gap = gap,
                        .proximity = proximity,
                        .skin = kSkin * proximity};
-    turn(dt, coupling.rigid, contact);
+    if (std::holds_alternative<physics::ExactContact>(context.method)) turnContact(context.dt, coupling.rigid, contact);
 }
 
 /// Factor on the penalty between two lines, or between a line and a rigid body.
@@ -309,8 +278,8 @@ double linePenalty(const std::array<const SurfaceOwner*, 2>& sides, double gap, 
 }
 
 /// Adds the contact at a proximity, unless it must be left out.
-void addContact(const Proximity& found, const std::array<const SurfaceOwner*, 2>& sides, double dt, const Scene& scene,
-                Coupling& coupling)
+void addContact(const Proximity& found, const std::array<const SurfaceOwner*, 2>& sides, const StepContext& context,
+                const Scene& scene, Coupling& coupling)
 {
     const auto leftOut = [&](std::size_t side) {
         return onInvertedElement(*sides[side], found, side, scene) && !rigidSideDecides(*sides[1 - side], found, side);
@@ -318,9 +287,9 @@ void addContact(const Proximity& found, const std::array<const SurfaceOwner*, 2>
     if (leftOut(0) || leftOut(1)) return;
     const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
     const double gap = found.gap - insetAt(*sides[0]->collision, found, 0) - insetAt(*sides[1]->collision, found, 1);
-    if (!(gap < proximity + comingNearer(coupling.detection.surfaces, found, dt))) return;
+    if (!(gap < proximity + comingNearer(coupling.detection.surfaces, found, context.dt))) return;
     Constraint& contact = coupling.constraints.emplace_back();
-    writeContact(found, gap, sides, dt, scene, coupling, contact);
+    writeContact(found, gap, sides, context, scene, coupling, contact);
     contact.yielding = linePenalty(sides, gap, scene);
 }
 
@@ -346,7 +315,7 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
         const std::array<const SurfaceOwner*, 2> sides{&owners[static_cast<std::size_t>(found.surfaces[0])],
                                                        &owners[static_cast<std::size_t>(found.surfaces[1])]};
         const std::size_t before = coupling.constraints.size();
-        addContact(found, sides, dt, scene, coupling);
+        addContact(found, sides, context, scene, coupling);
         detection.followed.push_back(coupling.constraints.size() > before ? 1 : 0);
     }
     reportIntersections(context, scene, owners, !added.empty(), coupling);
@@ -370,7 +339,7 @@ void addMissed(const StepContext& context, std::span<const MissedContact> missed
         const double gap =
             pass.at.gap - insetAt(*sides[0]->collision, pass.at, 0) - insetAt(*sides[1]->collision, pass.at, 1);
         Constraint& contact = added.emplace_back();
-        writeContact(pass.at, gap, sides, context.dt, scene, coupling, contact);
+        writeContact(pass.at, gap, sides, context, scene, coupling, contact);
         setLaw(context.method, context.dt, contact);
         contact.contact.passing = true;
         if (pass.line) {

@@ -170,6 +170,7 @@ CoupledLimits coupledLimitsOf(const StepContext& context, const Scene& scene, co
         how.bearing = rigidBearing;
         how.multiplierUpdates = rigidUpdates;
         how.tolerance *= rigidTolerance;
+        how.sweeps = true;
     }
     return how;
 }

@@ -1,0 +1,42 @@
+#include "filasofia/engine/contact/turned_contact.h"
+
+#include "filasofia/math/quat.h"
+
+#include <algorithm>
+#include <array>
+
+namespace filasofia::engine {
+namespace {
+
+// [-] The part of the way to where points come down that contacts are shifted by; with all of it, one ball of 200 that
+// roll and tumble gained a sixth of its energy in two seconds.
+constexpr double kForesight = 0.9;
+constexpr double kLargestTurn = 0.15; ///< [rad] in a step; beyond it, points are foreseen less far
+
+} // namespace
+
+void turnContact(double dt, const RigidPlan& plan, Constraint& contact)
+{
+    const auto isRigid = [](const BodyPoint& point) { return point.of == BodyPoint::Of::Rigid; };
+    if (!std::ranges::all_of(contact.sides, isRigid)) return;
+    std::array<Vec3, 2> angles, arms, moved; // [rad], [m], [m]
+    for (std::size_t side = 0; side < 2; ++side) {
+        const RigidPlanElement& element = plan[contact.sides[side].body];
+        const double angle = dt * length(element.angularVelocity);
+        angles[side] = (angle > kLargestTurn ? kLargestTurn / angle : 1.0) * dt * element.angularVelocity;
+        arms[side] = contact.sides[side].position - element.centre;
+        moved[side] = rotate(axisAngle(angles[side], length(angles[side])), arms[side]) - arms[side];
+    }
+    const Vec3 more = lengthSquared(moved[0]) >= lengthSquared(moved[1]) ? moved[0] : moved[1];
+    const double fall = dot(contact.frame[0], moved[1] - moved[0]), gap = contact.contact.gap;
+    const Vec3 shift = (gap > 0.0 && fall > 0.0 ? std::min(1.0, gap / fall) : 0.0) * kForesight * more;
+    for (std::size_t side = 0; side < 2; ++side) {
+        BodyPoint& point = contact.sides[side];
+        point.shift = shift;
+        point.velocity += cross(plan[point.body].angularVelocity, shift);
+        const double beyond = dot(contact.frame[0], moved[side] - cross(angles[side], arms[side] + shift));
+        contact.contact.turning += side == 0 ? beyond : -beyond;
+    }
+}
+
+} // namespace filasofia::engine
