@@ -30,9 +30,7 @@ public:
     {
         ++stepsEver_;
         undone_ += report.has(physics::StepFlag::Undone);
-        // A body that was repeated with more mass has gone on.
-        const bool failed = report.has(physics::StepFlag::Undone) && !report.has(physics::StepFlag::Damped);
-        if (report.dt > 0.0) undoneAtEnd_ = failed ? undoneAtEnd_ + 1 : 0;
+        if (report.dt > 0.0) undoneAtEnd_ = report.has(physics::StepFlag::Undone) ? undoneAtEnd_ + 1 : 0;
         damped_ += report.has(physics::StepFlag::Damped);
         notConverged_ += report.has(physics::StepFlag::NotConverged);
         outOfTime_ += report.has(physics::StepFlag::OutOfTime);
