@@ -130,7 +130,7 @@ TEST_CASE("the same knot comes off with a friction of 0.02")
     scene.tieAndLoad(2.0);
     REQUIRE(scene.throws == 3);
     CHECK(scene.passes == 0);
-    CHECK(scene.force < 1.0); // the bars go apart as fast as they may
+    CHECK(scene.force < 1.8); // N, in the last step: the bars go apart as fast as they may, and never bear the load
     CHECK(scene.loaded.back() - scene.loaded.front() > 2_mm);
 }
 
