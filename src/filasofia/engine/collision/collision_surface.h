@@ -41,6 +41,13 @@ void boundVertices(CollisionSurface& surface, double reach, Vec3 drift = {});
 /// Computes the boxes of elements and nodes; to be called after boundVertices().
 void boundTree(CollisionSurface& surface);
 
+/// Computes all boxes.
+inline void boundSurface(CollisionSurface& surface, double reach, Vec3 drift = {})
+{
+    boundVertices(surface, reach, drift);
+    boundTree(surface);
+}
+
 /// [m] The diagonal of the surface's box.
 double sizeOf(const CollisionSurface& surface);
 

@@ -71,12 +71,6 @@ Vec3 driftOf(const CollisionSurface& surface)
     return 1.0 / static_cast<double>(surface.v.size()) * sum;
 }
 
-void bound(CollisionSurface& surface, double reach, Vec3 drift)
-{
-    boundVertices(surface, reach, drift);
-    boundTree(surface);
-}
-
 void testPoints(const SurfacePair& meeting, int source, int mine, int other, std::vector<PointMinimum>& out)
 {
     const CollisionSurface &own = *meeting.sides[source], &target = *meeting.sides[1 - source];
@@ -154,13 +148,13 @@ void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerP
         // with `self` that fell at 2 m/s took 11 ms a step.
         const Vec3 drift = meeting.self() ? driftOf(surfaces[i]) : Vec3{};
         const bool drifts = length(drift) * reach > kDrift * surfaces[i].shape->depth;
-        if (drifts) bound(surfaces[i], reach, drift);
+        if (drifts) boundSurface(surfaces[i], reach, drift);
         const bool ownSolid = meeting.ownSolid();
         if (ownSolid) boundNormals(surfaces[i], scratch.normals);
         collectElementPairs(surfaces[i], surfaces[k], ownSolid ? &scratch.normals : nullptr, scratch);
         testElementPairs(meeting, pool, scratch);
         keepMinima(meeting, sides, scratch, found);
-        if (drifts) bound(surfaces[i], reach, {});
+        if (drifts) boundSurface(surfaces[i], reach);
     }
     std::ranges::sort(scratch.nextSides);
     std::swap(sides, scratch.nextSides);

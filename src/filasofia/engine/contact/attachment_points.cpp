@@ -32,8 +32,7 @@ public:
             makeCollisionShape({.vertices = vertices, .triangles = std::move(triangles), .uv = {}}, {}));
         surface_.x = std::move(vertices);
         surface_.v.resize(surface_.x.size());
-        boundVertices(surface_, 0.0);
-        boundTree(surface_);
+        boundSurface(surface_, 0.0);
         std::vector<Box> boxes;
         Box whole;
         for (const geometry::Triangle& t : surface_.shape->triangles) {

@@ -189,10 +189,9 @@ private:
     void crossItself(int place)
     {
         CollisionSurface& surface = detection_.surfaces[static_cast<std::size_t>(place)];
-        const auto bound = [&](double reach) { boundVertices(surface, reach), boundTree(surface); };
-        bound(0.0);
+        boundSurface(surface, 0.0);
         cross({{&surface, &surface}, {place, place}});
-        bound(kStepsAhead * context_.dt);
+        boundSurface(surface, kStepsAhead * context_.dt);
     }
 
     void testFolds(int place)
