@@ -2,6 +2,7 @@
 
 #include "filasofia/core/log.h"
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/physics/tissue.h"
 
 #include <algorithm>
 
@@ -186,6 +187,40 @@ TEST_CASE("tissue too soft for its own weight stays on a floor, even if it is in
     }
     REQUIRE(mostInverted > 0);
     CHECK(lowest > -1e-3);
+}
+
+TEST_CASE("a kilogram that falls on a liver crushes it, is borne by it, and is not locked in it")
+{
+    // Where tissue is crushed, its surface faces inwards. As contacts there were left out, the ball came through in one
+    // step, and was then held from both sides by 1,200 N.
+    for (const double rate : {1000.0, 400.0, 100.0}) {
+        CAPTURE(rate);
+        Stage stage = heavyStage();
+        stage.add(floorOf({1, 1, 1}));
+        const BodyId tissue =
+            stage.add(physics::SoftBodyDef{.mesh = geometry::shapes::block({0.08, 0.03, 0.08}, {10, 5, 10}),
+                                           .pose = {{0, 0.0151, 0}, {}},
+                                           .material = physics::tissue("liver").material,
+                                           .collision = {{}}});
+        const BodyId ball = stage.add(physics::RigidBodyDef{.elements = {{{0, 0.055, 0}, {}}},
+                                                            .mesh = geometry::shapes::sphere(0.02),
+                                                            .dynamic = true,
+                                                            .mass = physics::TotalMass{1.0},
+                                                            .velocity = {0, -3.0, 0},
+                                                            .collision = {{}}});
+        int inverted = 0;
+        for (int i = 0; i < static_cast<int>(0.3 * rate); ++i) inverted += stage.step(1.0 / rate).inverted.count;
+        CHECK(inverted > 0); // it was crushed
+        stage.run(static_cast<int>(0.7 * rate), 1.0 / rate);
+        CHECK(stage.step(1.0 / rate).intersections.empty());
+        double pressed = 0.0;
+        for (const frame::Contact& each : stage.world.scene().contactReports)
+            if (each.first == std::min(tissue, ball) && each.second == std::max(tissue, ball))
+                pressed += each.normalForce;
+        CHECK(pressed > 0.8 * 9.81);
+        CHECK(pressed < 1.3 * 9.81);
+        CHECK(stage.world.scene().rigid[1].state.poses[0].position.y > 0.03);
+    }
 }
 
 TEST_CASE("a body that starts deep inside a rigid body is named in a warning and pushed out slowly")

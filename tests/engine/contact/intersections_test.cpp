@@ -72,6 +72,25 @@ TEST_CASE("a tool that is moved through tissue is reported with the pair and the
     CHECK(!flagged(stage.step(1e-3)));
 }
 
+TEST_CASE("tissue that contact has lost in a rigid body is led out of it")
+{
+    // Points of tissue deeper than contacts are followed stayed inside for ever.
+    Stage stage;
+    physics::SoftBodyDef organ = cube({}, 0.06);
+    organ.mesh = geometry::shapes::block({0.06, 0.06, 0.06}, {10, 10, 10});
+    organ.material = physics::FemMaterial{.youngModulus = 5e3, .poissonRatio = 0.45};
+    organ.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, -0.0299, 1}}}};
+    stage.add(organ);
+    const BodyId tool = stage.add(ball({1e-3, 0.05, 0.5e-3}, 15e-3));
+    REQUIRE(!flagged(stage.run(20, 1e-3)));
+    put(stage, tool, {1e-3, 0.038, 0.5e-3}); // 7 mm deep
+    REQUIRE(flagged(stage.run(12, 1e-3)));
+    stage.run(500, 1e-3);
+    CHECK(!flagged(stage.step(1e-3)));
+    const Vec3 centre = stage.world.scene().rigid[0].state.poses[0].position;
+    for (const Vec3 x : stage.soft().x) REQUIRE(distance(x, centre) > 14e-3); // the ball is a polyhedron
+}
+
 TEST_CASE("between two tests the last answer stays, and every step is tested if it takes 10 ms")
 {
     for (const double dt : {1e-3, 4e-3, 10e-3, 50e-3}) {
@@ -158,8 +177,9 @@ TEST_CASE("tissue that is squeezed hard but held by contact is not reported")
 
 TEST_CASE("a ball that is driven through a sheet is told, however fast it is")
 {
+    // At 1 to 4 m/s it came through twice when tissue was not led out of rigid bodies; now the sheet is drawn along.
     int through = 0;
-    for (const double speed : {1.0, 1.5, 2.0, 2.5, 3.0, 4.0}) {
+    for (const double speed : {1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 6.0, 8.0, 10.0}) {
         CAPTURE(speed);
         Stage stage;
         physics::SoftBodyDef stiff = sheet(1e-3);
@@ -178,7 +198,7 @@ TEST_CASE("a ball that is driven through a sheet is told, however fast it is")
         ++through;
         CHECK(told > 0);
     }
-    CHECK(through >= 2);
+    CHECK(through >= 1);
 }
 
 TEST_CASE("a hollow body that is pressed flat is told to pass through itself, unless it collides with itself")

@@ -15,16 +15,12 @@ constexpr double kGraze = 2e-3;
 // The normal of the feature that the weights place the point on: face, edge or vertex.
 Vec3 normalAt(const CollisionSurface& surface, int triangle, const std::array<double, 3>& weights)
 {
-    const CollisionShape& shape = *surface.shape;
-    const geometry::Triangle& corners = shape.triangles[triangle];
-    int on = 0, lastOn = 0, lastOff = 0;
-    for (int k = 0; k < 3; ++k) (weights[k] > 0.0 ? lastOn : lastOff) = k, on += weights[k] > 0.0;
-    if (on == 3) return faceNormal(surface, triangle);
-    if (on == 1) return vertexNormal(surface, corners[lastOn]);
-    const int a = corners[(lastOff + 1) % 3], b = corners[(lastOff + 2) % 3];
-    for (const int e : shape.vertexEdges[a])
-        if (shape.edges[e][0] == b || shape.edges[e][1] == b) return edgeNormal(surface, e);
-    return {};
+    const geometry::Triangle& corners = surface.shape->triangles[triangle];
+    if (weights[0] > 0.0 && weights[1] > 0.0 && weights[2] > 0.0) return faceNormal(surface, triangle);
+    std::array<int, 3> feature{-1, -1, -1};
+    for (int k = 0, count = 0; k < 3; ++k)
+        if (weights[k] > 0.0) feature[count++] = corners[k];
+    return featureNormal(surface, feature);
 }
 
 struct NearestPlace {
@@ -91,6 +87,24 @@ Vec3 vertexNormal(const CollisionSurface& surface, int vertex)
         sum += std::atan2(length(normal), dot(to, from)) * normalized(normal);
     }
     return sum;
+}
+
+Vec3 featureNormal(const CollisionSurface& surface, const std::array<int, 3>& vertices)
+{
+    const CollisionShape& shape = *surface.shape;
+    const auto [a, b, c] = vertices;
+    if (b < 0) return vertexNormal(surface, a);
+    if (c < 0) {
+        for (const int e : shape.vertexEdges[a])
+            if (shape.edges[e][0] == b || shape.edges[e][1] == b) return edgeNormal(surface, e);
+        return {};
+    }
+    for (const int t : shape.vertexTriangles[a]) {
+        const geometry::Triangle& corners = shape.triangles[t];
+        if (std::ranges::find(corners, b) != corners.end() && std::ranges::find(corners, c) != corners.end())
+            return faceNormal(surface, t);
+    }
+    return {};
 }
 
 bool rimEdge(const CollisionShape& shape, int edge) { return shape.edgeTriangles[edge].size() == 1; }

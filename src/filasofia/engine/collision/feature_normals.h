@@ -10,6 +10,8 @@ namespace filasofia::engine {
 Vec3 faceNormal(const CollisionSurface& surface, int triangle); ///< length: twice the area
 Vec3 edgeNormal(const CollisionSurface& surface, int edge);
 Vec3 vertexNormal(const CollisionSurface& surface, int vertex);
+/// That of a face, edge or vertex by its vertices (-1: unused); 0 if the surface's triangles have no such feature.
+Vec3 featureNormal(const CollisionSurface& surface, const std::array<int, 3>& vertices);
 
 /// Whether a feature is at the rim of a sheet: an edge with one triangle, or an end of such an edge.
 bool rimEdge(const CollisionShape& shape, int edge);

@@ -23,6 +23,8 @@ struct IntersectionWatch {
         double since = 0.0;                  ///< [s] simulated time of the first test in a row
     };
     std::vector<Unseen> unseen;
+    /// Pairs of which contacts had lost a place at the last test: until they part, they are followed at any depth.
+    std::vector<std::array<SurfaceName, 2>> lost;
 };
 
 /// The data of contact detection. Only `surfaces`, `startedInside`, the intersections and the warned groups carry

@@ -128,6 +128,7 @@ public:
         for (std::size_t s = 0; s < owners_.size(); ++s)
             if (isTested(owners_[s])) testFolds(static_cast<int>(s));
         watch_.told = folded;
+        watch_.lost.clear();
         const std::vector<IntersectionWatch::Unseen> before = std::exchange(watch_.unseen, {});
         for (const std::array<int, 2>& pair : detection_.scratch.surfacePairs) test(pair, before);
         std::ranges::sort(watch_.told, {},
@@ -149,14 +150,18 @@ private:
             cross(meeting);
         std::erase_if(crossings_, [&](const SurfaceCrossing& each) { return isHeld(each, between); });
         const bool unseen = !meeting.self() && !crossings_.empty() && isUnseen(meeting, before);
+        const auto tell = [&](const physics::Intersection& found) {
+            add(one, two, found, watch_.told);
+            const std::array names{one.name, two.name};
+            if (watch_.lost.empty() || watch_.lost.back() != names) watch_.lost.push_back(names);
+        };
         for (const SurfaceCrossing& each : crossings_)
-            if (unseen || isLost(each, meeting))
-                add(one, two, {.crossings = 1, .depth = each.depth, .place = each.place}, watch_.told);
+            if (unseen || isLost(each, meeting)) tell({.crossings = 1, .depth = each.depth, .place = each.place});
         if (!crossings_.empty() || meeting.self() || !between.empty()) return;
         if (const auto within = insideOf(a, b))
-            add(one, two, *within, watch_.told);
+            tell(*within);
         else if (const auto around = insideOf(b, a))
-            add(one, two, *around, watch_.told);
+            tell(*around);
     }
 
     /// Whether edges have been inside by more than the contacts between these surfaces know, for long enough.
