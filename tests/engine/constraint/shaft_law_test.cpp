@@ -32,17 +32,18 @@ TEST_CASE("the impulse along a shaft is bounded by dry friction, across it by no
     CHECK(free.active);
 }
 
-TEST_CASE("the legs of a clip act along their normal, both ways, and nothing across it")
+TEST_CASE("the legs of a clip are springs along their normal, both ways, and weaker ones across it")
 {
     Constraint leg;
     leg.kind = ConstraintKind::ClipLeg;
+    leg.across = 0.25;
     CHECK(leg.bilateral());
     for (const double along : {-3.0, 2.0}) {
         const Projected state = project(leg, {along, 7.0, -5.0});
-        CHECK(state.impulse == Vec3{along, 0.0, 0.0});
+        CHECK(state.impulse == Vec3{along, 1.75, -1.25});
         CHECK(state.active);
-        CHECK(sharesOf(leg, state) == Vec3{1.0, 0.0, 0.0});
-        CHECK(linearised(leg, state, {4.0, 1.0, 2.0}) == Vec3{4.0, 0.0, 0.0});
+        CHECK(sharesOf(leg, state) == Vec3{1.0, 0.25, 0.25});
+        CHECK(linearised(leg, state, {4.0, 1.0, 2.0}) == Vec3{4.0, 0.25, 0.5});
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
+#include "filasofia/geometry/capsule_of.h"
 #include "filasofia/geometry/mass_properties.h"
 #include "filasofia/geometry/surface.h"
 
@@ -19,6 +20,7 @@ using geometry::TriangleMesh;
 
 // [-] The largest depth of the inset over the proximity.
 constexpr double kInset = 0.2;
+constexpr int kMostParts = 200; ///< of a capsule's axis
 
 CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, const std::string& field)
 {
@@ -39,6 +41,47 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
     model.shape = std::make_shared<const CollisionShape>(std::move(shape));
     model.proximity = def.proximity;
     model.selfOnceCut = def.selfOnceCut.value_or(true);
+    return model;
+}
+
+/// All that is within `radius` of points and the segments between them.
+CollisionModel aroundLines(const std::vector<Vec3>& rest, double radius, CollisionOptions options)
+{
+    options.triangleFaces = false;
+    options.depth = options.proximity + radius;
+    CollisionShape shape = makeCollisionShape({.vertices = rest, .triangles = {}, .uv = {}}, options);
+    CollisionModel model;
+    model.proximity = options.proximity;
+    model.round = radius;
+    model.inset = tubeInset(shape, radius);
+    setProximity(options.proximity, model.inset, shape);
+    model.shape = std::make_shared<const CollisionShape>(std::move(shape));
+    return model;
+}
+
+/// That of a rigid body's mesh.
+CollisionModel rigidModelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, bool pierces,
+                            const std::string& field)
+{
+    CollisionModel model = modelOf(mesh, def, field);
+    model.core = mesh.vertices;
+    const bool all = def.primitives.points && def.primitives.lines && def.primitives.triangles;
+    if (all && !pierces && !def.cutting && model.shape->closed)
+        if (const auto exact = geometry::capsuleOf(mesh)) {
+            CollisionOptions options{
+                .proximity = def.proximity, .round = exact->radius, .group = def.group, .self = def.self};
+            // Tissue that lies along a line of a capsule touches it at no corner of either. Where only the ends and
+            // what bulges between them did, it shook.
+            const auto [from, to] = exact->ends;
+            const int parts = std::min(kMostParts, static_cast<int>(std::ceil(distance(from, to) / exact->radius)));
+            std::vector<Vec3> axis{from};
+            for (int i = 0; i < parts; ++i) {
+                axis.push_back(from + (i + 1.0) / parts * (to - from));
+                options.segments.push_back({i, i + 1});
+            }
+            model = aroundLines(axis, exact->radius, std::move(options));
+            model.core = std::move(axis);
+        }
     return model;
 }
 
@@ -176,20 +219,10 @@ std::vector<CollisionModel> buildCollision(const physics::RodBodyDef& def, const
 {
     if (!def.collision) return {};
     const double proximity = def.collision->proximity.value_or(def.radius);
-    CollisionOptions options{.triangleFaces = false,
-                             .proximity = proximity,
-                             .depth = proximity + def.radius,
-                             .group = def.collision->group,
-                             .self = def.collision->self};
+    CollisionOptions options{.proximity = proximity, .group = def.collision->group, .self = def.collision->self};
     for (int i = 0; i + 1 < static_cast<int>(nodes.size()); ++i) options.segments.push_back({i, i + 1});
     if (def.closed) options.segments.push_back({0, static_cast<int>(nodes.size()) - 1});
-    CollisionShape shape =
-        makeCollisionShape({.vertices = laidOut(nodes, def.closed), .triangles = {}, .uv = {}}, options);
-    CollisionModel model;
-    model.proximity = proximity;
-    model.inset = tubeInset(shape, def.radius);
-    setProximity(proximity, model.inset, shape);
-    model.shape = std::make_shared<const CollisionShape>(std::move(shape));
+    CollisionModel model = aroundLines(laidOut(nodes, def.closed), def.radius, std::move(options));
     std::vector<int> all(nodes.size());
     std::iota(all.begin(), all.end(), 0);
     model.embedding = nodeEmbedding(all);
@@ -224,9 +257,8 @@ std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)
         auto mesh = physics::loadMesh(each.mesh, field + ".mesh");
         if (!mesh) mesh = physics::loadMesh(def.mesh, text("rigid body '", def.name, "': mesh"));
         if (!mesh) fail(field, ".mesh must name a file or be a mesh: the body has none either");
-        CollisionModel& model = models.emplace_back(modelOf(*mesh, each, field));
+        CollisionModel& model = models.emplace_back(rigidModelOf(*mesh, each, def.needle.has_value(), field));
         model.element = each.element;
-        model.core = mesh->vertices;
         // A dynamic body has been refused by now: its mass would not be positive.
         if (model.shape->closed && !def.dynamic && !each.cutting && geometry::enclosedVolume(*mesh) < 0.0)
             logWarning(field, ".mesh is turned inside out: it pushes towards its inside, like the walls of a room; "

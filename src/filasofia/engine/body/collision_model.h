@@ -16,8 +16,11 @@ struct CollisionModel {
     /// Soft body: at rest, in world coordinates; rigid body: in its element's coordinates.
     std::shared_ptr<const CollisionShape> shape;
     Inset inset;
-    std::vector<Vec3> core;   ///< [m] the shape's vertices, moved inwards; rigid bodies only
-    double proximity = 0.0;   ///< [m] proximity of the surface itself, without the inset
+    std::vector<Vec3> core; ///< [m] the shape's vertices, moved inwards; rigid bodies only
+    double proximity = 0.0; ///< [m] proximity of the surface itself, without the inset
+    /// [m] Its lines and points stand for all that is so near to them: a rod's tube, a rigid ball or capsule. 0: its
+    /// triangles are the surface.
+    double round = 0.0;
     int element = 0;          ///< rigid bodies only
     bool own = false;         ///< soft bodies only: it is the body's own surface, and follows its cuts
     bool selfOnceCut = false; ///< own surfaces only: once cut, it collides with itself
@@ -32,6 +35,8 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
 std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const geometry::TriangleMesh& worldShell);
 /// For a rod: the tube around its nodes.
 std::vector<CollisionModel> buildCollision(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes);
+/// A mesh that stands for a ball or capsule becomes the exact one, unless it is a blade or a needle, or only some of
+/// its primitives collide.
 std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def);
 
 /// The collision model of a rod that has these segments left; `lone` vertices belong to none of them.

@@ -28,6 +28,7 @@ struct CollisionOptions {
     /// [m], >= 0; at least the proximity is used. Two surfaces are followed inside each other up to the sum of their
     /// depths.
     double depth = 0.0;
+    double round = 0.0;   ///< [m] radius around points and lines that stand for a rigid ball or capsule
     int group = 0;        ///< only surfaces of the same group collide
     bool self = false;    ///< the surface collides with itself
     bool cutting = false; ///< passes through surfaces that it may cut
@@ -67,6 +68,7 @@ struct CollisionShape {
     bool triangleFaces = true; ///< false if there are no triangles
     double proximity = 0.0;    ///< [m]
     double depth = 0.0;        ///< [m], >= proximity
+    double round = 0.0;
     int group = 0;
     bool self = false;
     bool cutting = false;

@@ -21,7 +21,7 @@ double coneOf(const ConstraintLaw& law, Vec3 impulse)
 Vec3 sharesOf(const ConstraintLaw& law, const Projected& state)
 {
     if (!state.active) return {};
-    if (law.kind == ConstraintKind::ClipLeg) return {1.0, 0.0, 0.0};
+    if (law.kind == ConstraintKind::ClipLeg) return {1.0, law.across, law.across};
     return law.kind == ConstraintKind::Shaft ? Vec3{state.slip, 1.0, 1.0} : Vec3{1.0, state.slip, state.slip};
 }
 
@@ -41,7 +41,7 @@ Projected project(const ConstraintLaw& law, Vec3 y, double cone)
         const bool slides = std::abs(y.x) > cone;
         return {{slides ? std::copysign(cone, y.x) : y.x, y.y, y.z}, slides ? 0.0 : 1.0, true};
     }
-    if (law.kind == ConstraintKind::ClipLeg) return {{y.x, 0.0, 0.0}, 1.0, true};
+    if (law.kind == ConstraintKind::ClipLeg) return {{y.x, law.across * y.y, law.across * y.z}, 1.0, true};
     if (!law.bilateral() && !(y.x > 0.0)) return {};
     if (std::abs(y.x) > law.maxImpulse) return {{std::copysign(law.maxImpulse, y.x), 0.0, 0.0}, 0.0, false};
     if (law.bilateral()) return {y, 1.0, true};

@@ -16,7 +16,7 @@ namespace filasofia::engine {
 /// Contacts and joint limits are unilateral: they only push. Welds (attachments, grasps) and the dry friction of joints
 /// are bilateral.
 /// A shaft in a channel is bilateral, with friction along its first axis; a tip only pushes. The legs of a clip are
-/// springs along their normal, and nothing across it.
+/// springs between two points.
 enum class ConstraintKind { Contact, Weld, JointLimit, JointFriction, Shaft, Tip, ClipLeg };
 
 /// Identifies a contact from step to step, and holds the force that its next solve starts from.
@@ -63,8 +63,8 @@ struct ChannelInfo {
 /// A unilateral constraint requires C >= 0 along the normal: its normal impulse n only pushes, and its tangential
 /// impulse t is within Coulomb's cone |t| <= friction * n. A bilateral constraint requires C = 0 in all three rows, but
 /// applies at most maxImpulse along the first. A shaft requires C = 0 across its first axis, the line; along it, its
-/// impulse is bounded by maxImpulse, dry friction. The legs of a clip are a spring along the normal, and require
-/// nothing across it.
+/// impulse is bounded by maxImpulse, dry friction. The legs of a clip are a spring along the normal, whose tension
+/// resists what moves its ends across it.
 struct ConstraintLaw {
     ConstraintKind kind = ConstraintKind::Contact;
     std::array<Vec3, 3> frame = {}; ///< orthonormal; the first vector is the normal, from the second side to the first
@@ -72,6 +72,7 @@ struct ConstraintLaw {
     double friction = 0.0;          ///< [-] Coulomb's mu; unilateral constraints only
     double tolerance = 0.0;         ///< [m/s] how far a rigid constraint may miss C = 0 (or C >= 0)
     double softness = 0.0;          ///< [kg] impulse per velocity of a spring; 0 if the constraint is rigid
+    double across = 0.0;            ///< [-] ClipLeg: stiffness across the normal, as a part of that along it
     /// [N s] Bound on the impulse along the normal. The constraint yields beyond it.
     double maxImpulse = std::numeric_limits<double>::infinity();
     /// [N s] in the frame, on the first side. In: the last step's impulse; out: the impulse that acted in this step

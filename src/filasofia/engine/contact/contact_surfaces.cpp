@@ -142,6 +142,15 @@ const std::string& nameOf(const Scene& scene, const SurfaceOwner& owner)
     return owner.soft ? scene.soft[owner.body].model.name : scene.rigid[owner.body].model.name;
 }
 
+double insetAt(const CollisionModel& collision, const Proximity& found, std::size_t side)
+{
+    double depth = 0.0;
+    for (std::size_t k = 0; k < 3; ++k)
+        if (const int vertex = found.vertices[side][k]; vertex >= 0)
+            depth += found.weights[side][k] * collision.inset.depth[static_cast<std::size_t>(vertex)];
+    return depth;
+}
+
 std::vector<bool> placeSurfaces(double dt, const Scene& scene, const std::vector<SurfaceOwner>& owners,
                                 Coupling& coupling)
 {

@@ -27,6 +27,9 @@ void findPieces(const SoftModel& model, const CollisionModel& collision, std::ve
 /// Whether the surface is the centre line of a rod.
 bool isLine(const Scene& scene, const SurfaceOwner& owner);
 
+/// [m] The inset of a surface at the place of a proximity.
+double insetAt(const CollisionModel& collision, const Proximity& found, std::size_t side);
+
 /// Updates every surface to its body's state, and warns of models that cannot work. Returns per surface whether it is
 /// new; empty if none is.
 std::vector<bool> placeSurfaces(double dt, const Scene& scene, const std::vector<SurfaceOwner>& owners,

@@ -2,8 +2,8 @@
 
 #include "filasofia/core/log.h"
 #include "filasofia/engine/collision/deep_points.h"
-#include "filasofia/engine/collision/feature_normals.h"
 #include "filasofia/engine/contact/contact_surfaces.h"
+#include "filasofia/engine/contact/everted_tissue.h"
 #include "filasofia/engine/contact/intersections.h"
 #include "filasofia/engine/contact/islands.h"
 #include "filasofia/engine/contact/turned_contact.h"
@@ -47,56 +47,10 @@ constexpr double kDeepLinePenalty = 300.0;
 // would be felt. Without it a bar that was drawn through a taut thread at 0.3 m/s came through.
 constexpr double kCorners = 0.1;
 
-/// [m] the inset of a surface at the place of a proximity.
-double insetAt(const CollisionModel& collision, const Proximity& found, std::size_t side)
-{
-    double depth = 0.0;
-    for (std::size_t k = 0; k < 3; ++k)
-        if (const int vertex = found.vertices[side][k]; vertex >= 0)
-            depth += found.weights[side][k] * collision.inset.depth[static_cast<std::size_t>(vertex)];
-    return depth;
-}
-
 /// [m] the distance by which the two sides approach in the time of the look-ahead.
 double comingNearer(const std::vector<CollisionSurface>& surfaces, const Proximity& found, double dt)
 {
     return kStepsAhead * dt * std::max(0.0, closingSpeed(surfaces, found));
-}
-
-/// Whether a place lies on an inverted element of a soft body. There the surface faces the wrong way, and a contact
-/// would keep it inverted.
-bool onInvertedElement(const SurfaceOwner& owner, const Proximity& found, std::size_t side, const Scene& scene)
-{
-    const CollisionModel& collision = *owner.collision;
-    if (!owner.soft || collision.behind.empty()) return false;
-    const std::vector<Vec3>& x = scene.soft[owner.body].state.x;
-    const auto node = [&](int vertex) { return collision.embedding.nodes[static_cast<std::size_t>(vertex)][0]; };
-    for (int vertex : found.vertices[side]) {
-        if (vertex < 0) continue;
-        for (int triangle : collision.shape->vertexTriangles[vertex]) {
-            const auto [a, b, c] = collision.shape->triangles[static_cast<std::size_t>(triangle)];
-            const int d = collision.behind[static_cast<std::size_t>(triangle)];
-            if (geometry::signedVolume(x[node(a)], x[node(b)], x[node(c)], x[d]) >= 0.0)
-                return true; // it faces inwards
-        }
-    }
-    return false;
-}
-
-/// At an inverted element the surface of tissue does not tell which way is out. If the other side is a closed rigid
-/// surface, that one tells it, and turns the contact if need be. Else returns false: the contact would keep the element
-/// inverted. When a step had no contacts at such places, a kilogram that had crushed a liver passed through it.
-bool orientAtInverted(const SurfaceOwner& other, const CollisionSurface& surface, std::size_t side, Proximity& found)
-{
-    if (other.soft || !surface.shape->triangleFaces || !surface.shape->closed) return false;
-    const Vec3 out = featureNormal(surface, found.vertices[1 - side]); // from the other side to this one
-    const double along = dot(found.normal, side == 0 ? out : -out);
-    if (along == 0.0) return false;
-    if (along < 0.0) {
-        found.normal = -found.normal;
-        found.gap = -found.gap;
-    }
-    return true;
 }
 
 /// Lets the edges of a rod that a point belongs to turn it about them. `arm` [m]: from the centre line to the surface.
@@ -124,6 +78,12 @@ void addSpins(const SoftBody& body, Vec3 arm, BodyPoint& point)
     }
 }
 
+/// [m] From a place on lines or points to the surface around them.
+Vec3 armOf(const CollisionModel& collision, const Proximity& found, std::size_t side)
+{
+    return (side == 0 ? -1.0 : 1.0) * collision.round * found.normal;
+}
+
 BodyPoint pointOf(const SurfaceOwner& owner, const Proximity& found, std::size_t side, const CollisionSurface& surface,
                   const Scene& scene, const RigidPlan& plan)
 {
@@ -145,9 +105,10 @@ BodyPoint pointOf(const SurfaceOwner& owner, const Proximity& found, std::size_t
         for (std::size_t k = 0; k < static_cast<std::size_t>(point.count); ++k)
             point.velocity += point.weights[k] * v[static_cast<std::size_t>(point.nodes[k])];
         if (const SoftBody& body = scene.soft[owner.body]; isRod(body.model))
-            addSpins(body, (side == 0 ? -1.0 : 1.0) * body.model.rod.radius * found.normal, point);
+            addSpins(body, armOf(*owner.collision, found, side), point);
     } else {
         const RigidPlanElement& element = plan[owner.plan];
+        point.position += armOf(*owner.collision, found, side);
         point.velocity = element.velocity + cross(element.angularVelocity, point.position - element.centre);
     }
     return point;
@@ -269,7 +230,9 @@ void writeContact(const Proximity& found, double gap, const std::array<const Sur
                        .gap = gap,
                        .proximity = proximity,
                        .skin = kSkin * proximity};
-    if (std::holds_alternative<physics::ExactContact>(context.method)) turnContact(context.dt, coupling.rigid, contact);
+    if (std::holds_alternative<physics::ExactContact>(context.method))
+        turnContact(context.dt, coupling.rigid,
+                    {armOf(*sides[0]->collision, found, 0), armOf(*sides[1]->collision, found, 1)}, contact);
 }
 
 /// Factor on the penalty between two lines, or between a line and a rigid body.
@@ -293,10 +256,9 @@ void addContact(Proximity& found, const std::array<const SurfaceOwner*, 2>& side
                 const Scene& scene, Coupling& coupling)
 {
     for (const std::size_t side : {0U, 1U})
-        if (onInvertedElement(*sides[side], found, side, scene)) {
-            const auto other = static_cast<std::size_t>(found.surfaces[1 - side]);
-            if (!orientAtInverted(*sides[1 - side], coupling.detection.surfaces[other], side, found)) return;
-        }
+        if (onInvertedElement(*sides[side], found, side, scene) &&
+            !staysAtInverted(*sides[1 - side], coupling.detection.surfaces, context.dt, side, found))
+            return;
     const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
     const double gap = found.gap - insetAt(*sides[0]->collision, found, 0) - insetAt(*sides[1]->collision, found, 1);
     if (!(gap < proximity + comingNearer(coupling.detection.surfaces, found, context.dt))) return;

@@ -157,11 +157,35 @@ private:
         };
         for (const SurfaceCrossing& each : crossings_)
             if (unseen || isLost(each, meeting)) tell({.crossings = 1, .depth = each.depth, .place = each.place});
+        if (crossings_.empty()) tellDeepInRound(meeting, one, two, before, tell);
         if (!crossings_.empty() || meeting.self() || !between.empty()) return;
         if (const auto within = insideOf(a, b))
             tell(*within);
         else if (const auto around = insideOf(b, a))
             tell(*around);
+    }
+
+    /// A ball or capsule has no edges that pass through a triangle: what is deeper in it than contacts follow a mesh
+    /// counts as passing through it.
+    template <class Tell> void tellDeepInRound(const SurfacePair& meeting, const SurfaceOwner& one,
+                                               const SurfaceOwner& two,
+                                               std::span<const IntersectionWatch::Unseen> before, const Tell& tell)
+    {
+        const CollisionModel &a = *one.collision, &b = *two.collision;
+        if ((one.soft || a.round == 0.0) && (two.soft || b.round == 0.0)) return;
+        const double followed = a.proximity + insetDepth(a.proximity) + b.proximity + insetDepth(b.proximity);
+        physics::Intersection deep;
+        for (const Proximity& each : detection_.proximities) {
+            if (each.surfaces != meeting.places) continue;
+            // At an inverted element the sign is not known; an axis inside tissue is found otherwise.
+            const double depth = insetAt(a, each, 0) + insetAt(b, each, 1) - std::abs(each.gap);
+            if (!(depth > followed)) continue;
+            ++deep.crossings;
+            if (!(depth > deep.depth)) continue;
+            deep.depth = depth;
+            deep.place = meeting.sides[0]->x[static_cast<std::size_t>(each.vertices[0][0])];
+        }
+        if (deep.crossings > 0 && hasLasted(meeting, before)) tell(deep);
     }
 
     /// Whether edges have been inside by more than the contacts between these surfaces know, for long enough.
@@ -173,14 +197,29 @@ private:
             if (detection_.followed[i] != 0 && each.surfaces == meeting.places) known = std::max(known, -each.gap);
         }
         for (const SurfaceCrossing& each : crossings_) deepest = std::max(deepest, each.depth);
-        std::array<SurfaceName, 2> surfaces{meeting.sides[0]->name, meeting.sides[1]->name};
-        std::ranges::sort(surfaces);
-        const auto then = std::ranges::find(before, surfaces, &IntersectionWatch::Unseen::surfaces);
         // A contact that finds such a place in one step loses it in the next: only parting ends it.
-        if (then != before.end()) known = 0.0;
-        if (!(deepest > known + kShallow * meeting.proximities())) return false;
+        if (lostBefore(meeting, before) != before.end()) known = 0.0;
+        return deepest > known + kShallow * meeting.proximities() && hasLasted(meeting, before);
+    }
+
+    static std::array<SurfaceName, 2> namesOf(const SurfacePair& meeting)
+    {
+        std::array<SurfaceName, 2> names{meeting.sides[0]->name, meeting.sides[1]->name};
+        std::ranges::sort(names);
+        return names;
+    }
+    static std::span<const IntersectionWatch::Unseen>::iterator
+    lostBefore(const SurfacePair& meeting, std::span<const IntersectionWatch::Unseen> before)
+    {
+        return std::ranges::find(before, namesOf(meeting), &IntersectionWatch::Unseen::surfaces);
+    }
+
+    /// Notes that two surfaces have lost each other; whether they have for long enough to be told.
+    bool hasLasted(const SurfacePair& meeting, std::span<const IntersectionWatch::Unseen> before)
+    {
+        const auto then = lostBefore(meeting, before);
         const double since = then != before.end() ? then->since : scene_.time;
-        watch_.unseen.push_back({surfaces, since});
+        watch_.unseen.push_back({namesOf(meeting), since});
         return scene_.time - since >= kUnseenFor;
     }
 

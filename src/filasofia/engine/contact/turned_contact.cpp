@@ -15,17 +15,17 @@ constexpr double kLargestTurn = 0.15; ///< [rad] in a step; beyond it, points ar
 
 } // namespace
 
-void turnContact(double dt, const RigidPlan& plan, Constraint& contact)
+void turnContact(double dt, const RigidPlan& plan, const std::array<Vec3, 2>& arms, Constraint& contact)
 {
     const auto isRigid = [](const BodyPoint& point) { return point.of == BodyPoint::Of::Rigid; };
     if (!std::ranges::all_of(contact.sides, isRigid)) return;
-    std::array<Vec3, 2> angles, arms, moved; // [rad], [m], [m]
+    std::array<Vec3, 2> angles, cores, moved; // [rad], [m], [m]
     for (std::size_t side = 0; side < 2; ++side) {
         const RigidPlanElement& element = plan[contact.sides[side].body];
         const double angle = dt * length(element.angularVelocity);
         angles[side] = (angle > kLargestTurn ? kLargestTurn / angle : 1.0) * dt * element.angularVelocity;
-        arms[side] = contact.sides[side].position - element.centre;
-        moved[side] = rotate(axisAngle(angles[side], length(angles[side])), arms[side]) - arms[side];
+        cores[side] = contact.sides[side].position - arms[side] - element.centre;
+        moved[side] = rotate(axisAngle(angles[side], length(angles[side])), cores[side]) - cores[side];
     }
     const Vec3 more = lengthSquared(moved[0]) >= lengthSquared(moved[1]) ? moved[0] : moved[1];
     const double fall = dot(contact.frame[0], moved[1] - moved[0]), gap = contact.contact.gap;
@@ -34,7 +34,7 @@ void turnContact(double dt, const RigidPlan& plan, Constraint& contact)
         BodyPoint& point = contact.sides[side];
         point.shift = shift;
         point.velocity += cross(plan[point.body].angularVelocity, shift);
-        const double beyond = dot(contact.frame[0], moved[side] - cross(angles[side], arms[side] + shift));
+        const double beyond = dot(contact.frame[0], moved[side] - cross(angles[side], cores[side] + shift));
         contact.contact.turning += side == 0 ? beyond : -beyond;
     }
 }
