@@ -2,6 +2,7 @@
 #include "apps/filasofia/bench/contact_run.h"
 #include "apps/filasofia/bench/load.h"
 
+#include "filasofia/core/text.h"
 #include "filasofia/runtime/engines.h"
 
 #include <algorithm>

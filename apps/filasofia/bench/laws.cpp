@@ -24,8 +24,8 @@ constexpr int kWarmUp = 10;    ///< steps of a run that are not timed
 std::vector<ElasticLaw> laws()
 {
     std::vector<ElasticLaw> all = physics::elasticLaws();
-    std::ranges::stable_partition(
-        all, [](const ElasticLaw& law) { return std::holds_alternative<physics::Corotational>(law); });
+    std::stable_partition(all.begin(), all.end(),
+                          [](const ElasticLaw& law) { return std::holds_alternative<physics::Corotational>(law); });
     return all;
 }
 

@@ -1,5 +1,6 @@
 #include "filasofia/runtime/nothing_watch.h"
 
+#include "filasofia/core/text.h"
 #include "filasofia/runtime/contact_watch.h"
 
 #include <algorithm>

@@ -223,7 +223,7 @@ template <class Layer> auto SurfaceLayers<Layer>::surfaces(double time) const ->
     const std::lock_guard lock(mutex_);
     for (const auto& [id, each] : patients_) {
         [[maybe_unused]] const bool begins = each.last >= 0.0 && time >= each.next - 1e-9;
-        if constexpr (requires { each.start->skin(); })
+        if constexpr (requires(const Layer& layer) { layer.skin(); })
             out.push_back({id, each.start->skin(), begins ? time - each.last : 0.0, spreadOf(each.start->def())});
     }
     return out;
@@ -241,7 +241,7 @@ template <class Layer> double SurfaceLayers<Layer>::taken(int electrode, bool to
     double sum = 0.0;
     for (const auto& [id, each] : patients_) {
         const std::map<int, double>* taken = &each.taken;
-        if constexpr (requires { each.start->taken(); })
+        if constexpr (requires(const Layer& layer) { layer.taken(); })
             if (toTheEnd) taken = &each.turn->layer.taken();
         if (const auto found = taken->find(electrode); found != taken->end()) sum += found->second;
     }

@@ -79,7 +79,7 @@ double giveDown(const Pass& pass, int v, FilmContent& content)
     const double area = geometry.area[v], held = liquid.clinging * area, mobile = content.volume[v] - held;
     if (mobile <= 0.0) return 0.0;
     const auto push = [&](int e) { // conductance times drop [m]; 0 where there is no area
-        return geometry.conductance[e] * std::max(levels[v] - levels[topology.next[e]], 0.0);
+        return pass.geometry.conductance[e] * std::max(pass.levels[v] - pass.levels[pass.topology.next[e]], 0.0);
     };
     double all = geometry.rim[v];
     for (int e = topology.first[v]; e < topology.first[v + 1]; ++e) all += push(e);

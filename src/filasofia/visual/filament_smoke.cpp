@@ -5,6 +5,7 @@
 
 #include <filament/RenderableManager.h>
 #include <filament/TextureSampler.h>
+#include <filament/Viewport.h>
 #include <math/vec3.h>
 #include <utils/EntityManager.h>
 

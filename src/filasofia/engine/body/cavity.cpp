@@ -3,6 +3,7 @@
 #include "filasofia/core/disjoint_sets.h"
 #include "filasofia/core/error.h"
 #include "filasofia/engine/body/body_topology.h"
+#include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/body/soft_model.h"
 
 #include <algorithm>

@@ -75,7 +75,9 @@ AttachedPairs holdPoints(const Pose& pose, const SoftState& tissue, Clip& clip)
     std::vector<std::size_t>& chosen = clip.corners;
     chosen.clear();
     for (const auto& [x, z] : {std::pair{-1, -1}, std::pair{-1, 1}, std::pair{1, -1}, std::pair{1, 1}}) {
-        const auto outwards = [&](Vec3 place) { return x * place.x / def.width + z * place.z / def.length; };
+        const auto outwards = [&def, x = x, z = z](Vec3 place) {
+            return x * place.x / def.width + z * place.z / def.length;
+        };
         const auto corner = static_cast<std::size_t>(std::ranges::max_element(places, {}, outwards) - places.begin());
         if (std::ranges::find(chosen, corner) == chosen.end()) chosen.push_back(corner);
     }

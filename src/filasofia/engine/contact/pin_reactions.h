@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/constraint/constraint.h"
 #include "filasofia/engine/scene/scene.h"
+#include "filasofia/engine/scene/step_context.h"
 
 #include <span>
 

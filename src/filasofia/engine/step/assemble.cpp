@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/body/law_range.h"
+#include "filasofia/engine/elastic/stretch_law.h"
 #include "filasofia/engine/scene/each_body.h"
 #include "filasofia/engine/step/fill_cavities.h"
 #include "filasofia/math/svd.h"

@@ -266,7 +266,7 @@ OwnSurfaceEdit applyEdit(const TopologyEdit& edit, double period, SoftBody& body
     followSystem(changed, period, model, system);
     keepMomentum(
         momentum, changed.reached, model.masses,
-        [&](int node) { return model.pins.hard[static_cast<std::size_t>(node)]; }, state.v);
+        [&pins = model.pins](int node) { return pins.hard[static_cast<std::size_t>(node)]; }, state.v);
     return surface;
 }
 
