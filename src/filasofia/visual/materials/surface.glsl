@@ -126,10 +126,10 @@ float burnOf(float level) {
     return 0.28 * clamp(2.0 * level + 0.5, 0.0, 1.0) + 0.8 * dry * dry;
 }
 
-// `heat`: the level of the heat as a share of its range from -1 to 3.
-Marks marksOf(vec3 state, float heat_, highp vec3 p, float footprint) {
+// `heatShare`: the level of the heat as a share of its range from -1 to 3.
+Marks marksOf(vec3 state, float heatShare, highp vec3 p, float footprint) {
     Marks marks = Marks(0.0, 0.0, 1.0, vec3(0.0), 0.0, 0.0, 0.0);
-    float level = 4.0 * heat_ - 1.0;
+    float level = 4.0 * heatShare - 1.0;
     if (state.x + state.y <= 0.0 && level <= -0.4) return marks;
     float w = resolved(footprint, 3.7);
     vec4 coarse = noise(p * 0.85 + 71.3), fine = w * noise(turn * p * 2.4 + 17.9);
