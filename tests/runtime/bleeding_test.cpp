@@ -3,6 +3,7 @@
 #include "filasofia/runtime/film_marks.h"
 #include "filasofia/runtime/replay.h"
 #include "filasofia/runtime/stepped_run.h"
+#include "filasofia/surface/body_surface.h"
 #include "filasofia/visual/image.h"
 #include "runtime/cut_block.h"
 #include "shown_stage.h"
@@ -152,11 +153,10 @@ TEST_CASE("wrong use of blood is one clear error")
 
 TEST_CASE("a film becomes marks: at nodes, and between those of its element that lie on the surface")
 {
-    const std::vector<float> film{2.5e-4F, 0.0F, -1.0F, 5e-4F};
+    const std::vector<float> film{2.5e-4F, 0.0F, surface::kNoSurface, 5e-4F};
     std::vector<visual::SurfaceState> states(5);
     states[1].blood = 0.9; // painted
-    const auto values = [](std::vector<float> each) { return std::make_shared<const std::vector<float>>(each); };
-    addMarks(mapping::IdentityMap{{0, 1, 2, 3, 9}}, {.blood = values(film)}, states);
+    addBlood(mapping::IdentityMap{{0, 1, 2, 3, 9}}, film, states);
     CHECK(states[0].blood == Approx(1.0 - std::exp(-1.0)));
     CHECK(states[0].wetness == 1.0);
     CHECK(states[1].blood == 0.9);
@@ -166,10 +166,11 @@ TEST_CASE("a film becomes marks: at nodes, and between those of its element that
 
     std::vector<visual::SurfaceState> inside(1);
     const geometry::Embedding embedding{{{0, 1, 2, 3}}, {{0.25, 0.25, 0.5, 0.0}}};
-    addMarks(mapping::BarycentricMap{embedding}, {.blood = values(film), .burn = values({0.4F, 0.2F, -1.0F, 1.0F})},
-             inside);
+    addBlood(mapping::BarycentricMap{embedding}, film, inside);
     CHECK(inside[0].blood == Approx(1.0 - std::exp(-0.5)));
-    CHECK(inside[0].burn == Approx(0.3));
+    const std::vector<float> heat{1.4F, -0.2F, surface::kNoSurface, 1.0F};
+    CHECK(heatOf(mapping::BarycentricMap{embedding}, heat, 1)[0] == Approx(0.6));
+    CHECK(heatOf(mapping::IdentityMap{{1, 2, 9}}, heat, 3) == std::vector<float>{-0.2F, -1.0F, -1.0F});
 }
 
 TEST_CASE("what is drawn of a body shows its film")

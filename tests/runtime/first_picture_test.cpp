@@ -57,7 +57,39 @@ Brightness pictureOf(double size)
     return brightnessOf(run.picture(def), run.depth(def));
 }
 
+/// A plate, as large as `size` [m], and a bar over it, of metal and seen from `direction`.
+Brightness metalSeen(double size, Vec3 direction, double roughness)
+{
+    Simulation sim({.physics = {.gravity = {}}, .look = {.direction = direction}});
+    const BodyId plate = sim.add(RigidBodyDef{.name = "plate", .mesh = shapes::box(size * Vec3{1.0, 0.02, 0.7})});
+    const BodyId bar = sim.add(RigidBodyDef{.name = "bar",
+                                            .elements = {{size * Vec3{0, 0.12, 0.1}, axisAngle({1, 0.3, 0}, 1.2)}},
+                                            .mesh = shapes::capsule(0.04 * size, 0.5 * size)});
+    for (const BodyId each : {plate, bar}) sim.show(each, {.material = MetalMaterial{.roughness = roughness}});
+    SteppedRun run(sim);
+    run.step();
+    const PictureDef def{.width = 240, .height = 180};
+    return brightnessOf(run.picture(def), run.depth(def));
+}
+
 } // namespace
+
+TEST_CASE("metal reads as metal from every side and at any size, also a flat plate that mirrors nothing bright")
+{
+    if (skipIf(!visual::hasBackend(Backend::Headless), "this build draws nothing")) return;
+    const std::vector<Vec3> sides{{0, 1, 0.001},  {0.2, 1, 0.7},   {0.25, 0.3, 1},
+                                  {1, 0.15, 0.1}, {-0.6, 0.5, -1}, {0.2, -1, 0.4}};
+    for (const double size : {5_mm, 50_mm, 1.0})
+        for (const Vec3& side : sides) {
+            INFO(size << " m from " << side.x << " " << side.y << " " << side.z);
+            const Brightness seen = metalSeen(size, side, MetalMaterial{}.roughness);
+            CHECK(seen.all > 60.0);
+            CHECK(seen.all < 200.0);
+            CHECK(seen.dark < 0.1);
+        }
+    // What is polished mirrors the dark, but never is it black.
+    for (const Vec3& side : sides) CHECK(metalSeen(50_mm, side, 0.05).all > 40.0);
+}
 
 TEST_CASE("the first picture of a scene of any size shows its bodies, neither dark nor too bright")
 {

@@ -42,6 +42,55 @@ RunReport ran(const SceneDef& scene)
 
 } // namespace
 
+TEST_CASE("scenes: a pedal opens suction while its key is held")
+{
+    const SceneFolder folder;
+    std::string file = theatre(kRoom, "");
+    file.insert(file.size() - 1,
+                R"(, "pedals": [{"key": "3", "extract": {"place": "0 -10 0 mm", "body": "tube", "flow": "6 l/min"}}])");
+    saveScene(folder.load(file), folder.file("again.json"));
+    const SceneDef scene = loadScene(folder.file("again.json"));
+    const auto extracted = [&](bool pressed) { // between 0.2 and 0.4 s
+        Simulation sim(simulationDef(scene));
+        static_cast<void>(addScene(sim, scene));
+        double atRelease = 0.0;
+        sim.everyStep([&](double time) {
+            const auto step = std::lround(time * 500);
+            if (step == 210) atRelease = sim.smoke().smoke.extracted;
+            if (!pressed || (step != 100 && step != 200)) return;
+            event::KeyEvent event;
+            event.key = event::KeyCode::Digit3;
+            event.pressed = step == 100;
+            sim.post(event);
+        });
+        const double all = sim.run({.headless = true, .steps = 400}).smoke.value().smoke.extracted;
+        CHECK(all == atRelease); // nothing more once it is released
+        return all;
+    };
+    CHECK(extracted(true) > 0.0);
+    CHECK(extracted(false) == 0.0);
+}
+
+TEST_CASE("scenes: wrong pedals of suction are refused with their place")
+{
+    const SceneFolder folder;
+    const auto pedal = [&](const std::string& smoke, const std::string& each) {
+        std::string file = theatre(kRoom, "");
+        if (smoke.empty()) file.erase(file.find("\"smoke\""), file.find("\"bodies\"") - file.find("\"smoke\""));
+        file.insert(file.size() - 1, ", \"pedals\": [" + each + "]");
+        return addingFails(folder, file);
+    };
+    CHECK_THAT(pedal("room", R"({"key": "3", "extract": {"place": "0 0 0 mm", "flow": 0}})"),
+               Contains("pedals[0].extract.flow must be > 0 m^3/s, got 0"));
+    CHECK_THAT(pedal("room", R"({"key": "3", "extract": {"place": "1 0 0 m", "flow": "6 l/min"}})"),
+               Contains("pedals[0]: extract: place must be in the room of the smoke"));
+    CHECK_THAT(pedal("room", R"({"extract": {"place": "0 0 0 mm", "flow": "6 l/min"}})"),
+               Contains("pedals[0]: needs a key or a button"));
+    CHECK_THAT(pedal("", R"({"key": "3", "extract": {"place": "0 0 0 mm", "flow": "6 l/min"}})"),
+               Contains("pedals[0]: smoke: there is no room for it"));
+    CHECK_THAT(pedal("room", R"({"key": "3"})"), Contains("pedals[0]: needs a body"));
+}
+
 TEST_CASE(
     "scenes: what burns smokes in the scene's room, a tube takes the smoke, and both survive saving and recording")
 {

@@ -163,7 +163,7 @@ TEST_CASE("heated everywhere, tissue warms, boils at 100 degrees until it is dry
     CHECK(plate.heat.balance().hottest == Approx(573.15)); // and takes no more
     CHECK(plate.heat.balance().delivered == Approx(capacity * (573.15 - 310.15) + latent).epsilon(1e-6));
     CHECK(std::abs(error(plate.heat.balance())) < 1e-6 * plate.heat.balance().delivered);
-    CHECK(plate.heat.marks()[0] == 1.0F);
+    CHECK(plate.heat.levels()[0] == Approx(16.0 / 7.0)); // dry
 }
 
 TEST_CASE("what boils on a spot stays at 100 degrees while water is left, and heat is accounted for")
@@ -222,8 +222,9 @@ TEST_CASE("what is damaged blanches, is told, and is no longer perfused")
     CHECK(now.charred == 0.0);
     CHECK(now.peak <= 360.0 + 1e-9);
     const std::vector<std::uint8_t> burnt = plate.heat.burnt();
-    const std::vector<float> marks = plate.heat.marks();
-    for (std::size_t v = 0; v < burnt.size(); ++v) CHECK((burnt[v] != 0) == (marks[v] >= 0.35F));
+    const std::vector<float> levels = plate.heat.levels();
+    for (std::size_t v = 0; v < burnt.size(); ++v) CHECK((burnt[v] != 0) == (levels[v] >= 0.0F));
+    CHECK(std::ranges::min(levels) < -0.8F); // far away it is nearly cold
 }
 
 TEST_CASE("the burnt area does not depend on the size of the triangles")

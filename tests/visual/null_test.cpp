@@ -61,6 +61,40 @@ TEST_CASE("a subdivided body sends its refined vertices and surface state")
     }
 }
 
+TEST_CASE("seam and heat go beside the surface state, and new triangles have none of them")
+{
+    VisualServer server({.backend = Backend::Null});
+    VisualBody& body = server.add(sphereDef(0.05, 1));
+    const auto& kept = bodyOf(body);
+    const auto count = std::size_t(body.vertexCount());
+    body.setHeat(std::vector<float>(count, 0.0F));
+    body.setSurfaceState(std::vector<SurfaceState>(count, {1.0, 0.0, 0.2}));
+    std::vector<std::uint8_t> rim(count, 0);
+    rim[3] = 1;
+    body.setSeam(rim);
+    CHECK(kept.states[3] == PackedState{255, 0, 51, 255, 64});
+    CHECK(kept.states[4] == PackedState{255, 0, 51, 0, 64});
+    body.setHeat(std::vector<float>(count, 3.0F));
+    CHECK(kept.states[3] == PackedState{255, 0, 51, 255, 255});
+
+    CHECK_THROWS_WITH(body.setSeam(std::vector<std::uint8_t>(2)),
+                      text("body 'ball': needs one seam flag for each of its ", count, " vertices, got 2"));
+    CHECK_THROWS_WITH(body.setHeat({}),
+                      text("body 'ball': needs one level of heat for each of its ", count, " vertices, got 0"));
+    std::vector<float> wrong(count, 0.0F);
+    for (const float bad : {3.5F, -1.1F, std::nanf("")}) {
+        wrong[2] = bad;
+        CHECK_THROWS_WITH(body.setHeat(wrong),
+                          Catch::Contains("body 'ball': the heat of vertex 2 must be in [-1, 3], got "));
+    }
+    CHECK(kept.states[3] == PackedState{255, 0, 51, 255, 255});
+
+    const geometry::TriangleMesh mesh = sphere(0.05, 1);
+    body.setMesh(mesh, mesh.vertices);
+    body.setHeat(std::vector<float>(count, -1.0F));
+    CHECK(kept.states[3] == PackedState{});
+}
+
 TEST_CASE("a cut body gets new triangles and keeps its rest shape")
 {
     VisualServer server({.backend = Backend::Null});

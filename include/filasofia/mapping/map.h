@@ -38,6 +38,7 @@ using SoftMap = std::variant<IdentityMap, BarycentricMap, TubeMap>;
 struct MappedSurface {
     geometry::TriangleMesh surface; ///< [m] at rest, in world coordinates
     SoftMap map;
+    std::vector<std::uint8_t> rim = {}; ///< per vertex, 1 on the rim of what cuts have opened; empty: nothing is cut
 };
 
 /// The body's own boundary, with an identity map.

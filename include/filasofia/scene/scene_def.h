@@ -198,7 +198,7 @@ struct SceneDef {
     std::vector<SceneKnot> knots = {};             ///< that hands tie; none of their bodies has a number
     std::vector<TimedCommand> commands = {};       ///< at any times; those of the same time in this order
     std::vector<runtime::HapticInterfaceDef> haptics = {};
-    std::vector<ScenePedal> pedals = {};            ///< how a person activates electrodes
+    std::vector<ScenePedal> pedals = {};            ///< how a person activates electrodes and suction
     std::optional<SceneTask> task = {};             ///< what a trainee has to do
     std::vector<prefab::TrackedBody> measured = {}; ///< what is observed if a session is written, at most 64
     Places places = {};                             ///< where the members of its lists stand, "cameras[0].on"
@@ -219,7 +219,7 @@ constexpr auto fields(const SceneDef*)
                     field("instruments", &T::instruments, "instruments, which come after the bodies"),
                     field("knots", &T::knots, "knots that hands tie"),
                     field("haptics", &T::haptics, "haptic interfaces"),
-                    field("pedals", &T::pedals, "how a person activates electrodes"),
+                    field("pedals", &T::pedals, "how a person activates electrodes and suction"),
                     field("task", &T::task, "what a trainee has to do"),
                     field("measured", &T::measured, "what is observed if a session is written"));
 }

@@ -8,6 +8,7 @@
 #include "filasofia/prefab/laparoscopic_instrument.h"
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/task.h"
+#include "filasofia/surface/smoke_def.h"
 
 #include <optional>
 #include <string>
@@ -95,12 +96,13 @@ constexpr auto fields(const SceneKnot*)
                     field("release", &T::release, "s", positive(), "when they let it go; not given: never"));
 }
 
-/// How a person activates an electrode: while a key of the window is held, or a button of the haptic interface that
-/// holds the body. At least one of both is given.
+/// How a person activates an electrode, or opens suction of smoke: while a key of the window is held, or a button of
+/// the haptic interface that holds the body. At least one of both is given.
 struct ScenePedal {
-    BodyId body = {};
-    int electrode = 0;              ///< [-], >= 0, index among those of the body
-    std::string key = {};           ///< a letter or a digit; empty: none
+    BodyId body = {};                             ///< may be none if there is `extract` and no button
+    int electrode = 0;                            ///< [-], >= 0, index among those of the body; without `extract`
+    std::optional<surface::Extract> extract = {}; ///< in place of an electrode: what is sucked away while it is pressed
+    std::string key = {};                         ///< a letter or a digit; empty: none
     std::optional<int> button = {}; ///< [-], >= 0, of a haptic interface; button 0 of an instrument closes its jaws
 };
 constexpr auto fields(const ScenePedal*)
@@ -108,6 +110,7 @@ constexpr auto fields(const ScenePedal*)
     using T = ScenePedal;
     return describe("ScenePedal", field("body", &T::body, "the rigid body"),
                     field("electrode", &T::electrode, "-", nonNegative(), "index among those of the body"),
+                    field("extract", &T::extract, "in place of an electrode: smoke that is sucked away"),
                     field("key", &T::key, "a letter or a digit"),
                     field("button", &T::button, "-", nonNegative(), "of the haptic interface that holds the body"));
 }

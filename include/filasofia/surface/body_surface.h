@@ -4,6 +4,9 @@
 
 namespace filasofia::surface {
 
+/// What byNode() says of a node that is not on the surface.
+inline constexpr float kNoSurface = -2.0F;
+
 /// The surface of a soft body, by those of its nodes that lie on it. Vertices are local: 0, 1, ..., ascending by their
 /// nodes. When the body is cut the numbers of vertices change, and those of nodes keep their meaning.
 class BodySurface {
@@ -22,7 +25,7 @@ public:
     [[nodiscard]] int nodesNeeded() const { return nodes_.empty() ? 0 : nodes_.back() + 1; }
     /// Places of the vertices [m] from positions of the nodes.
     void gather(std::span<const Vec3> positions, std::vector<Vec3>& places) const;
-    /// Values per node of the body from values per vertex; -1 where there is no surface.
+    /// Values per node of the body from values per vertex; kNoSurface where there is none.
     [[nodiscard]] std::vector<float> byNode(std::span<const double> values) const;
 
 private:

@@ -52,9 +52,10 @@ public:
     [[nodiscard]] double temperature(std::size_t vertex) const { return def_.temperature + warmth_[vertex]; } ///< [K]
     [[nodiscard]] double damage(std::size_t vertex) const { return damage_[vertex]; } ///< [-], omega
     [[nodiscard]] double water(std::size_t vertex) const { return water_[vertex]; }   ///< [-], in [0, 1], left
-    /// How burnt it looks, per node of the body: up to 0.35 it blanches with its damage, up to 1 it dries to char;
-    /// negative where there is no surface.
-    [[nodiscard]] std::vector<float> marks() const;
+    /// How far heat has gone, per node of the body: from -1, cold, over 0, where omega is 1, to 9/7, where it boils,
+    /// and on to 16/7, where it is dry; below -1 where there is no surface. In between it is linear in the temperature
+    /// that would do the same damage in the same time, up to the curvature of Arrhenius' law.
+    [[nodiscard]] std::vector<float> levels() const;
     /// What the last step gave off, at most one for each cube of a centimetre.
     [[nodiscard]] std::vector<Fume> takeFumes() { return std::exchange(fumes_, {}); }
     /// Per node of the body, 1 where it is damaged: omega >= 1.

@@ -67,8 +67,8 @@ public:
     void setVertices(std::span<const Vec3> positions);
 
     /// Sets new triangles, as after a cut: `mesh.vertices` are the present positions, `rest` the positions at rest to
-    /// which the pattern is fixed, one per vertex. The surface state is reset. Throws an Error naming the body if mesh
-    /// or rest are wrong; the old shape then stays.
+    /// which the pattern is fixed, one per vertex. Surface state, seam and heat are reset. Throws an Error naming the
+    /// body if mesh or rest are wrong; the old shape then stays.
     void setMesh(const geometry::TriangleMesh& mesh, std::span<const Vec3> rest);
     /// The fast part of setMesh(): adopts new triangles that another thread has prepared, at the positions `now`.
     /// Throws an Error naming the body if the positions are wrong; the old shape then stays.
@@ -76,6 +76,14 @@ public:
 
     /// One state per vertex. Throws an Error naming the body if the count or a number is wrong.
     void setSurfaceState(std::span<const SurfaceState> states);
+    /// Marks the rim of what was cut: 1 for each vertex on it, 0 elsewhere. Along edges between two such vertices
+    /// tissue, mucosa and bone show a thin dark line, also while the cut is closed. Throws an Error naming the body if
+    /// the count is wrong.
+    void setSeam(std::span<const std::uint8_t> onSeam);
+    /// How far heat has gone at each vertex [-], in [-1, 3]: -1 cold, 0 where tissue begins to be damaged, 9/7 boiling,
+    /// 16/7 dry. The picture decides between the vertices what is blanched and charred, so that a burn is round where
+    /// triangles are large. Throws an Error naming the body if the count or a number is wrong.
+    void setHeat(std::span<const float> levels);
 
     [[nodiscard]] const Material& material() const;
     /// Throws an Error naming the body and the field that is out of range, the file that cannot be read, or the

@@ -71,6 +71,21 @@ bool neighbours(const geometry::Triangle& a, const geometry::Triangle& b, int ve
     return false;
 }
 
+/// Which of the nodes lie on what cuts have opened; empty if that is nothing.
+std::vector<std::uint8_t> rimOf(const frame::Boundary& boundary, const std::vector<int>& nodes)
+{
+    std::vector<std::uint8_t> inside(boundary.rest.size(), 0);
+    bool any = false;
+    for (std::size_t t = 0; t < boundary.triangles.size(); ++t) {
+        if (boundary.opened[t] == 0) continue;
+        any = true;
+        for (const int node : boundary.triangles[t]) inside[static_cast<std::size_t>(node)] = 1;
+    }
+    std::vector<std::uint8_t> rim(any ? nodes.size() : 0);
+    for (std::size_t v = 0; v < rim.size(); ++v) rim[v] = inside[static_cast<std::size_t>(nodes[v])];
+    return rim;
+}
+
 } // namespace
 
 geometry::TriangleMesh withCreases(const geometry::TriangleMesh& surface, double angle)
@@ -129,6 +144,7 @@ MappedSurface mapBoundary(const frame::Boundary& boundary, bool opened)
         }
         mapped.surface.triangles.push_back(triangle);
     }
+    if (!opened) mapped.rim = rimOf(boundary, nodes);
     mapped.map = IdentityMap{std::move(nodes)};
     return mapped;
 }

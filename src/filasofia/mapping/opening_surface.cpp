@@ -68,7 +68,8 @@ class Opening {
 public:
     Opening(const MappedSurface& whole, const geometry::Embedding& embedding, const frame::Boundary& boundary)
         : outside_(boundary), boundary_(boundary), opened_(openedTree(boundary)),
-          whole_(whole.surface), surface_{whole.surface.vertices, {}, whole.surface.uv}, embedding_(embedding)
+          whole_(whole.surface), surface_{whole.surface.vertices, {}, whole.surface.uv}, embedding_(embedding),
+          rim_(whole.surface.vertices.size(), 0)
     {
     }
 
@@ -132,15 +133,17 @@ public:
             if (!surface_.uv.empty()) surface_.uv[kept] = surface_.uv[v];
             embedding_.nodes[kept] = embedding_.nodes[v];
             embedding_.weights[kept] = embedding_.weights[v];
+            rim_[kept] = rim_[v];
             fresh[v] = kept++;
         }
         surface_.vertices.resize(kept);
         if (!surface_.uv.empty()) surface_.uv.resize(kept);
         embedding_.nodes.resize(kept);
         embedding_.weights.resize(kept);
+        rim_.resize(kept);
         for (Triangle& triangle : surface_.triangles)
             for (int& vertex : triangle) vertex = fresh[vertex];
-        return {std::move(surface_), BarycentricMap{std::move(embedding_)}};
+        return {std::move(surface_), BarycentricMap{std::move(embedding_)}, std::move(rim_)};
     }
 
 private:
@@ -173,6 +176,7 @@ private:
         }
         embedding_.nodes.emplace_back();
         embedding_.weights.emplace_back();
+        rim_.push_back(0);
         embedOn(vertex, triangle);
         return vertex;
     }
@@ -212,6 +216,7 @@ private:
             if (!rims[side]) continue;
             const auto& [triangle, edge] = *rims[side];
             made.vertex[side] = addVertex(place, low, high, share, triangle);
+            rim_[made.vertex[side]] = 1;
             made.rim[side] =
                 addVertex(geometry::nearestOnSegment(place, edge[0], edge[1]).point, low, high, share, triangle);
         }
@@ -298,6 +303,7 @@ private:
     const geometry::TriangleMesh& whole_;
     geometry::TriangleMesh surface_;
     geometry::Embedding embedding_;
+    std::vector<std::uint8_t> rim_; ///< per vertex, 1 on the rim
     std::unordered_map<int, OutsidePlace>
         touched_; ///< by vertex of the whole surface; triangle -1 if its piece is gone
     std::map<std::pair<int, int>, std::optional<Division>> divisions_; ///< by edge, the lower vertex first

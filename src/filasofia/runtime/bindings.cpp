@@ -331,6 +331,7 @@ void Bindings::addPending(visual::VisualServer& visual)
             painted_.resend(binding.key);
             shown_.push_back(std::move(pending_[added]));
             shown_.back().drawn = &drawn;
+            drawSeam(shown_.back());
         }
     } catch (...) {
         forgetAdded();
@@ -367,7 +368,7 @@ void Bindings::update(const frame::Frame& frame, const physics::PhysicsServer& p
 void Bindings::setFilms(const std::map<BodyId, NodeFilm>& blood, const std::map<BodyId, NodeFilm>& burns)
 {
     for (const auto& [id, film] : blood) marks_[id].blood = film;
-    for (const auto& [id, film] : burns) marks_[id].burn = film;
+    for (const auto& [id, film] : burns) marks_[id].heat = film;
 }
 
 void Bindings::drawMarks(Binding& binding)
@@ -379,8 +380,15 @@ void Bindings::drawMarks(Binding& binding)
     binding.marks = marks;
     std::vector<visual::SurfaceState> states = painted_.states(binding.key);
     states.resize(binding.mapped->surface.vertices.size());
-    addMarks(binding.mapped->map, marks, states);
+    const mapping::SoftMap& map = binding.mapped->map;
+    if (marks.blood) addBlood(map, *marks.blood, states);
     binding.drawn->setSurfaceState(states);
+    if (marks.heat) binding.drawn->setHeat(heatOf(map, *marks.heat, states.size()));
+}
+
+void Bindings::drawSeam(const Binding& binding)
+{
+    if (!binding.mapped->rim.empty()) binding.drawn->setSeam(binding.mapped->rim);
 }
 
 bool Bindings::place(Binding& binding, const frame::Frame& frame)
@@ -406,6 +414,7 @@ bool Bindings::place(Binding& binding, const frame::Frame& frame)
     mapping::apply(binding.mapped->map, *body, vertices_);
     if (ready) {
         binding.drawn->adopt(std::move(ready->mesh), vertices_);
+        drawSeam(binding);
         binding.marks = {}; // the new triangles do not have them yet
     } else
         binding.drawn->setVertices(vertices_);

@@ -107,7 +107,8 @@ private:
     void askMesh(const Binding& binding);     ///< asks for the newest triangles of its body, if it has new ones
     bool closedAgain(const Binding& binding); ///< the opened inside is closed again
     bool place(Binding& binding, const frame::Frame& frame);
-    void drawMarks(Binding& binding); ///< paint and film, if one of them has changed
+    void drawMarks(Binding& binding);             ///< paint and film, if one of them has changed
+    static void drawSeam(const Binding& binding); ///< the rim of its cuts, which its triangles have
     void forget(const Binding& binding);
     static void apply(const PendingChange& change, Binding& binding, const visual::VisualServer& visual);
 

@@ -24,7 +24,7 @@ template <> struct Kind<surface::Bleeding> {
 template <> struct Kind<surface::Burning> {
     static constexpr const char *kDoing = "burning", *kDoes = "burns", *kOf = "heat", *kDo = "burn";
     static double told(const surface::HeatBalance& balance) { return balance.burnt; }
-    static std::vector<float> film(const surface::Burning& layer) { return layer.marks(); }
+    static std::vector<float> film(const surface::Burning& layer) { return layer.levels(); }
     static auto& reports(RunReport& report) { return report.heat; }
     static HeatReport report(const std::string& name, const surface::Burning& layer)
     {

@@ -72,7 +72,7 @@ template <class T> std::vector<std::string_view> required()
     else if constexpr (std::is_same_v<T, TimedCommand>)
         return {"time", "type"};
     else if constexpr (IsAnyOf<T, physics::Attach, physics::AttachRigid, SceneFollow, Reached, Held, Parted, Pierced,
-                               prefab::TrackedBody, ScenePedal>)
+                               prefab::TrackedBody>)
         return {"body"};
     else if constexpr (std::is_same_v<T, Touched>)
         return {"first", "second"};

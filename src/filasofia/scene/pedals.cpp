@@ -41,7 +41,12 @@ void check(const ScenePedal& pedal, const SceneDef& scene, const Hands& hands, c
 
 void follow(runtime::Simulation& simulation, const ScenePedal& pedal, const Hands& hands)
 {
-    const auto set = [&simulation, pedal](bool on) { simulation.activate(pedal.body, on, pedal.electrode); };
+    const auto set = [&simulation, pedal](bool on) {
+        if (!pedal.extract) return simulation.activate(pedal.body, on, pedal.electrode);
+        surface::Extract now = *pedal.extract;
+        if (!on) now.flow = 0.0;
+        simulation.extract(now);
+    };
     if (!pedal.key.empty()) {
         simulation.on<event::KeyEvent>([set, key = keyNamed(pedal.key)](const event::KeyEvent& e) {
             const event::Modifiers& held = e.modifiers;
@@ -59,6 +64,16 @@ void follow(runtime::Simulation& simulation, const ScenePedal& pedal, const Hand
         if (e.interface == hand && e.notice.kind == device::DeviceNotice::Kind::Button && e.notice.button == button)
             set(e.notice.pressed);
     });
+}
+
+void checkExtract(const runtime::Simulation& simulation, const surface::Extract& extract, const std::string& path)
+{
+    if (!(extract.flow > 0.0)) fail(path, ".extract.flow must be > 0 m^3/s, got ", extract.flow);
+    try {
+        simulation.checkExtract(extract);
+    } catch (const Error& error) {
+        fail(path, ": ", error.what());
+    }
 }
 
 } // namespace
@@ -86,8 +101,12 @@ void followPedals(runtime::Simulation& simulation, const SceneDef& scene, const 
             const std::string path = text("pedals[", i, "]");
             const bool instrument = pedal.body.value > scene.bodies.size();
             SceneNumbers(ids).replaceIn(pedal);
-            if (!pedal.body) fail(path, ": needs a body");
-            checkElectrode(simulation, pedal.body, pedal.electrode, path);
+            if (pedal.extract)
+                checkExtract(simulation, *pedal.extract, path);
+            else if (!pedal.body)
+                fail(path, ": needs a body");
+            else
+                checkElectrode(simulation, pedal.body, pedal.electrode, path);
             if (instrument && pedal.button == 0) fail(path, ".button must not be 0: it closes the jaws");
             check(pedal, scene, hands, path);
             follow(simulation, pedal, hands);

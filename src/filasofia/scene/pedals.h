@@ -14,7 +14,7 @@ void addElectrodes(runtime::Simulation& simulation, BodyId id, const std::vector
 /// Throws an Error that begins with `place` if a body has no such electrode.
 void checkElectrode(const runtime::Simulation& simulation, BodyId id, int electrode, const std::string& place);
 
-/// Lets keys and buttons activate electrodes.
+/// Lets keys and buttons activate electrodes, and open suction of smoke.
 void followPedals(runtime::Simulation& simulation, const SceneDef& scene, const std::vector<BodyId>& ids,
                   const Hands& hands);
 

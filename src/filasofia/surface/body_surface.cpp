@@ -36,7 +36,7 @@ void BodySurface::gather(std::span<const Vec3> positions, std::vector<Vec3>& pla
 
 std::vector<float> BodySurface::byNode(std::span<const double> values) const
 {
-    std::vector<float> out(static_cast<std::size_t>(nodesNeeded()), -1.0F);
+    std::vector<float> out(static_cast<std::size_t>(nodesNeeded()), kNoSurface);
     for (std::size_t v = 0; v < nodes_.size(); ++v)
         out[static_cast<std::size_t>(nodes_[v])] = static_cast<float>(values[v]);
     return out;

@@ -14,7 +14,8 @@ constexpr double kBoiling = 373.15;  ///< [K]
 constexpr double kHarmless = 316.15; ///< [K], 43 degrees Celsius: below it nothing is damaged within hours
 constexpr double kCool = 1e-3;       ///< [K] above rest, from which on nothing is computed
 constexpr double kMostDamage = 1e9;  ///< [-], keeps the number finite
-constexpr double kBlanched = 0.35;   ///< mark of tissue that is damaged, but not dry
+constexpr double kDecades =
+    7.0; ///< of damage for one level, 23 K at 60 degrees: from cold to damaged, and on to boiling
 
 } // namespace
 
@@ -227,13 +228,12 @@ HeatBalance Burning::balance() const
     return now;
 }
 
-std::vector<float> Burning::marks() const
+std::vector<float> Burning::levels() const
 {
+    static const double kMost = std::log10(kMostDamage) / kDecades;
     std::vector<double> out(surface_.vertices());
-    for (std::size_t v = 0; v < out.size(); ++v) {
-        const double dry = 1.0 - water_[v];
-        out[v] = kBlanched * std::min(damage_[v], 1.0) + (1.0 - kBlanched) * dry * dry;
-    }
+    for (std::size_t v = 0; v < out.size(); ++v)
+        out[v] = std::clamp(std::log10(damage_[v]) / kDecades, -1.0, kMost) + (1.0 - water_[v]);
     return surface_.byNode(out);
 }
 

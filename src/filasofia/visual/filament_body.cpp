@@ -83,8 +83,10 @@ void FilamentBody::buildBuffers(const BodyGeometry& geometry)
                     .normalized(Attribute::TANGENTS)
                     .attribute(Attribute::CUSTOM0, kRest, Type::FLOAT3, 0, sizeof(RestVertex))
                     .attribute(Attribute::UV0, kRest, Type::FLOAT2, sizeof(Float3), sizeof(RestVertex))
-                    .attribute(Attribute::COLOR, kStates, Type::UBYTE4)
+                    .attribute(Attribute::COLOR, kStates, Type::UBYTE4, 0, sizeof(PackedState))
                     .normalized(Attribute::COLOR)
+                    .attribute(Attribute::CUSTOM1, kStates, Type::UBYTE4, 4, sizeof(PackedState))
+                    .normalized(Attribute::CUSTOM1)
                     .build(engine_);
     std::vector<RestVertex> rest(count);
     for (std::size_t i = 0; i < count; ++i) {

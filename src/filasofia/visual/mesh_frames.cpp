@@ -15,10 +15,19 @@ void vertexNormals(std::span<const Float3> positions, std::span<const std::uint3
 {
     normals.assign(positions.size(), {});
     for (std::size_t i = 0; i + 2 < indices.size(); i += 3) {
-        const std::uint32_t a = indices[i], b = indices[i + 1], c = indices[i + 2];
-        // The length of the cross product is twice the area, so large triangles count more.
-        const Float3 normal = cross(positions[b] - positions[a], positions[c] - positions[a]);
-        for (std::uint32_t corner : {a, b, c}) normals[corner] = normals[corner] + normal;
+        const std::array<std::uint32_t, 3> corners{indices[i], indices[i + 1], indices[i + 2]};
+        const auto [a, b, c] = corners;
+        const std::array<Float3, 3> edges{positions[c] - positions[b], positions[a] - positions[c],
+                                          positions[b] - positions[a]};
+        const Float3 normal = cross(edges[2], positions[c] - positions[a]);
+        const float area = std::sqrt(dot(normal, normal)); // twice
+        std::array<float, 3> share{};                      // 1 / length^2 of the edge opposite each corner
+        for (std::size_t k = 0; k < 3; ++k) share[k] = 1.0F / std::max(dot(edges[k], edges[k]), 1e-30F);
+        // The unit normal by the squared sine of the corner's angle. By the area, the edge of a coarse block would tilt
+        // to and fro with the diagonals that its vertices happen to have, and be lit in scallops. The two squares of a
+        // divided right angle add up to that of the whole. Slivers count little.
+        for (std::size_t k = 0; k < 3; ++k)
+            normals[corners[k]] = normals[corners[k]] + scaled(normal, area * share[(k + 1) % 3] * share[(k + 2) % 3]);
     }
 }
 

@@ -32,8 +32,9 @@ struct BodyGeometry {
     VertexData vertices;
 };
 
-/// Blood, burn, wetness, in 255ths; the fourth is reserved.
-using PackedState = std::array<std::uint8_t, 4>;
+/// In 255ths: blood, burn, wetness and seam, which are the vertex colour; then the heat, of which 0 means -1, and 255
+/// means 3; the rest is empty.
+using PackedState = std::array<std::uint8_t, 8>;
 
 /// What stays with a body from its beginning to its end.
 struct BodyTraits {

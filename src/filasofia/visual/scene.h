@@ -41,9 +41,13 @@ struct VisualBody::Impl {
     std::vector<Float3> control = {};     ///< kept from frame to frame: what setVertices() computes with
     std::vector<Float3> normals = {};
     std::vector<TangentSum> tangentSums = {};
+    std::vector<PackedState> states = {}; ///< after subdivision; empty: none was set since the last new triangles
 
     /// Takes the positions of the mesh's vertices and returns what is drawn of them.
     VertexData deform(std::span<const Vec3> positions);
+    /// Sends the states with some numbers of each vertex replaced: `count` of PackedState from the `first`, by those of
+    /// the mesh's vertices in [0, 1].
+    void putStates(std::span<const Float3> shares, std::size_t first, std::size_t count);
     /// Sends a material to the backend, and the frames that it needs.
     void look(const ReadyMaterial& material);
 };

@@ -35,6 +35,13 @@ void checkFits(const Scene& scene, const ReadyMaterial& ready, const geometry::T
         fail(materialName(body), ": ", ready.needsUv, " needs texture coordinates, but the mesh has no uv");
 }
 
+void checkCount(const VisualBody& body, std::size_t count, std::string_view what)
+{
+    if (count == std::size_t(body.vertexCount())) return;
+    fail(bodyName(body.name()), ": needs one ", what, " for each of its ", body.vertexCount(), " vertices, got ",
+         count);
+}
+
 } // namespace
 
 void checkPositions(std::span<const Vec3> positions, std::size_t count, std::string_view body)
@@ -133,6 +140,7 @@ void VisualBody::adopt(PreparedMesh prepared, std::span<const Vec3> now)
     if (ready.rest.uv.empty()) readyMaterial(impl_->scene, impl_->def.material, ready.rest, name());
     impl_->subdivision = std::move(ready.subdivision);
     impl_->uv = ready.geometry.uv;
+    impl_->states.clear();
     impl_->def.mesh = std::move(ready.rest);
     ready.geometry.vertices = impl_->deform(now);
     impl_->scene.backend->setGeometry(impl_->slot, std::move(ready.geometry));
@@ -166,9 +174,7 @@ void VisualBody::Impl::look(const ReadyMaterial& material)
 void VisualBody::setSurfaceState(std::span<const SurfaceState> states)
 {
     impl_->scene.assertThread();
-    if (states.size() != impl_->def.mesh.vertices.size())
-        fail(bodyName(name()), ": needs one surface state for each of its ", vertexCount(), " vertices, got ",
-             states.size());
+    checkCount(*this, states.size(), "surface state");
     std::vector<Float3> control(states.size());
     for (std::size_t i = 0; i < states.size(); ++i) {
         for (double value : {states[i].blood, states[i].burn, states[i].wetness})
@@ -176,13 +182,42 @@ void VisualBody::setSurfaceState(std::span<const SurfaceState> states)
                 fail(bodyName(name()), ": the surface state of vertex ", i, " must be in [0, 1], got ", value);
         control[i] = toFloat3({states[i].blood, states[i].burn, states[i].wetness});
     }
+    impl_->putStates(control, 0, 3);
+}
+
+void VisualBody::setSeam(std::span<const std::uint8_t> onSeam)
+{
+    impl_->scene.assertThread();
+    checkCount(*this, onSeam.size(), "seam flag");
+    std::vector<Float3> control(onSeam.size());
+    for (std::size_t i = 0; i < onSeam.size(); ++i) control[i].x = onSeam[i] != 0 ? 1.0F : 0.0F;
+    impl_->putStates(control, 3, 1);
+}
+
+void VisualBody::setHeat(std::span<const float> levels)
+{
+    impl_->scene.assertThread();
+    checkCount(*this, levels.size(), "level of heat");
+    std::vector<Float3> control(levels.size());
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+        if (!(levels[i] >= -1.0F && levels[i] <= 3.0F))
+            fail(bodyName(name()), ": the heat of vertex ", i, " must be in [-1, 3], got ", levels[i]);
+        control[i].x = 0.25F * (levels[i] + 1.0F);
+    }
+    impl_->putStates(control, 4, 1);
+}
+
+void VisualBody::Impl::putStates(std::span<const Float3> shares, std::size_t first, std::size_t count)
+{
     // The refined values are means of the given ones, up to rounding.
     const auto pack = [](float v) { return static_cast<std::uint8_t>(std::lrint(255.0F * std::clamp(v, 0.0F, 1.0F))); };
-    const std::vector<Float3> refined = impl_->subdivision.refine(control);
-    std::vector<PackedState> packed(refined.size());
-    for (std::size_t i = 0; i < refined.size(); ++i)
-        packed[i] = {pack(refined[i].x), pack(refined[i].y), pack(refined[i].z), 0};
-    impl_->scene.backend->setSurfaceState(impl_->slot, std::move(packed));
+    const std::vector<Float3> refined = subdivision.refine(shares);
+    states.resize(refined.size());
+    for (std::size_t i = 0; i < refined.size(); ++i) {
+        const std::array values{refined[i].x, refined[i].y, refined[i].z};
+        for (std::size_t k = 0; k < count; ++k) states[i][first + k] = pack(values[k]);
+    }
+    scene.backend->setSurfaceState(slot, states);
 }
 
 void VisualBody::setMaterial(const Material& material)
