@@ -239,7 +239,7 @@ void Simulation::Impl::treat(BodyId id, const surface::Treatment& treatment)
         treatment);
 }
 
-geometry::Box Simulation::Impl::framed(visual::VisualServer& visual)
+geometry::Box Simulation::Impl::boundsNow(visual::VisualServer& visual)
 {
     const frame::FrameRef frame = physics.latest();
     if (!frame) return bindings.bounds();
@@ -248,13 +248,15 @@ geometry::Box Simulation::Impl::framed(visual::VisualServer& visual)
     return geometry::isEmpty(shown) ? bindings.bounds() : shown;
 }
 
-void Simulation::Impl::dressScene(visual::VisualServer& visual)
+void Simulation::Impl::dressScene(visual::VisualServer& visual, Framed framed)
 {
     smoke.showAgain();
     for (const visual::GuiDef& gui : picture.guis) visual.add(gui);
     for (const auto& dress : picture.dresses) dress(visual);
     if (!picture.dresses.empty()) return;
-    const geometry::Box bounds = def.look.around ? *def.look.around : framed(visual);
+    const geometry::Box bounds = def.look.around         ? *def.look.around
+                                 : framed == Framed::Now ? boundsNow(visual)
+                                                         : bindings.bounds();
     if (geometry::isEmpty(bounds)) return; // nothing is shown yet, so the picture stays dark
     const visual::EndoscopeLook look =
         visual::addEndoscopeLook(visual, {bounds.low, bounds.high}, def.look.quality, def.look.direction);

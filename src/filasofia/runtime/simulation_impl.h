@@ -104,10 +104,12 @@ struct Simulation::Impl {
     void treat(BodyId id, const surface::Treatment& treatment);
     /// Removes all paint, blood, heat, burns and smoke, and releases all pedals.
     void cleanSurfaces();
-    /// What the look frames: all that is shown, where it is now; before the first step, where it starts.
-    geometry::Box framed(visual::VisualServer& visual);
-    /// Makes the look of the Def, or calls the user's dress functions.
-    void dressScene(visual::VisualServer& visual);
+    /// The box around all that is shown, where it is now; before the first step, where it starts.
+    geometry::Box boundsNow(visual::VisualServer& visual);
+    /// Makes the look of the Def, or calls the user's dress functions. The look frames, and lights, what is shown where
+    /// it starts, or where it is now.
+    enum class Framed { AtStart, Now };
+    void dressScene(visual::VisualServer& visual, Framed framed = Framed::AtStart);
     /// Moves the drawn bodies to the newest frame.
     void mapNewestFrame(visual::VisualServer& visual);
     /// The same, after waiting for the new triangles of everything cut until then.
