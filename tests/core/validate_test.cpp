@@ -56,7 +56,9 @@ TEST_CASE("an error names object, field, bound and value, wherever the field lie
     CHECK_THROWS_WITH(validate(thing, "thing 'a'"), "thing 'a': parts[1].size must be > 0 m, got 0");
     thing = {};
     thing.mass = std::numeric_limits<double>::infinity();
-    CHECK_THROWS_WITH(validate(thing, "thing 'a'"), "thing 'a': mass must be > 0 kg, got inf");
+    CHECK_THROWS_WITH(validate(thing, "thing 'a'"), "thing 'a': mass must be > 0 kg and finite, got inf");
+    thing.mass = -std::numeric_limits<double>::infinity();
+    CHECK_THROWS_WITH(validate(thing, "thing 'a'"), "thing 'a': mass must be > 0 kg, got -inf");
     thing = {};
     thing.choice = Other{11};
     CHECK_THROWS_WITH(validate(thing, "thing 'a'"), "thing 'a': choice.count must be in [1, 10], got 11");

@@ -102,7 +102,7 @@ TEST_CASE("a number deep inside a soft body is named by its whole path")
     CHECK(refusal([](SoftBodyDef& d) { d.mass = Density{-2}; }) ==
           "soft body 'liver': mass.value must be > 0 kg/m^3, got -2");
     CHECK(refusal([](SoftBodyDef& d) { d.mass = TotalMass{kInf}; }) ==
-          "soft body 'liver': mass.value must be > 0 kg, got inf");
+          "soft body 'liver': mass.value must be > 0 kg and finite, got inf");
     CHECK(refusal([](SoftBodyDef& d) { d.pose.position.y = kNan; }) ==
           "soft body 'liver': pose.position.y must be finite, got nan");
     CHECK(refusal([](SoftBodyDef& d) { d.rayleigh.stiffness = -0.5; }) ==

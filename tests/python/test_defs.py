@@ -1,6 +1,7 @@
 """The Defs: one class for each, from the fields() lists."""
 import copy
 import inspect
+import pydoc
 import math
 import pickle
 
@@ -51,6 +52,8 @@ def test_keywords_positions_and_attributes():
     assert repr(fs.Ball(radius=2)) == "Ball(radius=2.0)"
     assert fs.Ball(radius=2).replace(radius=3) == fs.Ball(radius=3)
     assert list(inspect.signature(fs.Ball).parameters) == ["centre", "radius"]
+    assert inspect.signature(fs.FemMaterial).parameters["poisson_ratio"].default == fs.FemMaterial().poisson_ratio
+    assert "Ellipsis" not in pydoc.render_doc(fs.SoftBodyDef) and "friction=" in pydoc.render_doc(fs.SoftBodyDef)
     assert fs.CollisionDef(self=True).self is True  # a field of this name is no trap
     assert fs.HarmonicField(from_=fs.Labelled(label=1)).from_ == fs.Labelled(label=1)
 
@@ -100,7 +103,7 @@ def test_nested_defs_and_lists_may_be_changed_in_place():
         (lambda: fs.FemMaterial(young_modulus=-1), fs.Error, "FemMaterial: young_modulus must be > 0 Pa, got -1"),
         (lambda: fs.FemMaterial(poisson_ratio=0.5), fs.Error, "FemMaterial: poisson_ratio must be in [0, 0.5), got 0.5"),
         (lambda: fs.FemMaterial(young_modulus=math.nan), fs.Error, "young_modulus must be > 0 Pa, got nan"),
-        (lambda: fs.FemMaterial(young_modulus=math.inf), fs.Error, "young_modulus must be > 0 Pa, got inf"),
+        (lambda: fs.FemMaterial(young_modulus=math.inf), fs.Error, "young_modulus must be > 0 Pa and finite, got inf"),
         (lambda: fs.Ball(centre=(0, math.inf, 0)), fs.Error, "Ball: centre[1] must be finite, got inf"),
         (lambda: fs.Ball(centre=(0, 0)), fs.Error, "Ball: centre must be 3 numbers, got (0, 0)"),
         (lambda: fs.Ball(centre="abc"), TypeError, "Ball: centre must be 3 numbers, got 'abc'"),

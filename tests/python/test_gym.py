@@ -1,5 +1,6 @@
 """filasofia.gym: environments."""
 
+import importlib
 import os
 import pathlib
 
@@ -123,6 +124,56 @@ def test_no_state_short_of_success_is_worth_waiting_in(name, policy):
     else:
         assert max(rewards) <= 0
     env.close()
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("difficulty", [0, 2])
+def test_what_is_knocked_about_costs_a_bounded_reward(name, difficulty):
+    """A ring that fell off the board fell for ever: its reward came to -220 in a step."""
+    env = getattr(gym, name)(difficulty=difficulty)
+    for seed in range(3 if name == "PegTransfer" else 1):
+        random = np.random.default_rng(seed)
+        env.reset(seed=seed)
+        for i in range(60 if name in STITCHES else 200):
+            if i % 12 == 0:
+                action = random.choice([-1.0, 1.0], env.action_space.shape)
+            seen, reward, terminated, _, info = env.step(action)
+            pushing = info["reward_terms"].get("force", 0.0) + info["reward_terms"].get("wall", 0.0)
+            assert -12 < reward - pushing <= 10.5, info
+            if terminated:
+                break
+        if name == "PegTransfer":
+            assert np.abs(seen).max() < 10 and min(env.ring(i)[1] for i in range(len(env.rings))) > -0.02
+    env.close()
+
+
+def test_a_lost_ring_is_out_of_reach_and_never_pays():
+    env = gym.PegTransfer()
+    env.reset(seed=0)
+    env.sim.set_pose(env.rings[0], (0.2, 0.1, 0))  # thrown off the board
+    rewards = []
+    for _ in range(60):
+        seen, reward, terminated, _, info = env.step(np.zeros(env.action_space.shape))
+        rewards.append(reward)
+        assert not terminated
+    assert info["measures"]["lost"] == 1 and -0.011 < env.ring(0)[1] < 0
+    assert rewards[-1] == pytest.approx(-7) == min(rewards)
+    assert np.abs(seen).max() < 4
+    env.reset(seed=0)
+    assert env.step(np.zeros(env.action_space.shape))[4]["measures"]["lost"] == 0
+    env.close()
+
+
+def test_make_vec_makes_a_vector_env():
+    envs = gymnasium.make_vec("filasofia/Reach-v0", num_envs=2, difficulty=1)
+    assert isinstance(envs.unwrapped, gym.VectorEnv) and envs.unwrapped.envs[0].difficulty == 1
+    seen, _ = envs.reset(seed=0)
+    one = gym.Reach(difficulty=1)
+    assert np.array_equal(seen[1], one.reset(seed=1)[0])
+    one.close()
+    envs.close()
+    with pytest.raises(AttributeError, match="has no attribute 'Walk'"):
+        importlib.import_module("filasofia.gym.vectors").Walk
 
 
 def test_a_reset_returns_the_tissue_that_was_cut():

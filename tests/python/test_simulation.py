@@ -1,6 +1,8 @@
 """Bodies, steps, commands, events and reports."""
+import logging
 import os
 import subprocess
+import threading
 
 import numpy as np
 import pytest
@@ -126,6 +128,156 @@ def test_run_makes_the_steps_of_a_time_and_reports():
     assert report.hash == sim.state_hash
     assert fs.hexadecimal(report.hash) in str(report)
     assert report.undone == 0 and report.wall_seconds > 0
+
+
+def test_calls_of_run_lose_no_time():
+    """Each was rounded to whole steps: 60 of a sixtieth of a second made 1.02 s."""
+    for seconds, calls in ((1 / 60, 60), (0.0014, 100), (0.0003, 50), (0.1, 3)):
+        sim = fs.Simulation(rate=1000)
+        for _ in range(calls):
+            report = sim.run(seconds)
+        assert sim.steps == report.steps == round(seconds * calls * 1000)
+    sim = fs.Simulation(rate=1000)
+    sim.run(0.0014)
+    state = sim.save_state()
+    for _ in range(2):  # what is owed is a part of the state
+        sim.restore(state)
+        sim.run(0.0014)
+        assert sim.steps == 3
+    assert fs.Simulation(rate=1000).run(0.0002).steps == 0
+    with pytest.raises(fs.Error, match="run: seconds must be in"):
+        sim.run(0)
+
+
+def test_a_minute_at_any_rate_is_one():
+    for rate in (30_000, 1000, 60):
+        sim = fs.Simulation(rate=rate)
+        sim.step(rate)
+        assert sim.dt == 1 / rate and sim.time == pytest.approx(1, abs=1e-10)  # 33,333 ns each made 10 us less
+
+
+def test_the_net_contact_force_carries_the_weight():
+    sim = fs.Simulation(rate=1000, threads=1)
+    floor = sim.add(
+        fs.RigidBodyDef(elements=[(0, -0.01, 0)], mesh=fs.shapes.box((0.3, 0.02, 0.3)), collision=[fs.CollisionDef()])
+    )
+    boxes = []
+    for x in (-0.05, 0.05):
+        box = fs.shapes.box((0.02, 0.02, 0.02))
+        boxes.append(
+            sim.add(
+                fs.RigidBodyDef(
+                    elements=[(x, 0.0102, 0)],
+                    mesh=box,
+                    dynamic=True,
+                    mass=fs.TotalMass(0.1 + x),
+                    collision=[fs.CollisionDef()],
+                )
+            )
+        )
+    sim.run(0.5)
+    frame = sim.frame
+    for box, mass in zip(boxes, (0.05, 0.15)):
+        force = frame.contact_force(box)
+        assert force.shape == (3,) and np.allclose(force, (0, 9.81 * mass, 0), atol=2e-3)
+        assert np.array_equal(frame.contact_force(floor, by=box), -force)
+        # the same by hand, as the guide says
+        total = np.zeros(3)
+        for each in frame.contacts:
+            on_first = each["normal_force"] * each["normal"] + each["friction"]
+            total += on_first * ((each["first"] == box) - 1.0 * (each["second"] == box))
+        assert np.allclose(total, force, atol=1e-12)
+    assert not frame.contact_force(boxes[0], by=boxes[1]).any()
+    assert np.allclose(frame.contact_force(floor), (0, -9.81 * 0.2, 0), atol=4e-3)
+    with pytest.raises(fs.Error, match="contact_force: by must be a body of the frame of step 500, got 9"):
+        frame.contact_force(floor, by=fs.BodyId(9))
+
+
+def test_nodal_forces_may_be_arrays():
+    hashes = []
+    forces = np.random.default_rng(0).normal(0, 1e-3, (5, 3))
+    nodes = [3, 50, 7, 80, 100]
+    for how in ("list", "arrays", "lists", "first"):
+        sim, tissue, _ = poke()
+        if how == "list":
+            sim.set_forces(tissue, [fs.NodalForce(node=i, force=f) for i, f in zip(nodes, forces)])
+        elif how == "arrays":
+            sim.set_forces(tissue, forces, np.array(nodes))
+        elif how == "lists":
+            sim.set_forces(tissue, forces.tolist(), nodes=nodes)
+        else:
+            all_ = np.zeros((101, 3))
+            all_[nodes] = forces
+            sim.set_forces(tissue, all_)
+        sim.step(20)
+        hashes.append(sim.state_hash)
+        positions = sim.frame[tissue].positions
+        sim.set_forces(tissue, np.zeros((0, 3)))
+        sim.step()
+        assert not np.array_equal(sim.frame[tissue].positions, positions)
+    assert hashes[0] == hashes[1] == hashes[2]
+    with pytest.raises(fs.Error, match="set_forces: nodes must be as many as the rows of forces, 5, got 4"):
+        sim.set_forces(tissue, forces, nodes[:4])
+    with pytest.raises(fs.Error, match="set_forces: forces"):
+        sim.set_forces(tissue, forces[:, :2])
+
+
+def test_lines_of_the_log_go_where_they_are_sent(capfd, caplog):
+    def lonely():
+        sim = fs.Simulation()
+        sim.add(fs.RigidBodyDef(name="floor", mesh=fs.shapes.box((1, 0.1, 1))))
+        sim.add(
+            fs.RigidBodyDef(name="box", mesh=fs.shapes.box((0.1,) * 3), dynamic=True, collision=[fs.CollisionDef()])
+        )
+        sim.step()
+
+    words = "rigid body 'box': no other body has collision group 0: it collides with nothing"
+    lines = []
+    try:
+        fs.log_to(lambda level, line: lines.append((level, line)))
+        lonely()
+        assert lines == [(logging.WARNING, words)]
+        fs.log_to(logging.getLogger("filasofia"))
+        thread = threading.Thread(target=lonely)
+        thread.start()
+        thread.join()
+        assert caplog.record_tuples == [("filasofia", logging.WARNING, words)]
+        assert capfd.readouterr().err == ""
+    finally:
+        fs.log_to(None)
+    lonely()
+    assert words in capfd.readouterr().err and len(lines) == 1
+    with pytest.raises(TypeError, match="log_to: the receiver must be a logging.Logger, a function or None, got 5"):
+        fs.log_to(5)
+
+
+def test_tools_that_do_not_collide_are_not_told_so(capfd):
+    """A vessel that a clip is for, and a knife for a body without collision models, were said to collide with nothing."""
+    for gravity in ((0, -9.81, 0), (0, 0, 0)):
+        sim = fs.Simulation(gravity=gravity)
+        sim.add(block(collision=[], dynamic_topology=True))
+        sheet = fs.TriangleMesh(vertices=[[0, 0, 0], [0, 0, 0.1], [0, 0.05, 0]], triangles=[[0, 1, 2]])
+        cutting = [fs.CollisionDef(mesh=sheet, cutting=True)]
+        sim.add(fs.RigidBodyDef(name="knife", elements=[(0, 0.1, 0)], mesh=sheet, collision=cutting))
+        sim.step()
+    sim = fs.Simulation()
+    sim.add(block(collision=[]))
+    sim.add(ball())
+    sim.step()
+    assert capfd.readouterr().err == ""
+
+
+def test_reports_print_their_fields():
+    sim, _, _ = poke()
+    report = sim.step()
+    assert repr(report.solves[0]).startswith("BodySolve(body=BodyId(1), together=")
+    assert repr(report.contacts).startswith("ContactReport(found=")
+    assert repr(sim.frame) == "Frame(step=1, time=0.001)"
+    assert repr(sim.save_state()).startswith("SavedState(time=0.001, steps=1")
+    assert repr(fs.tissue("liver")).startswith("Tissue(name='liver'")
+    live = ("ClipApplier", "KnotHands", "Simulation")
+    kinds = [each for each in vars(fs._core).values() if isinstance(each, type) and each.__name__ not in live]
+    assert all(each.__repr__ is not object.__repr__ for each in kinds)
 
 
 def test_contacts_come_as_events_and_in_the_report():

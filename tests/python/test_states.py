@@ -89,6 +89,41 @@ def test_a_state_continues_in_many_simulations_at_once():
     assert found == [expected] * 4
 
 
+def test_one_settled_state_serves_many_materials():
+    """A state has material, friction and gravity, too: those of the simulation come back by commands."""
+
+    def settled(material, gravity=(0, -9.81, 0)):
+        sim = fs.Simulation(threads=1, gravity=gravity)
+        held = [fs.AttachmentDef(box=fs.Box((-1, -1, -1), (-0.0199, 1, 1)))]
+        shape = fs.shapes.block((0.04, 0.02, 0.04), (4, 2, 4))
+        body = sim.add(fs.SoftBodyDef(name="bar", mesh=shape, material=material, attachments=held))
+        sim.step()
+        return sim, body
+
+    soft, stiff = fs.FemMaterial(young_modulus=1e4), fs.FemMaterial(young_modulus=4e4)
+    one, body = settled(soft)
+    one.run(1)
+    state = one.save_state()
+
+    def tip(sim):
+        sim.run(2)
+        return sim.frame[body].positions[:, 1].min()
+
+    as_saved, hangs = tip(one), {}
+    for name, material, gravity in (("stiff", stiff, (0, -9.81, 0)), ("light", soft, (0, -2, 0))):
+        own, _ = settled(material, gravity)
+        other, _ = settled(material, gravity)
+        other.restore(state)
+        plain = tip(other)
+        assert plain == as_saved  # of the state, whatever `other` was made with
+        other.restore(state)
+        other.set_material(body, material)
+        other.set_gravity(gravity)
+        hangs[name] = tip(other), tip(own)
+        assert hangs[name][0] == pytest.approx(hangs[name][1], abs=2e-6)
+        assert hangs[name][0] > as_saved + 1e-4
+
+
 def test_a_picture_follows_a_state():
     sim, _, knife = cutting()
     press(sim, knife, 20)

@@ -4,7 +4,9 @@
 #include "filasofia/runtime/replay.h"
 #include "filasofia/runtime/stepped_run.h"
 #include "filasofia/window/null_window.h"
+#include "skip.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <thread>
@@ -58,6 +60,38 @@ TEST_CASE("a run that is stepped from outside ends in the hash of a headless run
     CHECK(stepped.begins == 1);
     REQUIRE(report.contacts.size() == 1);
     CHECK(report.contacts[0].maxNormalForce == expected.contacts.at(0).maxNormalForce);
+}
+
+TEST_CASE("steps that no clock counts have the exact length of the rate, whole nanoseconds or not")
+{
+    // Rounded to 33,333 ns, a minute at 30 kHz lasted 0.6 ms less.
+    for (const double rate : {30e3, 60.0, 1000.0}) {
+        const SimulationDef def{.physics = {.rate = rate}};
+        Simulation whole(def), stepped(def);
+        for (Simulation* each : {&whole, &stepped})
+            each->add(RigidBodyDef{.mesh = shapes::sphere(10_mm), .dynamic = true});
+        const RunReport expected = whole.run({.headless = true, .steps = 3000});
+        SteppedRun run(stepped);
+        for (int i = 0; i < 3000; ++i) run.step();
+        CHECK(run.report().hash == expected.hash);
+        CHECK(expected.time * rate == Approx(3000.0).epsilon(1e-10));
+        CHECK(run.report().time == expected.time);
+    }
+}
+
+TEST_CASE("without a pose the first picture frames what is shown where it is then")
+{
+    if (skipIf(!visual::hasBackend(Backend::Headless), "this build draws nothing")) return;
+    // The picture framed where the ball had started: after half a second in free fall it showed nothing.
+    Simulation sim;
+    sim.show(sim.add(RigidBodyDef{.mesh = shapes::sphere(10_mm), .dynamic = true, .linearDamping = 0.0}));
+    SteppedRun run(sim);
+    for (int i = 0; i < 500; ++i) run.step();
+    const visual::DepthImage depth = run.depth({.width = 96, .height = 72});
+    const auto shows = [&](int x, int y) { return depth.label[static_cast<std::size_t>(y * 96 + x)] > 0; };
+    CHECK(std::ranges::count_if(depth.label, [](auto label) { return label > 0; }) > 96 * 72 / 10);
+    CHECK(shows(48, 36));
+    for (int x = 0; x < 96; ++x) CHECK(!(shows(x, 0) || shows(x, 71)));
 }
 
 TEST_CASE("a stepped run may be stepped by one thread after another")

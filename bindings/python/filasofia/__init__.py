@@ -63,6 +63,7 @@ from ._core import (
     tissues,
 )
 from ._defs import *  # noqa: F403  the Defs, a class for each
+from ._log import log_to
 from ._simulation import DepthImage, Simulation, load, replay
 from . import viewer  # noqa: E402  after Simulation, which it uses
 
@@ -127,6 +128,7 @@ __all__ = [
     "hexadecimal",
     "load_tet_mesh",
     "load_triangle_mesh",
+    "log_to",
     "look_at",
     "measures",
     "save_scene",
@@ -157,4 +159,5 @@ if not _typing.TYPE_CHECKING:  # a type checker would take every wrong name for 
 
 
 # Before the interpreter ends: a thread of a simulation must not find it gone.
+_atexit.register(_core._log_to, None)  # the last, as the others may log
 _atexit.register(_core.close_all)

@@ -117,9 +117,18 @@ def _doc(fields):
     return "\n".join(lines) if lines else "It has no fields."
 
 
+class _Signature:
+    """The signature of a Def with its defaults, for help() and inspect: made when it is asked for."""
+
+    def __get__(self, _, owner):
+        kind = _inspect.Parameter.POSITIONAL_OR_KEYWORD
+        pairs = zip(owner._names, _core.defaults(owner._number))
+        return _inspect.Signature([_inspect.Parameter(name, kind, default=value) for name, value in pairs])
+
+
 def _made(number, name, fields):
     names = tuple(field[0] for field in fields)
-    made = type(
+    return type(
         name,
         (Def,),
         {
@@ -131,11 +140,9 @@ def _made(number, name, fields):
             "_number": number,
             "_names": names,
             "_index": {each: i for i, each in enumerate(names)},
+            "__signature__": _Signature(),
         },
     )
-    kind = _inspect.Parameter.POSITIONAL_OR_KEYWORD
-    made.__signature__ = _inspect.Signature([_inspect.Parameter(each, kind, default=...) for each in names])
-    return made
 
 
 _classes = {name: _made(number, name, fields) for number, (name, fields) in enumerate(_core.schema())}

@@ -91,7 +91,7 @@ class Simulation(_core.Simulation):
     ) -> Film:
         """Runs for `seconds` and returns pictures of it, `fps` for each simulated second. Notebooks show it moving.
 
-        The steps are those of run(). More pictures than steps there are not: fps is at most 1 / dt.
+        As many steps as round(seconds / dt). More pictures than steps there are not: fps is at most 1 / dt.
         """
         from ._pictures import Film
 

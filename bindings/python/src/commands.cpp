@@ -1,9 +1,12 @@
 #include "simulation.h"
 
+#include "arrays.h"
 #include "defs.h"
 
 #include "filasofia/core/error.h"
 #include "filasofia/physics/give.h"
+
+#include <numeric>
 
 namespace filasofia::python {
 namespace {
@@ -46,6 +49,22 @@ template <class... T> nb::object applyAs(HeldSimulation& held, nb::handle comman
     std::string all;
     ((all += text(all.empty() ? "" : ", ", typeName<T>())), ...);
     throw nb::type_error(text("apply: the command must be one of ", all, ", got ", shown(command)).c_str());
+}
+
+/// Nodal forces as Python gives them: a list of NodalForce, or rows of an array with the indices of their nodes.
+std::vector<NodalForce> readForces(nb::handle forces, nb::handle nodes)
+{
+    if (nodes.is_none() && !nb::hasattr(forces, "__array__"))
+        return readArgument<std::vector<NodalForce>>(forces, "set_forces", "forces");
+    const auto rows = readRows<Vec3, double, 3>(forces, "set_forces: forces");
+    std::vector<int> at(rows.size());
+    std::iota(at.begin(), at.end(), 0);
+    if (!nodes.is_none()) at = readRows<int, int, 1>(nodes, "set_forces: nodes");
+    if (at.size() != rows.size())
+        fail("set_forces: nodes must be as many as the rows of forces, ", rows.size(), ", got ", at.size());
+    std::vector<NodalForce> out(rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) out[i] = {at[i], rows[i]};
+    return out;
 }
 
 PhysicsServer& server(HeldSimulation& held, const char* what) { return usable(held, what).physics(); }
@@ -170,15 +189,15 @@ void addLoads(nb::class_<HeldSimulation>& sim)
 {
     sim.def(
         "set_forces",
-        [](HeldSimulation& self, nb::handle id, nb::handle forces) {
-            server(self, "set_forces")
-                .setForces(body(id, "set_forces"),
-                           readArgument<std::vector<NodalForce>>(forces, "set_forces", "forces"));
+        [](HeldSimulation& self, nb::handle id, nb::handle forces, nb::handle nodes) {
+            server(self, "set_forces").setForces(body(id, "set_forces"), readForces(forces, nodes));
         },
-        nb::arg("body").none(), nb::arg("forces").none(),
-        nb::sig("def set_forces(self, body: filasofia.BodyId, forces: collections.abc.Sequence[filasofia.NodalForce]) "
-                "-> None"),
-        "Replaces all nodal forces of a soft body.");
+        nb::arg("body").none(), nb::arg("forces").none(), nb::arg("nodes") = nb::none(),
+        nb::sig("def set_forces(self, body: filasofia.BodyId, forces: collections.abc.Sequence[filasofia.NodalForce] | "
+                "numpy.typing.NDArray[typing.Any], nodes: collections.abc.Sequence[int] | "
+                "numpy.typing.NDArray[typing.Any] | None = None) -> None"),
+        "Replaces all nodal forces of a soft body: a list of NodalForce, or an array (n, 3) [N] of the forces on "
+        "`nodes`, n indices; without them on the first n nodes.");
     sim.def(
         "set_pressure",
         [](HeldSimulation& self, nb::handle id, nb::handle pressure) {

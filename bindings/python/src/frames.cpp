@@ -117,6 +117,29 @@ nb::object bodyOf(nb::handle self, nb::handle id)
     fail("frame of step ", held.step, ": there is no body ", body.value);
 }
 
+/// The body that an argument names; Error if the frame does not have it.
+BodyId knownBody(const Frame& held, nb::handle id, const char* name)
+{
+    const auto body = readArgument<BodyId>(id, "contact_force", name);
+    if (!held.softBody(body) && !held.rigidBody(body))
+        fail("contact_force: ", name, " must be a body of the frame of step ", held.step, ", got ", body.value);
+    return body;
+}
+
+nb::object contactForce(const HeldFrame& self, nb::handle of, nb::handle by)
+{
+    const Frame& held = self.get();
+    const BodyId body = knownBody(held, of, "body");
+    if (by.is_none()) return vectorOf(frame::forceOn(body, held.contacts));
+    const BodyId other = knownBody(held, by, "by");
+    Vec3 sum;
+    for (const Contact& each : held.contacts)
+        if (body != other &&
+            ((each.first == body && each.second == other) || (each.first == other && each.second == body)))
+            sum += frame::forceOn(body, each);
+    return vectorOf(sum);
+}
+
 template <class Body> nb::list partsOf(nb::handle self, const std::vector<Body>& bodies)
 {
     nb::list out;
@@ -202,6 +225,9 @@ void bindFrame(nb::module_& module)
 {
     nb::class_<HeldFrame> whole(module, "Frame", nb::is_weak_referenceable(),
                                 "The whole state after a step. It never changes, and its arrays are read-only views.");
+    whole.def("__repr__", [](const HeldFrame& self) {
+        return text("Frame(step=", self.get().step, ", time=", self.get().time, ")");
+    });
     whole.def_prop_ro(
         "step", [](const HeldFrame& self) { return self.get().step; }, "Number of steps completed.");
     whole.def_prop_ro(
@@ -220,7 +246,14 @@ void bindFrame(nb::module_& module)
         "contacts",
         [](nb::handle self) { return recordsOf(nb::cast<const HeldFrame&>(self).get().contacts, contactType(), self); },
         nb::for_getter(nb::sig("def contacts(self) -> numpy.typing.NDArray[numpy.void]")),
-        "One row per contact: first, second, point, normal, gap, normal_force, friction (on the first body).");
+        "One row per contact: first, second, point, normal (from the second body towards the first), gap, "
+        "normal_force, friction (on the first body). The force on the first body is normal_force * normal + friction; "
+        "the second gets the opposite. contact_force() sums it.");
+    whole.def("contact_force", &contactForce, nb::arg("body").none(), nb::arg("by") = nb::none(),
+              nb::sig("def contact_force(self, body: filasofia.BodyId, by: filasofia.BodyId | None = None) -> "
+                      "numpy.typing.NDArray[numpy.float64]"),
+              "(3,) [N], what contacts do to a body in the step, normal forces and friction: those with all other "
+              "bodies, or only with `by`. Attachments, clips and needles are not among them.");
     whole.def_prop_ro(
         "attachments",
         [](nb::handle self) {

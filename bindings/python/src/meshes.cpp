@@ -293,7 +293,8 @@ void bindFlatAndSolidShapes(nb::module_& module)
         nb::sig("def vessel(points: collections.abc.Sequence[collections.abc.Sequence[float]], radius: float, "
                 "wall: float, cells: collections.abc.Sequence[int] = (12, 2)) -> TetMesh"),
         "A hollow vessel of tetrahedra along a line through `points` [m]: inside its `radius`, around that its `wall` "
-        "[m]; `cells` around it and through its wall.");
+        "[m]; `cells` around it and through its wall. Along it there is one cell per edge of the line: of two points "
+        "far apart these are slivers, so give points about as far apart as the cells around it are long.");
 }
 
 void bindFiles(nb::module_& module)

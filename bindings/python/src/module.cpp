@@ -46,6 +46,7 @@ NB_MODULE(_core, module)
     bindReports(module);
     bindEvents(module);
     bindLibrary(module);
+    bindLogs(module);
     bindFrames(module);
     bindSimulation(module);
     addClipApplier(module);

@@ -12,6 +12,9 @@ void bindEvents(nb::module_& module);
 /// Tissues, replay, small functions of geometry.
 void bindLibrary(nb::module_& module);
 
+/// Where lines of the log go.
+void bindLogs(nb::module_& module);
+
 /// Which alternative of Arrived a class of Python stands for; throws an Error if none.
 std::size_t alternativeOf(nb::handle eventClass);
 nb::object eventObject(Arrived&& event);

@@ -73,8 +73,7 @@ std::shared_ptr<Session> Session::make(const runtime::SimulationDef& def)
 
 Session::Session(const runtime::SimulationDef& def) : simulation_(def)
 {
-    // As runtime rounds it: whole nanoseconds.
-    period_ = runtime::toSeconds(runtime::toNanoseconds(1.0 / def.physics.rate));
+    period_ = 1.0 / def.physics.rate;
     simulation_.everyStep([this](double time) {
         if (beforeStep) beforeStep(time);
     });

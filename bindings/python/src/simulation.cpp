@@ -118,9 +118,11 @@ runtime::RunReport report(HeldSimulation& self)
 runtime::RunReport runFor(HeldSimulation& self, double seconds)
 {
     if (!(seconds > 0.0) || seconds > 1e8) fail("run: seconds must be in (0, 1e8], got ", seconds);
-    const double steps = seconds / self.session->period();
     const Session::Turn turn(*self.session, "run"); // also for the report: nobody may step in between
-    makeSteps(self, static_cast<std::uint64_t>(std::max(1.0, std::round(steps))), "run");
+    const double wanted = seconds / self.session->period() + self.owed;
+    const double steps = std::max(0.0, std::round(wanted));
+    self.owed = wanted - steps;
+    if (steps > 0.0) makeSteps(self, static_cast<std::uint64_t>(steps), "run");
     return self.session->report();
 }
 
@@ -253,7 +255,10 @@ void addSteps(nb::class_<HeldSimulation>& sim)
         "`moves` gives kinematic bodies the poses [m] that their first elements reach with the last step: straight, at "
         "constant speed, from where they are in the newest frame. A position alone means no rotation.");
     sim.def("run", &runFor, nb::arg("seconds"),
-            "Makes the steps of this simulated time [s]; returns the report of the run.");
+            "Makes the steps of this simulated time [s]; returns the report of the run.\n\n"
+            "Steps are whole: what rounding leaves of one is made up for by the next call, so that 60 calls of run(1 / "
+            "60) make a second at any rate. A call of less than half a step may make none. step(n) says exactly how "
+            "many.");
     sim.def_prop_ro(
         "dt", [](HeldSimulation& self) { return self.session->period(); }, "[s] of one step");
     sim.def_prop_ro(

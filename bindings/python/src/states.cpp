@@ -11,13 +11,14 @@ struct HeldState {
     std::shared_ptr<const runtime::RunState> state;
     double time = 0.0;       ///< [s]
     std::uint64_t steps = 0; ///< [-]
+    double owed = 0.0;       ///< [-] by run()
 };
 
 HeldState save(HeldSimulation& self)
 {
     const Session::Turn turn(*self.session, "save_state");
     const nb::gil_scoped_release free;
-    return {self.session->save(), self.session->time(), self.session->steps()};
+    return {self.session->save(), self.session->time(), self.session->steps(), self.owed};
 }
 
 void restore(HeldSimulation& self, nb::handle given)
@@ -27,6 +28,7 @@ void restore(HeldSimulation& self, nb::handle given)
     const Session::Turn turn(*self.session, "restore");
     const nb::gil_scoped_release free;
     self.session->restore(*held.state);
+    self.owed = held.owed;
 }
 
 } // namespace
@@ -54,7 +56,10 @@ void addStates(nb::module_& module, nb::class_<HeldSimulation>& sim)
             "Returns at once to a state of this simulation, or of another one with the same bodies and rate. The same "
             "commands then give the same bits, and what is measured goes on from there. Error if bodies were added or "
             "removed, if the run is recorded, if it is measured into a .csv file, or if the state does not know an "
-            "instrument or a task.");
+            "instrument or a task.\n\n"
+            "The state has all that bodies are, too: materials, masses, friction, damping, gravity. A simulation that "
+            "was made with others has those of the state from then on. To vary them from one settled state, restore "
+            "it and then give commands: set_material, set_tissue, set_gravity, set_forces, ...");
 }
 
 } // namespace filasofia::python

@@ -27,6 +27,7 @@ struct HeldSimulation {
     std::vector<Observer> observers = {};
     std::atomic<bool> scripted = false; ///< whether one of them is for every step; read without the interpreter's lock
     std::uint64_t lastObserver = 0;
+    double owed = 0.0;  ///< [-] the part of a step, in [-0.5, 0.5], that the calls of run() until now lack
     bool shown = false; ///< the user chose what is drawn
     /// Else all bodies are. The interpreter's lock guards it, like all members.
     std::map<BodyId, runtime::ShownId> shownByUs = {};

@@ -19,7 +19,9 @@ std::string Range::text(std::string_view unit) const
 void detail::failRange(std::string_view object, std::string_view path, const Range& range, std::string_view unit,
                        double value)
 {
-    fail(object, ": ", path, " ", range.text(unit), ", got ", value);
+    // "must be > 0, got inf" would be no reason.
+    const bool endless = std::isinf(value) && value > 0.0 && std::isfinite(range.low) && !std::isfinite(range.high);
+    fail(object, ": ", path, " ", range.text(unit), endless ? " and finite" : "", ", got ", value);
 }
 
 } // namespace filasofia

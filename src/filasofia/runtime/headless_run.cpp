@@ -90,8 +90,10 @@ RunReport runHeadless(Simulation::Impl& impl, const RunDef& def)
     Pictures pictures(impl, def);
     RunFiles files(impl, def);
 
-    const PhysicsLoopDef loop{
-        .period = impl.period(), .freeRunning = true, .maxSteps = static_cast<std::uint64_t>(def.steps)};
+    const PhysicsLoopDef loop{.period = impl.period(),
+                              .freeRunning = true,
+                              .step = impl.step(),
+                              .maxSteps = static_cast<std::uint64_t>(def.steps)};
     RunReport report;
     const auto afterStep = [&](const physics::StepReport& step) {
         const std::uint32_t flags = impl.afterStep(step);

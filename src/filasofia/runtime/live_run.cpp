@@ -26,6 +26,7 @@ public:
         PhysicsLoopDef loop{.period = impl.period(),
                             .slack = toNanoseconds(impl.def.physics.slack),
                             .freeRunning = def.freeRunning,
+                            .step = impl.step(),
                             .maxSteps = static_cast<std::uint64_t>(def.steps)};
         if (!def.freeRunning)
             loop.deadline = impl.deadline(); // a free run measures what steps cost, so it has no deadline

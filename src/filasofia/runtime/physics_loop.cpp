@@ -43,8 +43,9 @@ RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, 
         const Nanoseconds now = clock.now();
         const Tick tick = def.freeRunning ? Tick{.dt = def.period} : scheduler.wake(now);
         if (def.deadline) budget.deadline = later(now, *def.deadline);
-        if (beforeStep) beforeStep(toSeconds(tick.dt));
-        const physics::StepReport report = server.step(toSeconds(tick.dt), flags | flagsOf(tick), budget);
+        const double dt = def.freeRunning && def.step > 0.0 ? def.step : toSeconds(tick.dt);
+        if (beforeStep) beforeStep(dt);
+        const physics::StepReport report = server.step(dt, flags | flagsOf(tick), budget);
         const Nanoseconds cost = clock.now() - now;
         flags = afterStep(report);
 

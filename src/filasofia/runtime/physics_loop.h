@@ -18,7 +18,8 @@ struct PhysicsLoopDef {
     Nanoseconds period = 1'000'000;
     Nanoseconds slack = 2'000'000;
     std::optional<Nanoseconds> deadline = {}; ///< [ns] after a step's start; not given: no deadline
-    bool freeRunning = false;   ///< runs steps of one period back to back without waiting, to measure their cost
+    bool freeRunning = false;                 ///< runs steps back to back without waiting, to measure their cost
+    double step = 0.0;          ///< [s] the step while freeRunning: exact, as no clock counts it; 0: the period
     std::uint64_t maxSteps = 0; ///< 0: until stopped
 };
 

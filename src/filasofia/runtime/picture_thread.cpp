@@ -31,7 +31,9 @@ struct PictureThread::Stage {
     Stage(const Stage&) = delete;
     Stage& operator=(const Stage&) = delete;
 
-    void open(std::unique_ptr<window::Window> window, const window::WindowDef& size, visual::Backend backend);
+    using Framed = Simulation::Impl::Framed;
+    void open(std::unique_ptr<window::Window> window, const window::WindowDef& size, visual::Backend backend,
+              Framed framed);
     void close();
     void aim(const PictureDef& def);
     /// What `capture` returns for the server; or, if a viewer shows the server's window, for a view aside from it.
@@ -44,9 +46,9 @@ struct PictureThread::Stage {
 };
 
 void PictureThread::Stage::open(std::unique_ptr<window::Window> window, const window::WindowDef& size,
-                                visual::Backend backend)
+                                visual::Backend backend, Framed framed)
 {
-    scene.emplace(impl, std::move(window), size, backend);
+    scene.emplace(impl, std::move(window), size, backend, framed);
     visual::VisualServer& visual = scene->visual();
     if (visual.views().empty()) {
         scene.reset(); // the next one looks again
@@ -104,7 +106,10 @@ struct PictureThread::Stage::Watching {
 
 template <class Capture> auto PictureThread::Stage::take(const PictureDef& def, Capture&& capture)
 {
-    if (!scene) open(nullptr, {.width = def.width, .height = def.height}, visual::Backend::Headless);
+    // Pictures from poses of the caller's own are lit alike, whenever the first one is made.
+    if (!scene)
+        open(nullptr, {.width = def.width, .height = def.height}, visual::Backend::Headless,
+             def.pose ? Framed::AtStart : Framed::Now);
     visual::VisualServer& visual = scene->visual();
     const Watching watching{*this, mover->pose(), camera->def()};
     if (!viewing) visual.resize(def.width, def.height);
@@ -119,7 +124,7 @@ void PictureThread::Stage::openViewer(const ViewerDef& def)
     if (viewing) fail("viewer: this simulation has one already");
     std::unique_ptr<window::Window> window = openWindow(impl, def.window, def.backend); // may fail; nothing has changed
     close();
-    open(std::move(window), def.window, def.backend);
+    open(std::move(window), def.window, def.backend, Framed::Now);
     viewing = true;
     period = std::chrono::nanoseconds(toNanoseconds(1.0 / def.rate));
     nextFrame = std::chrono::steady_clock::now();

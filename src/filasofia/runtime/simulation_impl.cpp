@@ -239,13 +239,24 @@ void Simulation::Impl::treat(BodyId id, const surface::Treatment& treatment)
         treatment);
 }
 
-void Simulation::Impl::dressScene(visual::VisualServer& visual)
+geometry::Box Simulation::Impl::boundsNow(visual::VisualServer& visual)
+{
+    const frame::FrameRef frame = physics.latest();
+    if (!frame) return bindings.bounds();
+    bindings.update(*frame, physics, visual);
+    const geometry::Box shown = bindings.boundsNow();
+    return geometry::isEmpty(shown) ? bindings.bounds() : shown;
+}
+
+void Simulation::Impl::dressScene(visual::VisualServer& visual, Framed framed)
 {
     smoke.showAgain();
     for (const visual::GuiDef& gui : picture.guis) visual.add(gui);
     for (const auto& dress : picture.dresses) dress(visual);
     if (!picture.dresses.empty()) return;
-    const geometry::Box bounds = def.look.around ? *def.look.around : bindings.bounds();
+    const geometry::Box bounds = def.look.around         ? *def.look.around
+                                 : framed == Framed::Now ? boundsNow(visual)
+                                                         : bindings.bounds();
     if (geometry::isEmpty(bounds)) return; // nothing is shown yet, so the picture stays dark
     const visual::EndoscopeLook look =
         visual::addEndoscopeLook(visual, {bounds.low, bounds.high}, def.look.quality, def.look.direction);

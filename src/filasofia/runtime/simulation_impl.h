@@ -71,7 +71,9 @@ struct Simulation::Impl {
 
     void beginRun();
     void endRun(); ///< after a run, however it ended, also if it could not begin
-    [[nodiscard]] Nanoseconds period() const { return toNanoseconds(1.0 / def.physics.rate); }
+    /// [s] the step that no clock counts: exactly 1 / rate, so that a minute at 30 kHz is one.
+    [[nodiscard]] double step() const { return 1.0 / def.physics.rate; }
+    [[nodiscard]] Nanoseconds period() const { return toNanoseconds(step()); } ///< that of live steps
     /// How long after a live step's start its solvers stop.
     [[nodiscard]] Nanoseconds deadline() const;
     /// Adds an event to the journal if one is kept.
@@ -102,8 +104,12 @@ struct Simulation::Impl {
     void treat(BodyId id, const surface::Treatment& treatment);
     /// Removes all paint, blood, heat, burns and smoke, and releases all pedals.
     void cleanSurfaces();
-    /// Makes the look of the Def, or calls the user's dress functions.
-    void dressScene(visual::VisualServer& visual);
+    /// The box around all that is shown, where it is now; before the first step, where it starts.
+    geometry::Box boundsNow(visual::VisualServer& visual);
+    /// Makes the look of the Def, or calls the user's dress functions. The look frames, and lights, what is shown where
+    /// it starts, or where it is now.
+    enum class Framed { AtStart, Now };
+    void dressScene(visual::VisualServer& visual, Framed framed = Framed::AtStart);
     /// Moves the drawn bodies to the newest frame.
     void mapNewestFrame(visual::VisualServer& visual);
     /// The same, after waiting for the new triangles of everything cut until then.

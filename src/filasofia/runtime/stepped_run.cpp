@@ -108,7 +108,7 @@ physics::StepReport SteppedRun::step()
     Simulation::Impl& simulation = impl_->simulation;
     const physics::PhysicsServer::Stepping stepping(simulation.physics);
     const Nanoseconds start = simulation.clock.now();
-    const double dt = toSeconds(simulation.period());
+    const double dt = simulation.step();
     simulation.beforeStep(dt);
     const physics::StepReport report = simulation.physics.step(dt, impl_->flags, {.now = simulation.clock.now});
     impl_->flags = simulation.afterStep(report);

@@ -17,7 +17,7 @@ std::unique_ptr<window::Window> openWindow(const Simulation::Impl& impl, const w
 }
 
 WindowScene::WindowScene(Simulation::Impl& impl, std::unique_ptr<window::Window> window, const window::WindowDef& def,
-                         visual::Backend backend)
+                         visual::Backend backend, Simulation::Impl::Framed framed)
     : drawn_(impl.bindings), window_(std::move(window)),
       size_(window_ ? window_->size() : window::WindowSize{def.width, def.height})
 {
@@ -29,7 +29,7 @@ WindowScene::WindowScene(Simulation::Impl& impl, std::unique_ptr<window::Window>
     if (window_) visual_->setGuiScale(window_->scale());
     impl.bindings.forgetRemoved(impl.physics);
     impl.bindings.addPending(*visual_);
-    impl.dressScene(*visual_);
+    impl.dressScene(*visual_, framed);
 }
 
 void WindowScene::input(const std::function<void(std::unique_ptr<event::Event>)>& take)

@@ -16,7 +16,7 @@ class WindowScene {
 public:
     /// Shows the bodies; without a window, in pictures of the size of `def`.
     WindowScene(Simulation::Impl& impl, std::unique_ptr<window::Window> window, const window::WindowDef& def,
-                visual::Backend backend);
+                visual::Backend backend, Simulation::Impl::Framed framed = Simulation::Impl::Framed::AtStart);
 
     /// Passes the person's input to `take`, and follows the size of the window.
     void input(const std::function<void(std::unique_ptr<event::Event>)>& take);

@@ -140,6 +140,33 @@ TEST_CASE("a body that collides among bodies that do not is told to collide with
     }
 }
 
+TEST_CASE("only what would be borne otherwise is told that it collides with nothing")
+{
+    // Blades that cut bodies without collision models, a vessel with a clip, and tools about pinned tissue were told
+    // so.
+    enum Case { Blade, Needle, Vessel, Tool, Floor, Air };
+    for (const Case which : {Blade, Needle, Vessel, Tool, Floor, Air}) {
+        std::string logged;
+        setLogSink([&](LogLevel, std::string_view line) { logged += line; });
+        Stage stage;
+        if (which != Vessel) stage.post(physics::SetGravity{{0, -9.81, 0}});
+        physics::SoftBodyDef soft = softBlock({2, 2, 2}, {0.04, 0.04, 0.04}, {-0.02, 0.003, -0.02});
+        if (which != Vessel) soft.collision = {};
+        if (which != Floor) soft.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 0.004, 1}}}};
+        physics::RigidBodyDef tool = rigidBox({0.2, 0.02, 0.2}, {{0, 0.2, 0}, {}}, which == Needle || which == Air);
+        if (which == Blade) tool.collision = {{.cutting = true}};
+        if (which == Needle) tool.needle = physics::NeedleDef{.line = {{0, 0, 0}, {0, 0.01, 0}}, .radius = 1e-3};
+        const physics::RigidBodyDef clip{.mesh = geometry::shapes::sphere(0.01), .dynamic = true};
+        const physics::RigidBodyDef table{.mesh = geometry::shapes::box({1.0, 0.1, 1.0})};
+        stage.add(which == Air ? physics::BodyDef(table) : physics::BodyDef(soft));
+        stage.add(which == Vessel ? clip : tool);
+        stage.step(1e-3);
+        setLogSink({});
+        CAPTURE(static_cast<int>(which), logged);
+        CHECK((logged.find("it collides with nothing") != std::string::npos) == (which == Floor || which == Air));
+    }
+}
+
 TEST_CASE("the collision models of one body do not collide with each other")
 {
     Stage stage = onFloor();

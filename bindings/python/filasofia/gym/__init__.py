@@ -75,4 +75,8 @@ __all__ = [
 ]
 
 for _each in TASKS:
-    _gymnasium.register(id=f"filasofia/{_each.__name__}-v0", entry_point=f"filasofia.gym:{_each.__name__}")
+    _gymnasium.register(
+        id=f"filasofia/{_each.__name__}-v0",
+        entry_point=f"filasofia.gym:{_each.__name__}",
+        vector_entry_point=f"filasofia.gym.vectors:{_each.__name__}",
+    )

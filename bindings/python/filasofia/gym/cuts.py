@@ -6,8 +6,8 @@ import numpy as np
 
 import filasofia as fs
 
-from .environment import Judgement, SurgicalEnv
-from .tasks import GREEN, YELLOW, distance
+from .environment import Judgement, SurgicalEnv, distance
+from .tasks import GREEN, YELLOW
 from .tool import Array, Tool
 
 

@@ -15,6 +15,17 @@ from .state import EnvState, restore, saved
 from .tool import Array, Tool
 
 
+DRAPE = fs.TissueMaterial(
+    base_color=(0.015, 0.13, 0.14), wetness=0, vessels=0, mottling=0.1, bump=0.2, subsurface_color=(0.01, 0.1, 0.1)
+)
+FAR = 0.3  #: [m]
+
+
+def distance(a: Array, b: Array) -> float:
+    """Between two places [m]; at most FAR, so that what has left the field costs a bounded reward."""
+    return min(float(np.linalg.norm(np.asarray(a) - np.asarray(b))), FAR)
+
+
 @dataclasses.dataclass
 class Judgement:
     """How a state is judged."""
@@ -162,6 +173,20 @@ class SurgicalEnv(gymnasium.Env):
         fields.setdefault("collision", [fs.CollisionDef()])
         body = self.sim.add(fs.SoftBodyDef(name=name, mesh=mesh, **fields))
         self._draw(body, material=look)
+        return body
+
+    def table(self, size: typing.Any = (0.6, 0.01, 0.6), top: float = 0.0) -> fs.BodyId:
+        """Adds a table, which catches what falls; `top` is its height [m]."""
+        body = self.sim.add(
+            fs.RigidBodyDef(
+                name="table",
+                elements=[(0, top - size[1] / 2, 0)],
+                mesh=fs.shapes.box(size),
+                collision=[fs.CollisionDef()],
+                friction=0.4,
+            )
+        )
+        self._draw(body, material=DRAPE)
         return body
 
     def tip(self, name: str, start: typing.Any, radius: float = 0.004) -> fs.BodyId:

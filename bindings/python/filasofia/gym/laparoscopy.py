@@ -9,8 +9,8 @@ import numpy as np
 import filasofia as fs
 
 from . import bodies
-from .environment import Judgement, SurgicalEnv
-from .tasks import GREEN, YELLOW, distance
+from .environment import FAR, Judgement, SurgicalEnv, distance
+from .tasks import GREEN, YELLOW
 from .tool import Array, Joint, Tool
 
 
@@ -29,12 +29,16 @@ class PegTransfer(SurgicalEnv):
     Success: each ring was given to the right hand at least 12 mm above the board, lies around its peg, and is let go.
     Reward: for each ring that is not there, -1 while it is not given, and -10 times its distance from its peg [m];
     -10 times the distance [m] of the hand that has to take the next ring from it; +10 for success.
+    A ring that falls off the board lies on the table below, out of reach, and is lost (measure `lost`): it counts as
+    not given and as 0.3 m away, and so do the hands once no other is left. The episode goes on to its last step: as
+    each step costs, it would pay to end it.
     """
 
     eye, looks_at = (0.0, 0.14, 0.13), (0.0, 0.005, 0.0)
     inner, wall, height, peg = 0.0055, 0.0033, 0.007, 0.0013  # [m]
 
     def build(self) -> list[Tool]:
+        self.table((2.0, 0.1, 2.0), top=-0.01)
         self._fixed("board", fs.shapes.box((0.15, 0.01, 0.1)), (0, -0.005, 0), (0.62, 0.60, 0.53))
         self.pegs = np.array([(side * x, 0.0, z) for side in (-1, 1) for x in (0.03, 0.055) for z in (-0.02, 0.02)])
         post = bodies.moved(fs.shapes.cylinder(self.peg, 0.018, 8), (0, 0.009, 0))
@@ -118,6 +122,10 @@ class PegTransfer(SurgicalEnv):
         away = self.ring(i) - self.wanted[i]
         return bool(np.hypot(away[0], away[2]) < self.inner and away[1] < 0.012)
 
+    def lost(self, i: int) -> bool:
+        """Whether a ring is off the board."""
+        return bool(self.ring(i)[1] < 0.0)
+
     def features(self) -> Array:
         rows = [
             np.concatenate([self.unit(self.ring(i)), self.unit(peg), [float(self.given[i])]])
@@ -134,16 +142,20 @@ class PegTransfer(SurgicalEnv):
             if self.given[i] and self.there(i) and not self.has(0, i) and not self.has(1, i):
                 done += 1
                 continue
-            next_ = i if next_ is None else next_
-            away += distance(self.ring(i), wanted)
+            lost = self.lost(i)
+            self.given[i] = self.given[i] and not lost
+            next_ = i if next_ is None and not lost else next_
+            away += FAR if lost else distance(self.ring(i), wanted)
             lacking += not self.given[i]
         success = done == len(self.rings)
-        hand = 0.0
+        hand = 0.0 if success else FAR
         if next_ is not None:
             taker = 1 if self.given[next_] or self.has(0, next_) else 0
             hand = distance(self.tools[taker].place, self.ring(next_))
         reward = {"given": -lacking, "ring": -10 * away, "hand": -10 * hand, "success": 10.0 * success}
-        return Judgement(reward, success, {"done": float(done), "given": float(sum(self.given)), "distance": away})
+        lost = sum(self.lost(i) for i in range(len(self.rings)))
+        measures = {"done": done, "given": sum(self.given), "distance": away, "lost": lost}
+        return Judgement(reward, success, {name: float(value) for name, value in measures.items()})
 
 
 class PatternCutting(SurgicalEnv):
@@ -164,6 +176,7 @@ class PatternCutting(SurgicalEnv):
     side, radius, cells, sectors, band = 0.1, 0.02, 24, 60, 0.005
 
     def build(self) -> list[Tool]:
+        self.table(top=-0.06)  # a disc that was cut out wrongly comes to lie there
         flat = fs.shapes.sheet(self.side, self.side, (self.cells, self.cells))
         places = np.asarray(flat.vertices)
         uv = np.stack([places[:, 0] / self.side + 0.5, 0.5 - places[:, 2] / self.side], axis=1)

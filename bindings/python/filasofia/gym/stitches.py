@@ -9,7 +9,7 @@ import numpy as np
 import filasofia as fs
 
 from . import bodies
-from .environment import Judgement
+from .environment import Judgement, distance
 from .threads import BLUE, GREEN, STEEL, ThreadEnv, plain
 from .tool import Array, Joint, Tool, aim, posed, times, turned
 
@@ -156,7 +156,7 @@ class LigatingLoop(ThreadEnv):
         self.put(self.marked, middle - (0, 0.0005, 0))
         around = self._around(noose)
         centre = noose.mean(axis=0) if len(noose) else self.tools[0].place
-        away = abs(float(centre[1] - middle[1])) if around else float(np.linalg.norm(centre - middle))
+        away = abs(float(centre[1] - middle[1])) if around else distance(centre, middle)
         tight = self.constriction()
         near = around and away < (0.004, 0.003, 0.002)[self.difficulty]
         success = near and tight > self.wanted()
@@ -350,7 +350,7 @@ class Suture(ThreadEnv):
         wanted = (0.0015, 0.0012, 0.001)[self.difficulty]
         tip = self.needle_at(0)
         gap = self.width()
-        lacks = 0.0 if all(pierced) else float(np.linalg.norm(tip - marks[pierced[0]]))
+        lacks = 0.0 if all(pierced) else distance(tip, marks[pierced[0]])
         success = all(pierced) and threaded and gap < wanted
         reward = {
             "edges": sum(pierced) - 2.0,

@@ -11,15 +11,10 @@ import numpy as np
 
 import filasofia as fs
 
-from .environment import Judgement, SurgicalEnv
+from .environment import Judgement, SurgicalEnv, distance
 from .tool import Array, Tool
 
 GREEN, BLUE, YELLOW = (0.1, 1.0, 0.2), (0.1, 0.4, 1.0), (1.0, 0.8, 0.1)
-
-
-def distance(a: Array, b: Array) -> float:
-    """Between two places [m]."""
-    return float(np.linalg.norm(np.asarray(a) - np.asarray(b)))
 
 
 class Reach(SurgicalEnv):
@@ -282,7 +277,7 @@ class PickAndPlace(SurgicalEnv):
             fs.RigidBodyDef(
                 name="table",
                 elements=[(0, -0.005, 0)],
-                mesh=fs.shapes.box((0.16, 0.01, 0.12)),
+                mesh=fs.shapes.box((0.3, 0.01, 0.26)),  # what is thrown as far as it goes lies on it
                 collision=[fs.CollisionDef()],
                 friction=0.8,
             )

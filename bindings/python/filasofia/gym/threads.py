@@ -9,13 +9,10 @@ import numpy as np
 import filasofia as fs
 
 from . import bodies
-from .environment import Judgement, SurgicalEnv
+from .environment import Judgement, SurgicalEnv, distance
 from .tool import Array, Joint, Tool, aim, posed, turned
 
 GREEN, BLUE = (0.0, 0.75, 0.1), (0.0, 0.1, 0.9)
-DRAPE = fs.TissueMaterial(
-    base_color=(0.015, 0.13, 0.14), wetness=0, vessels=0, mottling=0.1, bump=0.2, subsurface_color=(0.01, 0.1, 0.1)
-)
 STEEL = fs.MetalMaterial(base_color=(0.85, 0.87, 0.9), roughness=0.55)
 
 
@@ -25,27 +22,13 @@ def plain(color: typing.Any, wetness: float = 0.0) -> fs.TissueMaterial:
 
 
 class ThreadEnv(SurgicalEnv):
-    """What tasks with threads share: a table, threads, and graspers that clamp a thread.
+    """What tasks with threads share: threads, and graspers that clamp a thread.
 
     A grasper clamps the edge of the thread that is nearest to the middle of its jaws, if that is within 3 mm: it holds
     its place, its direction and its turn.
     """
 
     reach = 0.003  #: [m]
-
-    def table(self, size: typing.Any = (0.6, 0.01, 0.6), top: float = 0.0) -> fs.BodyId:
-        """Adds a table; `top` is its height [m]."""
-        body = self.sim.add(
-            fs.RigidBodyDef(
-                name="table",
-                elements=[(0, top - size[1] / 2, 0)],
-                mesh=fs.shapes.box(size),
-                collision=[fs.CollisionDef()],
-                friction=0.4,
-            )
-        )
-        self.sim.show(body, material=DRAPE)
-        return body
 
     def grasper(self, name: str, start: typing.Any, port: typing.Any) -> fs.BodyId:
         """Adds an instrument with two jaws, whose middle is its tip; it collides with nothing."""
@@ -190,7 +173,7 @@ class ThreadInHole(ThreadEnv):
     def judge(self) -> Judgement:
         depth = self.depth()
         end = self.sim.frame[self.string].positions[-1]
-        away = 0.0 if depth > 0 else float(np.linalg.norm(end - self.hole()[0]))
+        away = 0.0 if depth > 0 else distance(end, self.hole()[0])
         force = float(self.sim.frame.contacts["normal_force"].sum())
         success = depth >= self.wanted
         lacks = max(self.wanted - depth, 0.0)
@@ -322,7 +305,7 @@ class RopeThreading(ThreadEnv):
         while done < len(passed) and passed[done] > 0 and (done == 0 or passed[done - 1] > passed[done]):
             done += 1
         end, count = self.sim.frame[self.rope].positions[0], len(passed)
-        away = 0.0 if done == count else float(np.linalg.norm(end - self.places[done]))
+        away = 0.0 if done == count else distance(end, self.places[done])
         through = passed[-1] if done == count else 0.0
         success = through >= self.wanted
         reward = {

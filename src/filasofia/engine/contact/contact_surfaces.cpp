@@ -56,18 +56,56 @@ void placeSurface(double dt, const SurfaceOwner& owner, const Scene& scene, cons
     }
 }
 
-/// Logs a warning once per collision group that only one body has, as this is rarely intended. Where
-/// there is only one body, it is.
+bool isAttached(const Scene& scene, BodyId id)
+{
+    return std::ranges::any_of(scene.attachments,
+                               [&](const Attachment& each) { return each.body == id || each.to == id; });
+}
+
+/// Whether the world or other bodies hold a body: it is pinned, attached, or in a hand.
+bool isHeld(const Scene& scene, const SoftBody& body)
+{
+    return !body.model.pins.springs.empty() ||
+           std::ranges::find(body.model.pins.hard, true) != body.model.pins.hard.end() ||
+           isAttached(scene, body.model.id);
+}
+bool isHeld(const Scene& scene, const RigidBody& body)
+{
+    return !body.model.dynamic || !body.state.couplings.empty() || body.model.articulation.to ||
+           isAttached(scene, body.model.id);
+}
+
+/// Whether some body falls unless another one bears it.
+bool anyFalls(const Scene& scene)
+{
+    const auto falls = [&](const auto& body) { return body.model.gravity && !isHeld(scene, body); };
+    return scene.gravity != Vec3{} &&
+           (std::ranges::any_of(scene.soft, falls) || std::ranges::any_of(scene.rigid, falls));
+}
+
+/// Whether a surface has work to do without colliding: blades cut, and needles pierce, bodies without collision models.
+bool worksAlone(const Scene& scene, const SurfaceOwner& owner)
+{
+    return owner.collision->shape->cutting || (!owner.soft && scene.rigid[owner.body].model.needle);
+}
+
+/// Logs a warning once per collision group that only one body has, if something would be borne otherwise: the body
+/// itself is free, or another one falls. What is held, or moved by hand, may do all that it is for without contacts: it
+/// may be cut, clipped, grasped by a region or only be looked at.
 void warnOfLoneGroups(const Scene& scene, const std::vector<SurfaceOwner>& owners, std::set<int>& warned)
 {
+    if (scene.soft.size() + scene.rigid.size() < 2) return;
+    const bool falling = anyFalls(scene);
     for (const SurfaceOwner& owner : owners) {
         const CollisionShape& shape = *owner.collision->shape;
+        const bool held = owner.soft ? isHeld(scene, scene.soft[owner.body]) : isHeld(scene, scene.rigid[owner.body]);
+        if (worksAlone(scene, owner) || (held && !falling)) continue;
         const auto meets = [&](const SurfaceOwner& each) {
             return (each.soft != owner.soft || each.body != owner.body) && each.collision->shape->group == shape.group;
         };
         const bool meetsItself = shape.self || (owner.collision->own && owner.collision->selfOnceCut && shape.closed &&
                                                 scene.soft[owner.body].model.dynamicTopology);
-        if (meetsItself || scene.soft.size() + scene.rigid.size() < 2 || std::ranges::any_of(owners, meets)) continue;
+        if (meetsItself || std::ranges::any_of(owners, meets)) continue;
         if (!warned.insert(shape.group).second) continue;
         const std::string body =
             owner.soft ? describe(scene.soft[owner.body].model) : text("rigid body '", nameOf(scene, owner), "'");
