@@ -38,9 +38,8 @@ template <class Def> int checkEveryField()
     forEachField<Def>([&](const auto& each) {
         using Member = std::remove_cvref_t<decltype(Def{}.*(each.member))>;
         const auto expect = [&](const Def& def, const std::string& path, double value) {
-            const std::string message =
-                text(object, ": ", path, " ", each.range.text(each.unit), ", got ", value == 0.0 ? 0.0 : value);
-            checkError([&] { validate(def, object); }, {message});
+            const std::string bound = text(object, ": ", path, " ", each.range.text(each.unit));
+            checkError([&] { validate(def, object); }, {bound, text(", got ", value == 0.0 ? 0.0 : value)});
             ++tried;
         };
         for (double value : outside(each.range)) {
