@@ -1,5 +1,6 @@
 #include "filasofia/engine/articulation/link_motion.h"
 
+#include "filasofia/engine/integration/rigid.h"
 #include "filasofia/math/world_inertia.h"
 
 #include "engine/meshes.h"

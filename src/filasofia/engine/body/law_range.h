@@ -1,5 +1,7 @@
 #pragma once
 
+#include "filasofia/engine/elastic/element.h"
+#include "filasofia/engine/elastic/stretch_law.h"
 #include "filasofia/physics/elastic_law.h"
 
 #include <algorithm>
@@ -28,6 +30,12 @@ inline double safeStrain(const physics::ElasticLaw& law)
     }
     constexpr double kFloat = 1.0 - 1e-4; // strains are compared in float
     return kFloat * safe;
+}
+
+/// [-] cubedInvariant() of an element.
+inline double cubedInvariantOf(const FemElement& element, const Corners& x)
+{
+    return cubedInvariant(gradient(element, x));
 }
 
 } // namespace filasofia::engine

@@ -2,7 +2,6 @@
 
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/body/law_range.h"
-#include "filasofia/engine/elastic/stretch_law.h"
 #include "filasofia/engine/scene/each_body.h"
 #include "filasofia/engine/step/fill_cavities.h"
 #include "filasofia/math/svd.h"
@@ -122,7 +121,7 @@ private:
     [[nodiscard]] double cubeOf(std::size_t e) const
     {
         const FemElement& element = body_.model.elements[e];
-        return cubedInvariant(gradient(element, cornersOf(element.nodes, body_.state.x)));
+        return cubedInvariantOf(element, cornersOf(element.nodes, body_.state.x));
     }
     /// sqrt(i1 / 3) - 1
     static double meanStrain(double cube) { return std::sqrt(std::cbrt(cube) / 3.0) - 1.0; }
