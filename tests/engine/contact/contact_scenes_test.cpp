@@ -194,9 +194,8 @@ TEST_CASE("a kilogram that falls on a liver crushes it, is borne by it, and is n
     // Where tissue is crushed, its surface faces inwards. As contacts there were left out, the ball came through in one
     // step, and was then held from both sides by 1,200 N.
     int inverted = 0;
-    for (const auto& [exact, rate] :
-         {std::pair{true, 1000.0}, {true, 100.0}, {false, 1000.0}, {false, 400.0}, {false, 100.0}}) {
-        CAPTURE(exact, rate);
+    for (const double rate : {1000.0, 400.0, 100.0}) {
+        CAPTURE(rate);
         Stage stage = heavyStage();
         stage.add(floorOf({1, 1, 1}));
         const BodyId tissue =
@@ -204,13 +203,12 @@ TEST_CASE("a kilogram that falls on a liver crushes it, is borne by it, and is n
                                            .pose = {{0, 0.0151, 0}, {}},
                                            .material = physics::tissue("liver").material,
                                            .collision = {{}}});
-        const BodyId ball = stage.add(physics::RigidBodyDef{
-            .elements = {{{0, 0.055, 0}, {}}},
-            .mesh = exact ? geometry::shapes::sphere(0.02) : geometry::shapes::ellipsoid({0.02, 0.02, 0.0201}),
-            .dynamic = true,
-            .mass = physics::TotalMass{1.0},
-            .velocity = {0, -3.0, 0},
-            .collision = {{}}});
+        const BodyId ball = stage.add(physics::RigidBodyDef{.elements = {{{0, 0.055, 0}, {}}},
+                                                            .mesh = geometry::shapes::sphere(0.02),
+                                                            .dynamic = true,
+                                                            .mass = physics::TotalMass{1.0},
+                                                            .velocity = {0, -3.0, 0},
+                                                            .collision = {{}}});
         for (int i = 0; i < static_cast<int>(0.3 * rate); ++i) inverted += stage.step(1.0 / rate).inverted.count;
         stage.run(static_cast<int>(0.7 * rate), 1.0 / rate);
         CHECK(stage.step(1.0 / rate).intersections.empty());

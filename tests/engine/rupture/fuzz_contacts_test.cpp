@@ -37,10 +37,14 @@ TEST_CASE("bodies that fall, are pressed and squeezed at random do nothing in si
 
 TEST_CASE("surfaces that contacts have lost at less depth than they follow are told")
 {
-    // Jaws passed through what they held by 0.58 mm, without a flag.
-    const ContactFuzzReport report = fuzzContacts({.seed = 20000, .scenes = 1, .first = 1});
-    CHECK(report.deepest > 0.5e-3); // else it is not that scene any more
-    CHECK(report.silentOverlaps == 0);
+    // Two sheets passed through each other by 0.65 mm, and jaws through what they held by 0.58 mm, without a flag.
+    for (const auto& [seed, scene] : {std::pair{19010, 10}, {20000, 1}}) {
+        CAPTURE(seed);
+        const ContactFuzzReport report =
+            fuzzContacts({.seed = static_cast<std::uint64_t>(seed), .scenes = 1, .first = scene});
+        CHECK(report.deepest > 0.5e-3); // else it is not that scene any more
+        CHECK(report.silentOverlaps == 0);
+    }
 }
 
 TEST_CASE("rigid bodies that were lost in each other beside tissue part without gaining energy")

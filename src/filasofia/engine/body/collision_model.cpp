@@ -8,9 +8,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace filasofia::engine {
@@ -20,9 +22,9 @@ using geometry::TriangleMesh;
 
 // [-] The largest depth of the inset over the proximity.
 constexpr double kInset = 0.2;
-constexpr int kMostParts = 200; ///< of a capsule's axis
 
-CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, const std::string& field)
+CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, const std::string& field,
+                       Partners partners = Partners::All)
 {
     if (const std::size_t features = mesh.vertices.size() + 4 * mesh.triangles.size(); features >= kMaxFeatures)
         fail(field, ".mesh must have < ", kMaxFeatures, " vertices, edges and triangles, got up to ", features);
@@ -33,6 +35,7 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
                                                      .triangleFaces = def.primitives.triangles,
                                                      .proximity = def.proximity,
                                                      .depth = def.proximity + depth,
+                                                     .partners = partners,
                                                      .group = def.group,
                                                      .self = def.self,
                                                      .cutting = def.cutting});
@@ -59,29 +62,22 @@ CollisionModel aroundLines(const std::vector<Vec3>& rest, double radius, Collisi
     return model;
 }
 
-/// That of a rigid body's mesh.
-CollisionModel rigidModelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, bool pierces,
-                            const std::string& field)
+/// The ball or capsule that a rigid body's mesh stands for, if it is one: for what is rigid.
+std::optional<CollisionModel> exactModelOf(const TriangleMesh& mesh, const physics::CollisionDef& def)
 {
-    CollisionModel model = modelOf(mesh, def, field);
-    model.core = mesh.vertices;
     const bool all = def.primitives.points && def.primitives.lines && def.primitives.triangles;
-    if (all && !pierces && !def.cutting && model.shape->closed)
-        if (const auto exact = geometry::capsuleOf(mesh)) {
-            CollisionOptions options{
-                .proximity = def.proximity, .round = exact->radius, .group = def.group, .self = def.self};
-            // Tissue that lies along a line of a capsule touches it at no corner of either. Where only the ends and
-            // what bulges between them did, it shook.
-            const auto [from, to] = exact->ends;
-            const int parts = std::min(kMostParts, static_cast<int>(std::ceil(distance(from, to) / exact->radius)));
-            std::vector<Vec3> axis{from};
-            for (int i = 0; i < parts; ++i) {
-                axis.push_back(from + (i + 1.0) / parts * (to - from));
-                options.segments.push_back({i, i + 1});
-            }
-            model = aroundLines(axis, exact->radius, std::move(options));
-            model.core = std::move(axis);
-        }
+    const auto exact = all && !def.cutting ? geometry::capsuleOf(mesh) : std::nullopt;
+    if (!exact) return {};
+    CollisionOptions options{
+        .proximity = def.proximity, .partners = Partners::Rigid, .group = def.group, .self = def.self};
+    std::vector<Vec3> ends{exact->ends[0]};
+    if (exact->ends[1] != exact->ends[0]) {
+        ends.push_back(exact->ends[1]);
+        options.segments = {{0, 1}};
+    }
+    CollisionModel model = aroundLines(ends, exact->radius, std::move(options));
+    model.core = std::move(ends);
+    model.element = def.element;
     return model;
 }
 
@@ -249,7 +245,7 @@ CollisionModel cutCollision(const CollisionModel& whole, std::vector<std::array<
 std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)
 {
     checkCount(def.collision, text("rigid body '", def.name, "'"));
-    std::vector<CollisionModel> models;
+    std::vector<CollisionModel> models, exacts;
     for (std::size_t i = 0; i < def.collision.size(); ++i) {
         const physics::CollisionDef& each = def.collision[i];
         const std::string field = text("rigid body '", def.name, "': collision[", i, "]");
@@ -257,8 +253,12 @@ std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)
         auto mesh = physics::loadMesh(each.mesh, field + ".mesh");
         if (!mesh) mesh = physics::loadMesh(def.mesh, text("rigid body '", def.name, "': mesh"));
         if (!mesh) fail(field, ".mesh must name a file or be a mesh: the body has none either");
-        CollisionModel& model = models.emplace_back(rigidModelOf(*mesh, each, def.needle.has_value(), field));
+        auto exact = exactModelOf(*mesh, each);
+        CollisionModel& model =
+            models.emplace_back(modelOf(*mesh, each, field, exact ? Partners::Soft : Partners::All));
         model.element = each.element;
+        model.core = mesh->vertices;
+        if (exact) exacts.push_back(std::move(*exact));
         // A dynamic body has been refused by now: its mass would not be positive.
         if (model.shape->closed && !def.dynamic && !each.cutting && geometry::enclosedVolume(*mesh) < 0.0)
             logWarning(field, ".mesh is turned inside out: it pushes towards its inside, like the walls of a room; "
@@ -266,6 +266,7 @@ std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)
         std::vector<Vec3> normals;
         applyInset(*model.shape, model.inset, normals, model.core);
     }
+    std::ranges::move(exacts, std::back_inserter(models));
     return models;
 }
 

@@ -35,8 +35,8 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
 std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const geometry::TriangleMesh& worldShell);
 /// For a rod: the tube around its nodes.
 std::vector<CollisionModel> buildCollision(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes);
-/// A mesh that stands for a ball or capsule becomes the exact one, unless it is a blade or a needle, or only some of
-/// its primitives collide.
+/// The models of meshes that stand for balls or capsules come twice: as they are, for tissue, and, after all others, as
+/// the exact ones, for what is rigid. Not blades, nor if only some primitives collide.
 std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def);
 
 /// The collision model of a rod that has these segments left; `lone` vertices belong to none of them.

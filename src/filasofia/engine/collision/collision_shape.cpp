@@ -184,7 +184,7 @@ CollisionShape makeCollisionShape(const geometry::TriangleMesh& mesh, const Coll
     shape.triangleFaces = options.triangleFaces && !mesh.triangles.empty();
     shape.proximity = options.proximity;
     shape.depth = std::max(options.depth, options.proximity);
-    shape.round = options.round;
+    shape.partners = options.partners;
     shape.group = options.group;
     shape.self = options.self;
     shape.cutting = options.cutting;

@@ -16,6 +16,10 @@ namespace filasofia::engine {
 inline constexpr std::size_t kMaxModels = std::size_t{1} << 11;   ///< per body
 inline constexpr std::size_t kMaxFeatures = std::size_t{1} << 21; ///< per shape
 
+/// What a surface collides with. A rigid ball or capsule has two: its mesh meets tissue, which folds around its points
+/// and edges, and the exact shape meets what is rigid.
+enum class Partners { All, Soft, Rigid };
+
 /// How a surface collides.
 struct CollisionOptions {
     bool points = true;                            ///< its points take part
@@ -28,7 +32,7 @@ struct CollisionOptions {
     /// [m], >= 0; at least the proximity is used. Two surfaces are followed inside each other up to the sum of their
     /// depths.
     double depth = 0.0;
-    double round = 0.0;   ///< [m] radius around points and lines that stand for a rigid ball or capsule
+    Partners partners = Partners::All;
     int group = 0;        ///< only surfaces of the same group collide
     bool self = false;    ///< the surface collides with itself
     bool cutting = false; ///< passes through surfaces that it may cut
@@ -68,7 +72,7 @@ struct CollisionShape {
     bool triangleFaces = true; ///< false if there are no triangles
     double proximity = 0.0;    ///< [m]
     double depth = 0.0;        ///< [m], >= proximity
-    double round = 0.0;
+    Partners partners = Partners::All;
     int group = 0;
     bool self = false;
     bool cutting = false;

@@ -28,8 +28,14 @@ bool collideWithin(const CollisionSurface& a, const CollisionSurface& b) // both
     return (&a == &b ? a.self : a.shape->self && b.shape->self) && movesRelativeTo(a, b);
 }
 
+bool isPartner(const CollisionSurface& surface, const CollisionSurface& of)
+{
+    return of.shape->partners == Partners::All || (of.shape->partners == Partners::Soft) == (surface.element < 0);
+}
+
 bool mayCollide(const CollisionSurface& a, const CollisionSurface& b)
 {
+    if (!isPartner(a, b) || !isPartner(b, a)) return false;
     if ((a.cuts && b.cuttable) || (b.cuts && a.cuttable)) return false; // a blade passes through
     if (a.name.body == b.name.body && !collideWithin(a, b)) return false;
     return a.shape->group == b.shape->group && meet(a.whole, b.whole);

@@ -8,7 +8,6 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr double kInside = 0.5; // [-] of a proximity, from which on a point is inside a ball
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
 template <class Visit> void forEachMinimum(ProximityScratch& scratch, const Visit& visit)
@@ -83,14 +82,6 @@ bool keepForSheet(const SurfacePair& meeting, const std::vector<SheetSide>& side
     return true;
 }
 
-// For points and lines. What is inside a ball must leave it, however the surface around the point has been folded:
-// tissue that was pressed to 70 % of its depth got 3 mm into a ball of 8 mm.
-bool keepForLines(const SurfacePair& meeting, const PointMinimum& m)
-{
-    const CollisionShape &own = *meeting.sides[m.source]->shape, &target = *meeting.sides[1 - m.source]->shape;
-    return m.proximity.gap < m.range && (m.facing || m.proximity.gap < target.round - kInside * own.proximity);
-}
-
 // Two vertices find each other from both sides. The second side's minimum counts only if the first side has not found
 // it. If one surface has no triangles, the one with triangles decides, as it knows better which way is out.
 bool secondary(const SurfacePair& meeting, const PointMinimum& m)
@@ -115,7 +106,7 @@ void keepMinima(const SurfacePair& meeting, const std::vector<SheetSide>& sides,
         const bool solid = target.closed && target.triangleFaces;
         m.kept = solid        ? keepForSolid(m, scratch.nearest[m.source][m.point])
                  : m.twoSided ? keepForSheet(meeting, sides, scratch, m)
-                              : keepForLines(meeting, m);
+                              : m.proximity.gap < m.range && m.facing;
         if (m.kept && meeting.ownSolid()) scratch.nextSides.push_back(sideNow(meeting, m));
         if (m.kept && m.vertexPair && !secondary(meeting, m)) scratch.vertexPairs.push_back(m.proximity.feature);
     });

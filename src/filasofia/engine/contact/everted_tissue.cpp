@@ -33,21 +33,17 @@ bool staysAtInverted(const SurfaceOwner& other, const std::vector<CollisionSurfa
 {
     if (other.soft) return false;
     const CollisionSurface& surface = surfaces[static_cast<std::size_t>(found.surfaces[1 - side])];
-    const bool point = found.vertices[side][1]<0, round = other.collision->round> 0.0;
-    double along = found.gap; // a ball or capsule is around the middle that the distance is from
-    if (!round) {
-        if (!surface.shape->triangleFaces) return false;
-        if (point && found.vertices[1 - side][1] >= 0) return true;
-        if (!surface.shape->closed) return false;
-        const Vec3 out = featureNormal(surface, found.vertices[1 - side]); // from the other side to this one
-        along = dot(found.normal, side == 0 ? out : -out);
-    }
+    if (!surface.shape->triangleFaces) return false;
+    if (found.vertices[side][1] < 0 && found.vertices[1 - side][1] >= 0) return true;
+    if (!surface.shape->closed) return false;
+    const Vec3 out = featureNormal(surface, found.vertices[1 - side]); // from the other side to this one
+    const double along = dot(found.normal, side == 0 ? out : -out);
     if (along == 0.0) return false;
     if (along < 0.0) {
         found.normal = -found.normal;
         found.gap = -found.gap;
     }
-    return (point && round) || dt * closingSpeed(surfaces, found) > kFast * other.collision->proximity;
+    return dt * closingSpeed(surfaces, found) > kFast * other.collision->proximity;
 }
 
 } // namespace filasofia::engine

@@ -172,13 +172,12 @@ private:
                                                std::span<const IntersectionWatch::Unseen> before, const Tell& tell)
     {
         const CollisionModel &a = *one.collision, &b = *two.collision;
-        if ((one.soft || a.round == 0.0) && (two.soft || b.round == 0.0)) return;
+        if (one.soft || two.soft || a.round + b.round == 0.0) return;
         const double followed = a.proximity + insetDepth(a.proximity) + b.proximity + insetDepth(b.proximity);
         physics::Intersection deep;
         for (const Proximity& each : detection_.proximities) {
             if (each.surfaces != meeting.places) continue;
-            // At an inverted element the sign is not known; an axis inside tissue is found otherwise.
-            const double depth = insetAt(a, each, 0) + insetAt(b, each, 1) - std::abs(each.gap);
+            const double depth = insetAt(a, each, 0) + insetAt(b, each, 1) - each.gap;
             if (!(depth > followed)) continue;
             ++deep.crossings;
             if (!(depth > deep.depth)) continue;
