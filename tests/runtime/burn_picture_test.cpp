@@ -16,7 +16,7 @@ constexpr double kUp = 0.09, kHalf = 0.3; ///< [m] the camera's height over the 
 
 struct Burn {
     double area = 0.0;    ///< [m^2], that looks other than before
-    double largest = 0.0; ///< [m], of the radii towards 16 sides
+    double largest = 0.0; ///< [m], the largest radius towards 16 sides
     double least = 0.0;
     double burnt = 0.0;    ///< [m^2], says the physics
     double farthest = 0.0; ///< [m], from the middle, of what has changed

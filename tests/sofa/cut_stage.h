@@ -13,7 +13,7 @@ using namespace sofa_test;
 
 inline constexpr double kStep = 2e-3;                            // [s]
 inline constexpr double kDeep = 0.015;                           // [m] below where the bar is
-inline const geometry::Box kFarEnd{{0.0299, -1, -1}, {1, 1, 1}}; // of the bar
+inline const geometry::Box kFarEnd{{0.0299, -1, -1}, {1, 1, 1}}; // the end of the bar
 
 /// A bar along x, held at its low end, 30 x 10 x 10 mm.
 inline SoftBodyDef barDef(const Solver& solver = ConjugateGradient{.tolerance = 1e-8})

@@ -11,8 +11,9 @@
 namespace filasofia::geometry {
 namespace {
 
-constexpr double kOn = 1e-4;    // [-] of the radius: files hold floats
-constexpr double kFaces = 0.06; // [-] of the radius, by which a face may be inside: with four edges per quarter, 0.052
+constexpr double kOn = 1e-4; // [-] relative to the radius: files hold floats
+constexpr double kFaces =
+    0.06; // [-] how deep a face may be inside, relative to the radius: with four edges per quarter, 0.052
 
 bool isNear(const TriangleMesh& mesh, const Capsule& capsule)
 {

@@ -14,8 +14,7 @@ constexpr double kBoiling = 373.15;  ///< [K]
 constexpr double kHarmless = 316.15; ///< [K], 43 degrees Celsius: below it nothing is damaged within hours
 constexpr double kCool = 1e-3;       ///< [K] above rest, from which on nothing is computed
 constexpr double kMostDamage = 1e9;  ///< [-], keeps the number finite
-constexpr double kDecades =
-    7.0; ///< of damage for one level, 23 K at 60 degrees: from cold to damaged, and on to boiling
+constexpr double kDecades = 7.0; ///< damage for one level, 23 K at 60 degrees: from cold to damaged, and on to boiling
 
 } // namespace
 

@@ -31,7 +31,7 @@ constexpr double kLost = 0.35;
 
 struct Corner {
     Float3 place;   ///< in the camera's coordinates
-    float exposure; ///< of haze
+    float exposure; ///< that haze is drawn with
     float unused;
     std::array<float, 4> what, look, more; ///< see smoke.mat
 };

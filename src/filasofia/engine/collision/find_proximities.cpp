@@ -15,7 +15,8 @@ namespace {
 
 constexpr int kPartSize = 64;     // pairs of elements: some 10 µs
 constexpr double kMostTurn = 0.5; // [rad]
-constexpr double kDrift = 0.1;    // [-] of the depth, by which a body moves as a whole, so that its boxes are made anew
+constexpr double kDrift =
+    0.1; // [-] how far a body moves as a whole, relative to the depth, so that its boxes are made anew
 
 bool movesRelativeTo(const CollisionSurface& a, const CollisionSurface& b) // both on one body
 {

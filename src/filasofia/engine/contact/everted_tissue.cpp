@@ -6,7 +6,7 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr double kFast = 0.5; ///< [-] of a proximity, by which surfaces come nearer in a step
+constexpr double kFast = 0.5; ///< [-] how much nearer surfaces come in a step, relative to a proximity
 
 } // namespace
 
