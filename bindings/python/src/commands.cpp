@@ -22,6 +22,7 @@ template <class Command> nb::object give(HeldSimulation& held, const Command& co
     Session& session = usable(held, "apply");
     if constexpr (std::is_same_v<Command, physics::Reset>) {
         session.simulation().reset(); // removes the paint, too
+        held.owed = 0.0;
     } else if constexpr (std::is_same_v<Command, SetMaterial>) {
         const nb::gil_scoped_release free; // it builds a solver
         session.physics().setMaterial(command.id, command.material);
@@ -316,7 +317,11 @@ void addCommands(nb::class_<HeldSimulation>& sim)
         "pause", [](HeldSimulation& self, bool paused) { usable(self, "pause").simulation().pause(paused); },
         nb::arg("paused") = true, "While paused, steps apply commands and nothing moves.");
     sim.def(
-        "reset", [](HeldSimulation& self) { usable(self, "reset").simulation().reset(); },
+        "reset",
+        [](HeldSimulation& self) {
+            usable(self, "reset").simulation().reset();
+            self.owed = 0.0;
+        },
         "Puts the bodies back to their start at the next step, and removes all paint.");
     addRigid(sim);
     addHandsAndJoints(sim);

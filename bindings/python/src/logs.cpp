@@ -63,9 +63,9 @@ void keep(LogLevel level, std::string_view line)
 
 void logTo(nb::object function)
 {
+    setLogSink({});
     deliver(nullptr); // what was logged before is for whom it was logged
     if (function.is_none()) {
-        setLogSink({});
         receiver() = nb::object();
         return;
     }

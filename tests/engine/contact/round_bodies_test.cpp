@@ -114,6 +114,32 @@ TEST_CASE("tissue bears a ball and a capsule by their weights, and none of it is
     }
 }
 
+TEST_CASE("an open dome is no ball")
+{
+    const auto whole = shapes::sphere(0.01);
+    geometry::TriangleMesh dome{.vertices = whole->vertices, .triangles = {}, .uv = {}};
+    for (const geometry::Triangle& t : whole->triangles)
+        if (whole->vertices[static_cast<std::size_t>(t[0])].y + whole->vertices[static_cast<std::size_t>(t[1])].y > 0.0)
+            dome.triangles.push_back(t);
+    Stage stage;
+    physics::RigidBodyDef body = bodyOf(std::make_shared<const geometry::TriangleMesh>(std::move(dome)), {});
+    body.dynamic = false;
+    stage.add(body);
+    stage.step(1e-3);
+    CHECK(stage.world.scene().rigid[0].model.collision.size() == 1);
+}
+
+TEST_CASE("a ball that is attached in a block is not told to pass through it")
+{
+    Stage stage;
+    physics::RigidBodyDef block = bodyOf(shapes::box({0.04, 0.04, 0.04}), {});
+    const BodyId around = stage.add(block);
+    physics::RigidBodyDef ball = bodyOf(shapes::sphere(0.01), {0, 0.021, 0}); // 9 mm deep
+    ball.attachments = {{.to = around}};
+    stage.add(ball);
+    for (int i = 0; i < 40; ++i) CHECK(stage.step(1e-3).intersections.empty());
+}
+
 TEST_CASE("a blade, and a mesh of which only some primitives collide, have no exact shape")
 {
     const auto modelsOf = [](const physics::CollisionDef& collision) {

@@ -153,8 +153,8 @@ class PegTransfer(SurgicalEnv):
             taker = 1 if self.given[next_] or self.has(0, next_) else 0
             hand = distance(self.tools[taker].place, self.ring(next_))
         reward = {"given": -lacking, "ring": -10 * away, "hand": -10 * hand, "success": 10.0 * success}
-        lost = sum(self.lost(i) for i in range(len(self.rings)))
-        measures = {"done": done, "given": sum(self.given), "distance": away, "lost": lost}
+        gone = sum(self.lost(i) for i in range(len(self.rings)))
+        measures = {"done": done, "given": sum(self.given), "distance": away, "lost": gone}
         return Judgement(reward, success, {name: float(value) for name, value in measures.items()})
 
 

@@ -253,9 +253,9 @@ std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)
         auto mesh = physics::loadMesh(each.mesh, field + ".mesh");
         if (!mesh) mesh = physics::loadMesh(def.mesh, text("rigid body '", def.name, "': mesh"));
         if (!mesh) fail(field, ".mesh must name a file or be a mesh: the body has none either");
-        auto exact = exactModelOf(*mesh, each);
-        CollisionModel& model =
-            models.emplace_back(modelOf(*mesh, each, field, exact ? Partners::Soft : Partners::All));
+        CollisionModel& model = models.emplace_back(modelOf(*mesh, each, field));
+        auto exact = model.shape->closed ? exactModelOf(*mesh, each) : std::nullopt;
+        if (exact) model = modelOf(*mesh, each, field, Partners::Soft);
         model.element = each.element;
         model.core = mesh->vertices;
         if (exact) exacts.push_back(std::move(*exact));

@@ -212,6 +212,7 @@ std::unique_ptr<physics::BuiltBody> buildSoft(const physics::SoftBodyDef& def, d
     built->body.topology = makeTopology(model);
     if (model.dynamicTopology) model.pieces = findPieces(model, *built->body.topology.pieces);
     built->body.system = makeSystem(model, period);
+    warnOfStiffness(model, period);
     if (model.dynamicTopology) checkForCuts(object, *built->body.topology.mesh);
     return built;
 }

@@ -39,11 +39,11 @@ bool staysAtInverted(const SurfaceOwner& other, const std::vector<CollisionSurfa
     const Vec3 out = featureNormal(surface, found.vertices[1 - side]); // from the other side to this one
     const double along = dot(found.normal, side == 0 ? out : -out);
     if (along == 0.0) return false;
-    if (along < 0.0) {
-        found.normal = -found.normal;
-        found.gap = -found.gap;
-    }
-    return dt * closingSpeed(surfaces, found) > kFast * other.collision->proximity;
+    Proximity turned = found;
+    if (along < 0.0) turned.normal = -found.normal, turned.gap = -found.gap;
+    if (!(dt * closingSpeed(surfaces, turned) > kFast * other.collision->proximity)) return false;
+    found = turned;
+    return true;
 }
 
 } // namespace filasofia::engine

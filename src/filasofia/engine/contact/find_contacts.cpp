@@ -207,8 +207,10 @@ void addDeepPoints(const std::vector<SurfaceOwner>& owners, ContactDetection& de
     for (const std::array<int, 2>& pair : detection.scratch.surfacePairs) {
         const std::array names{owners[static_cast<std::size_t>(pair[0])].name,
                                owners[static_cast<std::size_t>(pair[1])].name};
-        if (std::ranges::find(started, names) == started.end() && std::ranges::find(lost, names) == lost.end())
-            continue;
+        const SurfaceOwner &one = owners[static_cast<std::size_t>(pair[0])],
+                           &two = owners[static_cast<std::size_t>(pair[1])];
+        const bool isLost = one.soft != two.soft && std::ranges::find(lost, names) != lost.end();
+        if (!isLost && std::ranges::find(started, names) == started.end()) continue;
         const DeepPoints deep = deepPointsOf(owners, detection, pair);
         detection.proximities.insert(detection.proximities.end(), deep.inRigid.begin(), deep.inRigid.end());
     }

@@ -157,7 +157,7 @@ private:
         };
         for (const SurfaceCrossing& each : crossings_)
             if (unseen || isLost(each, meeting)) tell({.crossings = 1, .depth = each.depth, .place = each.place});
-        if (crossings_.empty()) tellDeepInRound(meeting, one, two, before, tell);
+        if (!unseen && between.empty()) tellDeepInRound(meeting, one, two, before, tell);
         if (!crossings_.empty() || meeting.self() || !between.empty()) return;
         if (const auto within = insideOf(a, b))
             tell(*within);
@@ -165,8 +165,8 @@ private:
             tell(*around);
     }
 
-    /// A ball or capsule has no edges that pass through a triangle: what is deeper in it than contacts follow a mesh
-    /// counts as passing through it.
+    /// A ball has no edge that passes through a triangle, and a capsule one in its middle: what is deeper in them than
+    /// contacts follow a mesh counts as passing through.
     template <class Tell> void tellDeepInRound(const SurfacePair& meeting, const SurfaceOwner& one,
                                                const SurfaceOwner& two,
                                                std::span<const IntersectionWatch::Unseen> before, const Tell& tell)
@@ -182,7 +182,11 @@ private:
             ++deep.crossings;
             if (!(depth > deep.depth)) continue;
             deep.depth = depth;
-            deep.place = meeting.sides[0]->x[static_cast<std::size_t>(each.vertices[0][0])];
+            deep.place = {};
+            const std::size_t round = a.round > 0.0 ? 0 : 1;
+            for (std::size_t k = 0; k < 3; ++k)
+                if (const int vertex = each.vertices[round][k]; vertex >= 0)
+                    deep.place += each.weights[round][k] * meeting.sides[round]->x[static_cast<std::size_t>(vertex)];
         }
         if (deep.crossings > 0 && hasLasted(meeting, before)) tell(deep);
     }

@@ -22,7 +22,8 @@ double stiffnessOverMass(const FemElement& element, double weight, double mass)
     return weight * element.volume * steepest * (lambda + 2.0 * mu) / mass;
 }
 
-/// Stresses hide from a solver how a very stiff body moves as a whole, and what pushes it.
+} // namespace
+
 void warnOfStiffness(const SoftModel& model, double period)
 {
     if (model.collision.empty() || !std::holds_alternative<physics::ImplicitEuler>(model.integrator)) return;
@@ -38,8 +39,6 @@ void warnOfStiffness(const SoftModel& model, double period)
                    " steps per second: contact may throw the body. ", given * kStiffest / most,
                    " Pa would do, or more steps per second, or a rigid body");
 }
-
-} // namespace
 
 SoftSystem::SoftSystem(const SoftSystem& other)
     : matrixFree(other.matrixFree), rod(other.rod), held(other.held), tuned(other.tuned),
@@ -73,7 +72,6 @@ SoftSystem makeSystem(const SoftModel& model, double period)
         system.rod = std::make_unique<RodSystem>(model);
         return system;
     }
-    warnOfStiffness(model, period);
     const auto* cg = std::get_if<physics::ConjugateGradient>(&model.solver);
     const bool wanted = cg && !cg->assembled;
     if (wanted && MatrixFreeSystem::fits(model, period))

@@ -47,6 +47,10 @@ inline void outdate(bool tuned, SoftSystem& system)
 /// Updates the system after a change of the tissue of these elements, ascending; the model is up to date already.
 void followTissue(const SoftModel& model, const std::vector<int>& elements, SoftSystem& system);
 
+/// Logs a warning if a body that collides is too stiff for its step: stresses hide from a solver how a very stiff body
+/// moves as a whole, and what pushes it.
+void warnOfStiffness(const SoftModel& model, double period);
+
 /// Builds the system of a body, assembled if float cannot represent the model. `period` [s]: the step that the solver
 /// prepares for.
 SoftSystem makeSystem(const SoftModel& model, double period);
