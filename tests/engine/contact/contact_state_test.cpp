@@ -189,7 +189,7 @@ TEST_CASE("a collision group with a single body logs one warning, whatever is ad
     setLogSink([&](LogLevel, std::string_view line) { warnings.emplace_back(line); });
     Stage stage;
     const auto add = [&](int group) {
-        physics::RigidBodyDef def = smallBox({static_cast<double>(stage.lastId), 0, 0}, false);
+        physics::RigidBodyDef def = smallBox({static_cast<double>(stage.lastId), 0, 0}, true);
         def.collision[0].group = group;
         stage.add(def);
         stage.step(1e-3);
