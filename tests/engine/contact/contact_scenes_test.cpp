@@ -194,7 +194,7 @@ TEST_CASE("a kilogram that falls on a liver crushes it, is borne by it, and is n
     // Where tissue is crushed, its surface faces inwards. As contacts there were left out, the ball came through in one
     // step, and was then held from both sides by 1,200 N.
     int inverted = 0;
-    for (const double rate : {1000.0, 400.0, 100.0}) {
+    for (const double rate : {1000.0, 100.0}) {
         CAPTURE(rate);
         Stage stage = heavyStage();
         stage.add(floorOf({1, 1, 1}));
