@@ -159,5 +159,5 @@ if not _typing.TYPE_CHECKING:  # a type checker would take every wrong name for 
 
 
 # Before the interpreter ends: a thread of a simulation must not find it gone.
-_atexit.register(_core._log_to, None)  # the last, as the others may log
+_atexit.register(_core._log_to, None)  # type: ignore[attr-defined]  # the last, as the others may log
 _atexit.register(_core.close_all)

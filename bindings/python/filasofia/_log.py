@@ -23,9 +23,9 @@ def log_to(receiver: logging.Logger | _typing.Callable[[int, str], object] | Non
 
     if isinstance(receiver, logging.Logger):
         logger = receiver
-        _core._log_to(lambda level, line: logger.log(level, "%s", line))
+        _core._log_to(lambda level, line: logger.log(level, "%s", line))  # type: ignore[attr-defined]
     elif receiver is None or callable(receiver):
-        _core._log_to(receiver)
+        _core._log_to(receiver)  # type: ignore[attr-defined]
     else:
         raise TypeError(f"log_to: the receiver must be a logging.Logger, a function or None, got {receiver!r}")
 
@@ -38,6 +38,6 @@ def _report_repr(report: _typing.Any) -> str:
 # Reports, events and states print their fields. What asks a simulation for them may raise, and does not.
 _LIVE = (_core.Simulation, _core.ClipApplier, _core.KnotHands)
 for _each in vars(_core).copy().values():
-    if isinstance(_each, type) and _each.__repr__ is object.__repr__ and _each not in _LIVE:
+    if isinstance(_each, type) and _each.__repr__ is object.__repr__ and _each not in _LIVE:  # type: ignore[comparison-overlap]
         _each.__repr__ = _report_repr  # type: ignore[assignment]
 log_to.__module__ = "filasofia"
