@@ -52,5 +52,5 @@ def test_wrong_knots_are_errors():
                          ({"turns": []}, "turns must have at least one entry"), ({"height": 1e-3}, "height must be > loop")]:
         with pytest.raises(fs.Error, match=says):
             fs.KnotHands(sim, fs.KnotDef(thread=thread).replace(**fields))
-    with pytest.raises(fs.Error, match="force must be > 0 N"):
+    with pytest.raises(fs.Error, match="KnotDef: force must be > 0 N"):
         fs.KnotDef(force=0)

@@ -5,6 +5,7 @@
 #include "filasofia/visual/mesh_frames.h"
 
 #include <random>
+#include <utility>
 
 namespace frames_test {
 
@@ -18,6 +19,16 @@ Vec3 normalOf(PackedFrame f)
 {
     const double x = f.x / 32767.0, y = f.y / 32767.0, z = f.z / 32767.0, w = f.w / 32767.0;
     return {2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)};
+}
+
+std::pair<std::vector<Float3>, std::vector<std::uint32_t>> floatsOf(const geometry::TriangleMesh& mesh)
+{
+    std::vector<Float3> positions;
+    std::vector<std::uint32_t> indices;
+    for (Vec3 v : mesh.vertices) positions.push_back(toFloat3(v));
+    for (const auto& t : mesh.triangles)
+        for (int v : t) indices.push_back(std::uint32_t(v));
+    return {std::move(positions), std::move(indices)};
 }
 
 } // namespace
@@ -47,11 +58,7 @@ TEST_CASE("the normals along the edge of a block do not depend on the diagonals 
 {
     const geometry::TriangleMesh mesh =
         geometry::extractSurface(*geometry::shapes::block({0.06, 0.02, 0.04}, {6, 3, 6})).mesh;
-    std::vector<Float3> positions;
-    std::vector<std::uint32_t> indices;
-    for (Vec3 v : mesh.vertices) positions.push_back(toFloat3(v));
-    for (const auto& t : mesh.triangles)
-        for (int v : t) indices.push_back(std::uint32_t(v));
+    const auto [positions, indices] = floatsOf(mesh);
     std::vector<Float3> normals;
     vertexNormals(positions, indices, normals);
     int seen = 0;
@@ -78,11 +85,7 @@ TEST_CASE("a triangle without area has no normal, and slivers do not spoil those
 TEST_CASE("the normals of a sphere point outwards, and its box holds it")
 {
     const geometry::TriangleMesh mesh = sphere(0.05, 3);
-    std::vector<Float3> positions;
-    std::vector<std::uint32_t> indices;
-    for (Vec3 v : mesh.vertices) positions.push_back(toFloat3(v));
-    for (const auto& t : mesh.triangles)
-        for (int v : t) indices.push_back(std::uint32_t(v));
+    const auto [positions, indices] = floatsOf(mesh);
     std::vector<Float3> room;
     const VertexData data = vertexData(positions, indices, room);
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
