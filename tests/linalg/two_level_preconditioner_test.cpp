@@ -138,6 +138,70 @@ TEST_CASE("coarse nodes carry impulses by their definition, and with their total
     }
 }
 
+TEST_CASE("with present blocks it is their inverse alone, whole and in halves, until those of rest are used again")
+{
+    std::mt19937 random(8);
+    WorkerPool pool(1);
+    const Problem problem(random, 60, 45, 7);
+    TwoLevelPreconditioner m = rotatedPreconditioner(problem, random);
+    const NodeArray r = randomNodes(random, 45);
+    NodeArray atRest(r.blocks()), z(r.blocks()), again(r.blocks());
+    m.apply(r, atRest, pool);
+    std::vector<Mat3> blocks;
+    Eigen::VectorXd exact(3 * 45);
+    for (int node = 0; node < 45; ++node) {
+        const auto some = [&] { return Vec3{randomFloat(random), randomFloat(random), randomFloat(random)}; };
+        const Vec3 a = some(), b = some();
+        blocks.push_back(Mat3::identity() + outer(a, a) + outer(b, b));
+        const Vec3 answer = inverse(blocks.back()) * vectorOf(r[node]);
+        for (int k = 0; k < 3; ++k) exact[3 * node + k] = answer[k];
+    }
+    m.usePresent(blocks);
+    m.apply(r, z, pool);
+    CHECK((dense(z, 45) - exact).norm() <= 1e-5 * exact.norm());
+    for (int node = 0; node < 45; ++node) {
+        const Mat3 error = m.inverseDiagonal(node) - inverse(blocks[static_cast<std::size_t>(node)]);
+        for (int k = 0; k < 3; ++k) CHECK(length(error[k]) < 1e-5);
+    }
+    m.smooth(r, pool);
+    const std::vector<ColumnEntry> column{{3, {1.0, 2.0, 3.0}}};
+    m.addColumn(column);
+    m.finishColumns();
+    for (const float each : m.coarseAnswer(pool)) CHECK(each == 0.0f);
+    for (const float each : m.columnAnswer(0)) CHECK(each == 0.0f);
+    const std::vector<double> share{2.0};
+    m.applyCoarse(r, again, pool, share);
+    CHECK(std::memcmp(again.data(), z.data(), 256 * static_cast<std::size_t>(z.blocks())) == 0);
+    m.clearColumns();
+    m.usePresent({});
+    m.apply(r, again, pool);
+    CHECK(std::memcmp(again.data(), atRest.data(), 256 * static_cast<std::size_t>(z.blocks())) == 0);
+}
+
+TEST_CASE("coherence is 1 if all nodes turn alike, and falls with the angle between those of one coarse node")
+{
+    std::mt19937 random(9);
+    Problem problem(random, 40, 40, 2); // two coarse nodes, of twenty nodes each
+    for (std::size_t row = 0; row < 40; ++row) {
+        problem.corners[row] = {row < 20 ? 0 : 1, 0, 0, 0};
+        problem.weights[row] = {1.0f, 0.0f, 0.0f, 0.0f};
+    }
+    TwoLevelPreconditioner m(problem.input());
+    CHECK(m.coherence() == 1.0);
+    // Half of the nodes of the second coarse node turn by the angle and half against it: the mean of their rotations
+    // is diag(c, c, 1).
+    for (const double angle : {0.3, 1.0, 2.0}) {
+        std::vector<RotationBlock>& turns = m.rotations();
+        for (int i = 0; i < 40; ++i) {
+            const int row = problem.rows[static_cast<std::size_t>(i)];
+            setRotation(turns, i, axisAngle({0, 0, 1}, row < 20 ? 1.1 : row % 2 == 0 ? angle : -angle));
+        }
+        const double c = std::cos(angle);
+        CHECK(m.coherence() == Approx(std::sqrt((1.0 + 2.0 * c * c) / 3.0)).epsilon(1e-6));
+    }
+    CHECK(TwoLevelPreconditioner(problem.withoutCoarseLevel().input()).coherence() == 1.0);
+}
+
 TEST_CASE("any number of threads gives the same bits")
 {
     std::mt19937 random(5);

@@ -58,6 +58,10 @@ void CoarseLevel::restrictResidual(const NodeArray& s, WorkerPool& pool)
 
 void CoarseLevel::solve(WorkerPool& pool)
 {
+    if (aside_) {
+        std::ranges::fill(correction_, 0.0f);
+        return;
+    }
     const Parts panels = panelParts(blocksFor(3 * latticeNodes_));
     const auto rows = std::span<const float>(residual_).first(static_cast<std::size_t>(coarseRows(latticeNodes_)));
     pool.run(panels.count(),
@@ -73,6 +77,10 @@ double CoarseLevel::inverseEntry(std::size_t row, std::size_t column) const
 
 void CoarseLevel::solve(std::span<const float> residuals, std::span<float> corrections, std::size_t count) const
 {
+    if (aside_) {
+        std::ranges::fill(corrections, 0.0f);
+        return;
+    }
     const std::size_t rows = residual_.size(), entries = correction_.size();
     const auto onLattice = [&](std::size_t vector) {
         return std::ranges::any_of(residuals.subspan(vector * rows, 3 * static_cast<std::size_t>(latticeNodes_)),

@@ -31,6 +31,9 @@ public:
     void interpolate(int node, const Interpolation& interpolation);
     void followPieces(const PieceMotion& motion) { pieces_.followRigidMotions(interpolation_, motion); }
 
+    /// While it is set aside, A_c^-1 counts as zero in both solve(): x_c = 0.
+    void setAside(bool aside) { aside_ = aside; }
+
     /// r_c = P^T s
     void restrictResidual(const NodeArray& s, WorkerPool& pool);
     /// x_c = A_c^-1 r_c
@@ -52,6 +55,7 @@ private:
 
     int coarseNodes_ = 0;  ///< with those of small pieces
     int latticeNodes_ = 0; ///< without
+    bool aside_ = false;
     CoarseInterpolation interpolation_;
     std::vector<PanelRow> inverse_; ///< A_c^-1 of the lattice
     SmallPieces pieces_;

@@ -4,6 +4,7 @@
 #include "filasofia/linalg/node_parts.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace filasofia::linalg {
 
@@ -21,6 +22,7 @@ void TwoLevelPreconditioner::grow(int blocks)
     for (int k : {0, 4, 8}) std::fill(std::begin(identity.m[k]), std::end(identity.m[k]), 1.0f);
     rotations_.resize(static_cast<std::size_t>(blocks), identity);
     smoother_.grow(blocks);
+    present_.grow(blocks);
     coarse_.resize(blocks);
     rest_ = NodeArray(blocks);
     smoothed_ = NodeArray(blocks);
@@ -43,6 +45,7 @@ bool TwoLevelPreconditioner::takeCoarseLevel(CoarseLevel&& from)
 {
     if (from.coarseNodes() == 0) return false;
     coarse_ = std::move(from);
+    coarse_.setAside(presentUsed_);
     coarse_.resize(smoother_.blocks());
     coarseMasses_.clear();
     return true;
@@ -53,16 +56,48 @@ void TwoLevelPreconditioner::followPieces(const NodeArray& x, std::span<const fl
     coarse_.followPieces({rotations_, x, masses, massWeight});
 }
 
+double TwoLevelPreconditioner::coherence()
+{
+    turned_.assign(static_cast<std::size_t>(coarse_.coarseNodes()), {});
+    weights_.assign(turned_.size(), 0.0);
+    for (int node = 0; node < kBlock * smoother_.blocks(); ++node) {
+        const Interpolation how = coarse_.interpolation(node);
+        const Mat3 turn = rotation(node);
+        for (std::size_t k = 0; k < how.corners.size(); ++k) {
+            if (how.weights[k] == 0.0f) continue;
+            turned_[static_cast<std::size_t>(how.corners[k])] += static_cast<double>(how.weights[k]) * turn;
+            weights_[static_cast<std::size_t>(how.corners[k])] += how.weights[k];
+        }
+    }
+    double least = 1.0;
+    for (std::size_t c = 0; c < turned_.size(); ++c) {
+        const Mat3& sum = turned_[c];
+        const double size = std::sqrt((lengthSquared(sum[0]) + lengthSquared(sum[1]) + lengthSquared(sum[2])) / 3.0);
+        if (weights_[c] > 0.0) least = std::min(least, size / weights_[c]);
+    }
+    return least;
+}
+
+void TwoLevelPreconditioner::usePresent(std::span<const Mat3> diagonal)
+{
+    presentUsed_ = !diagonal.empty();
+    coarse_.setAside(presentUsed_);
+    for (std::size_t i = 0; i < diagonal.size(); ++i) {
+        const Mat3 turn = rotation(static_cast<int>(i));
+        present_.set(static_cast<int>(i), transpose(turn) * diagonal[i] * turn);
+    }
+}
+
 double TwoLevelPreconditioner::apply(const NodeArray& r, NodeArray& z, WorkerPool& pool)
 {
     smooth(r, pool);
-    clusters_.apply(rest_, smoothed_, pool);
+    if (!presentUsed_) clusters_.apply(rest_, smoothed_, pool);
     return applyCoarse(r, z, pool);
 }
 
 void TwoLevelPreconditioner::smooth(const NodeArray& r, WorkerPool& pool)
 {
-    smoother_.apply(rotations_, r, rest_, smoothed_, pool);
+    smoother().apply(rotations_, r, rest_, smoothed_, pool);
     restricted_ = false;
 }
 
@@ -126,7 +161,7 @@ void TwoLevelPreconditioner::addToCoarseResidual(int node, Vec3 change)
 
 Mat3 TwoLevelPreconditioner::inverseDiagonal(int node) const
 {
-    return rotation(node) * smoother_.inverse(node) * transpose(rotation(node));
+    return rotation(node) * smoother().inverse(node) * transpose(rotation(node));
 }
 
 void TwoLevelPreconditioner::addColumn(std::span<const ColumnEntry> column)

@@ -23,6 +23,9 @@ struct ColumnEntry {
 ///
 /// M^-1 is symmetric and positive definite whatever P is. If there are clusters (ClusterSmoother), D consists of their
 /// blocks, and of single nodes elsewhere. In two halves, D is that of single nodes.
+///
+/// Where neighbours have turned against each other, as in a crumpled sheet, A_rest says little about the matrix: M^-1
+/// is then made of the present blocks alone (usePresent).
 class TwoLevelPreconditioner {
 public:
     TwoLevelPreconditioner() = default;
@@ -34,6 +37,13 @@ public:
     /// Small pieces that nothing holds: the coarse level has their rigid motions at x from now on (SmallPieces).
     /// `masses` per node, as they stand in the matrix.
     void followPieces(const NodeArray& x, std::span<const float> masses, double massWeight);
+
+    /// [-] In [0, 1]: how alike the rotations R_i of the nodes are that follow the same coarse node, where they are
+    /// least so: |sum w_i R_i| / (sqrt(3) sum w_i). 1 if there are no coarse nodes.
+    [[nodiscard]] double coherence();
+    /// From now on M^-1 = D^-1 with these blocks of the present matrix, one per node in world axes, and no coarse level
+    /// and no clusters. Empty: M^-1 is that of A_rest again.
+    void usePresent(std::span<const Mat3> diagonal);
 
     /// z = M^-1 r; returns r . z
     double apply(const NodeArray& r, NodeArray& z, WorkerPool& pool);
@@ -85,15 +95,19 @@ public:
 
 private:
     void restrictOnce(WorkerPool& pool);
+    [[nodiscard]] const BlockJacobi& smoother() const { return presentUsed_ ? present_ : smoother_; }
 
     std::vector<RotationBlock> rotations_;
-    BlockJacobi smoother_;
+    BlockJacobi smoother_, present_; ///< of A_rest, and of usePresent()
+    bool presentUsed_ = false;
     ClusterSmoother clusters_;
     CoarseLevel coarse_;
     CoarseDeflation deflation_;
     NodeArray rest_, smoothed_;       ///< R^T r, and D^-1 of it
     bool restricted_ = false;         ///< the coarse level has P^T of it
     std::vector<float> coarseMasses_; ///< C; empty until carry() needs it after an edit
+    std::vector<Mat3> turned_;        ///< scratch of coherence(), as weights_
+    std::vector<double> weights_;
     std::vector<double> sums_;
 };
 

@@ -127,6 +127,63 @@ TEST_CASE("the default solver matches Cholesky's steps for membranes and shells"
     }
 }
 
+TEST_CASE("a sheet that collapses is solved in few iterations however it is crumpled")
+{
+    for (const double young : {1e5, 1e6}) {
+        Stage stage({.period = 0.001, .threads = 1});
+        SoftBodyDef def = sheet(20, {.youngModulus = young, .thickness = 0.2e-3}, 0.0);
+        def.pose.orientation = {std::numbers::sqrt2 / 2.0, 0.0, -std::numbers::sqrt2 / 2.0, 0.0}; // x points upwards
+        def.attachments = {{.nodes = edgeAt(20)}};
+        stage.add(def);
+        stage.post(SetGravity{kGravity});
+        int most = 0;
+        double sum = 0.0, lowest = 1.0;
+        for (int step = 0; step < 500; ++step) {
+            const StepReport report = stage.step(0.001);
+            most = std::max(most, report.solves[0].iterations);
+            sum += report.solves[0].iterations;
+            CHECK_FALSE(report.has(StepFlag::NotConverged));
+        }
+        for (const Vec3& x : stage.soft().x) lowest = std::min(lowest, x.z);
+        std::cout << "collapsing sheet of " << young << " Pa: " << sum / 500 << " iterations per step, " << most
+                  << " at most, lowest point " << lowest << " m\n";
+        CHECK(lowest < -0.01); // it hangs below the edge that it stood on
+        CHECK(most < 100);     // with the matrix at rest, 250 and more than 300
+        CHECK(sum < 30 * 500); // 89 and 145 per step
+    }
+}
+
+TEST_CASE("the preconditioner of a crumpled shell has the present blocks of stretching, bending, masses and pins")
+{
+    Stage stage({.period = 0.001, .threads = 1});
+    SoftBodyDef def = sheet(8, {.youngModulus = 1e5, .thickness = 2e-3});
+    def.rayleigh = {0.5, 0.002};
+    def.attachments = {{.nodes = {0, 1, 2}}, {.nodes = {40}, .stiffness = 30.0}};
+    stage.add(def);
+    stage.step(0.0);
+    std::mt19937 random(5);
+    for (std::size_t i = 3; i < stage.soft().x.size(); ++i) stage.soft().x[i] += randomVec3(random, 0.01);
+    const std::vector<Vec3> x = stage.soft().x;
+    stage.step(0.001);
+    const SoftModel& model = stage.model();
+    const ImplicitWeights weights = implicitWeights(0.001, {0.5, 0.002});
+    std::vector<Mat3> blocks(x.size());
+    for (const MembraneElement& each : model.shell.membranes) {
+        const MembraneTangent tangent = membraneTangent(each, vectorsAt(each.nodes, x), weights.turning);
+        for (int i = 0; i < 3; ++i) blocks[each.nodes[i]] += weights.stiffness * stiffnessBlock(tangent, i, i);
+    }
+    for (const BendingElement& each : model.shell.bends) {
+        const BendingTangent tangent = bendingTangent(each, vectorsAt(each.nodes, x));
+        for (int i = 0; i < 6; ++i) blocks[each.nodes[i]] += weights.stiffness * stiffnessBlock(tangent, i, i);
+    }
+    for (std::size_t i = 3; i < x.size(); ++i) {
+        const double pin = i == 40 ? 30.0 : 0.0;
+        blocks[i] += (weights.mass * model.masses[i] + weights.stiffness * pin) * Mat3::identity();
+        const double found = stage.world.scene().soft[0].system.matrixFree->compliance(static_cast<int>(i));
+        CHECK(found == Approx(trace(inverse(blocks[i])) / 3.0).epsilon(1e-3));
+    }
+}
+
 TEST_CASE("a shell computes the same bits with any number of threads")
 {
     std::vector<std::vector<Vec3>> results;

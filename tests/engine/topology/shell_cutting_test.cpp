@@ -131,6 +131,20 @@ TEST_CASE("a sheet that is cut through falls apart into two pieces of the right 
     }
 }
 
+TEST_CASE("a sheet that was cut is as thick in contact as before")
+{
+    SoftBodyDef def = cuttable(16, {.youngModulus = 50e3, .thickness = 0.6e-3});
+    def.collision = {{.proximity = 0.5e-3}};
+    ShellScene scene(def);
+    const std::size_t before = scene.stage.soft().x.size();
+    scene.cut(0.0237);
+    const CollisionModel& model = scene.stage.model().collision[0];
+    CHECK(scene.stage.soft().x.size() > before);
+    CHECK(model.inset.depth.size() == scene.stage.soft().x.size());
+    for (const double depth : model.inset.depth) CHECK(depth == 0.3e-3);
+    CHECK(model.shape->proximity == Approx(0.8e-3));
+}
+
 TEST_CASE("a cut changes neither momentum nor mass of a sheet that flies and shakes")
 {
     SoftBodyDef def = cuttable(12);

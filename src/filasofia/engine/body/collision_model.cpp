@@ -23,13 +23,15 @@ using geometry::TriangleMesh;
 // [-] The largest depth of the inset over the proximity.
 constexpr double kInset = 0.2;
 
+/// `round` [m]: half the thickness of a shell, whose triangles are its middle.
 CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, const std::string& field,
-                       Partners partners = Partners::All)
+                       Partners partners = Partners::All, double round = 0.0)
 {
     if (const std::size_t features = mesh.vertices.size() + 4 * mesh.triangles.size(); features >= kMaxFeatures)
         fail(field, ".mesh must have < ", kMaxFeatures, " vertices, edges and triangles, got up to ", features);
-    const double depth = insetDepth(def.proximity);
+    const double depth = round > 0.0 ? round : insetDepth(def.proximity);
     CollisionModel model;
+    model.round = round;
     CollisionShape shape = makeCollisionShape(mesh, {.points = def.primitives.points,
                                                      .lines = def.primitives.lines,
                                                      .triangleFaces = def.primitives.triangles,
@@ -39,7 +41,7 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
                                                      .group = def.group,
                                                      .self = def.self,
                                                      .cutting = def.cutting});
-    model.inset = makeInset(shape, depth);
+    model.inset = round > 0.0 ? roundInset(shape, round) : makeInset(shape, depth);
     setProximity(def.proximity, model.inset, shape);
     model.shape = std::make_shared<const CollisionShape>(std::move(shape));
     model.proximity = def.proximity;
@@ -56,7 +58,7 @@ CollisionModel aroundLines(const std::vector<Vec3>& rest, double radius, Collisi
     CollisionModel model;
     model.proximity = options.proximity;
     model.round = radius;
-    model.inset = tubeInset(shape, radius);
+    model.inset = roundInset(shape, radius);
     setProximity(options.proximity, model.inset, shape);
     model.shape = std::make_shared<const CollisionShape>(std::move(shape));
     return model;
@@ -198,13 +200,14 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
 std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, const TriangleMesh& worldShell)
 {
     checkCount(def.collision, text("soft body '", def.name, "'"));
+    const double halfThickness = 0.5 * std::get<physics::ShellMaterial>(def.material).thickness;
     std::vector<int> nodes(worldShell.vertices.size());
     std::iota(nodes.begin(), nodes.end(), 0);
     std::vector<CollisionModel> models;
     for (std::size_t i = 0; i < def.collision.size(); ++i) {
         const std::string field = text("soft body '", def.name, "': collision[", i, "]");
         checkPrimitives(def.collision[i], field);
-        models.push_back(modelOf(worldShell, def.collision[i], field));
+        models.push_back(modelOf(worldShell, def.collision[i], field, Partners::All, halfThickness));
         models.back().embedding = nodeEmbedding(nodes);
         models.back().own = true;
     }

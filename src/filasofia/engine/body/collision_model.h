@@ -18,8 +18,8 @@ struct CollisionModel {
     Inset inset;
     std::vector<Vec3> core; ///< [m] the shape's vertices, moved inwards; rigid bodies only
     double proximity = 0.0; ///< [m] proximity of the surface itself, without the inset
-    /// [m] Its lines and points stand for all that is so near to them: a rod's tube, a rigid ball or capsule. 0: its
-    /// triangles are the surface.
+    /// [m] Its features stand for all that is so near to them: a rod's tube, a rigid ball or capsule, a shell as thick
+    /// as twice that. 0: its triangles are the surface.
     double round = 0.0;
     int element = 0;          ///< rigid bodies only
     bool own = false;         ///< soft bodies only: it is the body's own surface, and follows its cuts

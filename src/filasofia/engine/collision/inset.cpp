@@ -144,7 +144,7 @@ Inset makeInset(const CollisionShape& shape, double depth)
     return inset;
 }
 
-Inset tubeInset(const CollisionShape& shape, double radius)
+Inset roundInset(const CollisionShape& shape, double radius)
 {
     return {.depth = std::vector<double>(shape.rest.size(), radius),
             .share = std::vector<double>(shape.vertexTriangles.items.size())};

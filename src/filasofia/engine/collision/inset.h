@@ -20,8 +20,8 @@ struct Inset {
 /// of the body's thickness, or of an edge around them, would be taken off.
 Inset makeInset(const CollisionShape& shape, double depth);
 
-/// For lines that stand for the tubes around them: they are the tubes' surfaces moved inwards by `radius` [m].
-Inset tubeInset(const CollisionShape& shape, double radius);
+/// For features that stand for all that is within `radius` [m] of them: they are its surface moved inwards by that.
+Inset roundInset(const CollisionShape& shape, double radius);
 
 /// Moves the current vertices [m] of a shape inwards.
 void applyInset(const CollisionShape& shape, const Inset& inset, std::vector<Vec3>& normals, std::span<Vec3> x);

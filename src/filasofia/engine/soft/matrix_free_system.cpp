@@ -33,6 +33,11 @@ constexpr double kRough = 0.25;
 constexpr int kFewNodes = 128;
 constexpr double kTighter = 0.01, kSmallestTolerance = 1e-5; // the second is the limit of float
 
+// [-] A shell whose nodes have turned against their neighbours so far is crumpled. A sheet of 441 nodes and 1 MPa that
+// collapsed took 179 iterations per step with the preconditioner of rest, 18 with either as this chooses, and 33 with
+// that of present blocks alone; from 0.95 to 0.99 it makes no difference. At 0.1 MPa: 76, 14 and 19.
+constexpr double kCoherent = 0.97;
+
 constexpr int kNodesPerPart = 512;
 
 void store(Vec3 value, float* out)
@@ -119,7 +124,21 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
             averageRotations(turns_, quaternions, preconditioner_.rotations(), blocks);
         return gatherForces({gather_, corners, asFloat(dt * rayleigh.mass), masses_, diagonal_}, v_, residual_, blocks);
     });
-    if (implicit) preconditioner_.followPieces(x_, masses_, massWeight_);
+    if (!implicit) return;
+    if (!shell_.empty()) followCreases();
+    preconditioner_.followPieces(x_, masses_, massWeight_);
+}
+
+void MatrixFreeSystem::followCreases()
+{
+    present_.clear();
+    if (preconditioner_.coherence() < kCoherent) {
+        present_.resize(static_cast<std::size_t>(freeNodes_));
+        shell_.addDiagonal(present_);
+        for (std::size_t slot = 0; slot < present_.size(); ++slot)
+            present_[slot] += (massWeight_ * masses_[slot] + diagonal_[slot]) * Mat3::identity();
+    }
+    preconditioner_.usePresent(present_);
 }
 
 double MatrixFreeSystem::multiply(const NodeArray& p, NodeArray& q, WorkerPool& pool)

@@ -143,6 +143,9 @@ private:
 
     void load(std::span<const Vec3> from, Vec3 origin, linalg::NodeArray& to, WorkerPool& pool) const;
 
+    /// Chooses the preconditioner of a shell: that of rest, or that of its present blocks if it is crumpled.
+    void followCreases();
+
     void loadImpulses(std::span<const Vec3> forces, std::span<const Vec3> residual, double dt, WorkerPool& pool);
 
     /// corners = K p of at least these parts.
@@ -220,6 +223,7 @@ private:
     double size_ = 0.0;                      ///< squared norm of the right-hand side
     std::vector<double> sums_;
     linalg::TwoLevelPreconditioner preconditioner_;
+    std::vector<Mat3> present_;        ///< scratch: the blocks on the diagonal of a crumpled shell
     bool tied_ = false;                ///< see isTied()
     bool parted_ = false;              ///< tissue has been parted since the coarse level was built or its rebuild began
     CopiedPtr<CoarseRebuild> rebuild_; ///< rebuild of the coarse level in progress; null: none

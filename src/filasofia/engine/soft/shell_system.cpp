@@ -16,6 +16,30 @@ std::array<Vec3, 2> frameOf(const TriangleCorners& rest)
     return {first, normalized(cross(normalized(cross(rest[1] - rest[0], rest[2] - rest[0])), first))};
 }
 
+Mat3 symmetricAt(const float (&m)[6][kBlock], std::size_t lane)
+{
+    const auto at = [&](std::size_t k) { return static_cast<double>(m[k][lane]); };
+    return {{{at(0), at(1), at(2)}, {at(1), at(3), at(4)}, {at(2), at(4), at(5)}}};
+}
+
+Vec3 vectorAt(const float (&v)[3][kBlock], std::size_t lane) { return {v[0][lane], v[1][lane], v[2][lane]}; }
+
+/// The gradients of the three angles of a triangle by its six corners.
+std::array<std::array<Vec3, 3>, 6> gradientsAt(const BendingTangentBlock& tangent, std::size_t lane)
+{
+    std::array<std::array<Vec3, 3>, 6> gradients{};
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Vec3 own = vectorAt(tangent.own[i], lane), across = vectorAt(tangent.across[i], lane);
+        const Vec3 second = static_cast<double>(tangent.feet[i][0][lane]) * own +
+                            static_cast<double>(tangent.feet[i][1][lane]) * across;
+        gradients[i][i] = -own;
+        gradients[3 + i][i] = -across;
+        gradients[(i + 1) % 3][i] = own + across - second;
+        gradients[(i + 2) % 3][i] = second;
+    }
+    return gradients;
+}
+
 std::size_t blocksOf(std::size_t count) { return static_cast<std::size_t>(linalg::blocksFor(static_cast<int>(count))); }
 
 } // namespace
@@ -93,6 +117,36 @@ void ShellSystem::multiply(const linalg::NodeArray& p, std::span<float> corners,
     pool.run(membranes.count(),
              [&](int part) { multiplyMembranes(membraneTangents_, p, stretching, membranes[part]); });
     pool.run(bends.count(), [&](int part) { multiplyBends(bendingTangents_, p, bending, bends[part]); });
+}
+
+void ShellSystem::addDiagonal(std::span<Mat3> blocks) const
+{
+    const auto add = [&](int place, const Mat3& block) { // pinned nodes come after the free ones
+        if (const auto slot = static_cast<std::size_t>(place / 4); slot < blocks.size()) blocks[slot] += block;
+    };
+    for (std::size_t e = 0; e < count_; ++e) {
+        const MembraneTangentBlock& t = membraneTangents_[e / kBlock];
+        const std::size_t lane = e % kBlock;
+        const Mat3 aa = symmetricAt(t.aa, lane), bb = symmetricAt(t.bb, lane);
+        const auto row = [&](std::size_t k) { return Vec3{t.ab[k][lane], t.ab[k + 1][lane], t.ab[k + 2][lane]}; };
+        const Mat3 ab{{row(0), row(3), row(6)}};
+        add(t.nodes[0][lane], aa + bb + ab + transpose(ab));
+        add(t.nodes[1][lane], aa);
+        add(t.nodes[2][lane], bb);
+    }
+    for (std::size_t e = 0; e < kBlock * bends_.size(); ++e) {
+        const BendingTangentBlock& t = bendingTangents_[e / kBlock];
+        const std::size_t lane = e % kBlock;
+        const Mat3 s = symmetricAt(t.stiffness, lane);
+        const auto gradients = gradientsAt(t, lane);
+        for (std::size_t n = 0; n < gradients.size(); ++n) { // sum of S_ij g_i g_j^T
+            const std::array<Vec3, 3>& g = gradients[n];
+            Mat3 block;
+            for (int i = 0; i < 3; ++i)
+                block += outer(s[i].x * g[0] + s[i].y * g[1] + s[i].z * g[2], g[static_cast<std::size_t>(i)]);
+            add(t.nodes[n][lane], block);
+        }
+    }
 }
 
 bool ShellSystem::fits(const Shell& shell, double perStiffness)

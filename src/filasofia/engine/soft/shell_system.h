@@ -53,6 +53,10 @@ public:
     [[nodiscard]] Mat3 diagonalAtRest(const Shell& shell, std::span<const Vec3> rest, ImplicitWeights weights,
                                       std::span<const int> corners) const;
 
+    /// Adds to `blocks`, one per free slot, those of each triangle on the diagonal of the step's matrix, as update()
+    /// left it.
+    void addDiagonal(std::span<Mat3> blocks) const;
+
     /// As updateElements() and multiplyElements(), for all triangles. `corners`: those of groups().
     void update(const BlockInput& input, std::span<float> corners, std::span<float> quaternions, WorkerPool& pool);
     void multiply(const linalg::NodeArray& p, std::span<float> corners, WorkerPool& pool) const;

@@ -69,7 +69,9 @@ void editCollision(const OwnSurfaceEdit& edit, int model, SoftModel& body, Scene
     const std::shared_ptr<const CollisionShape> before = collision.shape;
     ShapeChange change;
     CollisionShape now = editShape(*before, edit.surface, change);
-    collision.inset = editInset(collision.inset, *before, now, change, insetDepth(collision.proximity));
+    collision.inset = collision.round > 0.0
+                          ? roundInset(now, collision.round)
+                          : editInset(collision.inset, *before, now, change, insetDepth(collision.proximity));
     setProximity(collision.proximity, collision.inset, now);
     if (!collision.behind.empty()) collision.behind = behindNow(edit, change, collision.behind);
     addToEmbedding(edit.nodes, collision.embedding);

@@ -1,0 +1,69 @@
+#include "filasofia/geometry/shapes.h"
+
+#include "engine/sheets.h"
+#include "engine/stage.h"
+
+namespace thick_shells_test {
+
+using namespace filasofia;
+using namespace filasofia::engine;
+using namespace filasofia::physics;
+
+namespace {
+
+constexpr double kProximity = 0.5e-3, kThickness = 0.8e-3; // [m]
+
+RigidBodyDef floorBelow()
+{
+    return {.elements = {Pose{{0, 0, -0.01}, {}}},
+            .mesh = geometry::shapes::box({0.3, 0.3, 0.02}),
+            .collision = {{.proximity = kProximity}}};
+}
+
+/// A square sheet of 6 cm at a height, not quite above its like.
+SoftBodyDef sheetAt(double z, double aside = 0.0)
+{
+    return {.mesh = shared(sheetMesh({12, 12}, 0.06, 0.06)),
+            .pose = {{-0.03 + aside, -0.03 + 0.4 * aside, z}, {}},
+            .material = ShellMaterial{.youngModulus = 1e5, .thickness = kThickness},
+            .rayleigh = {0.5, 0.01},
+            .collision = {{.proximity = kProximity}}};
+}
+
+} // namespace
+
+TEST_CASE("shells rest on a floor and on each other as thick as they are")
+{
+    Stage stage({.period = 0.002, .threads = 1});
+    stage.add(floorBelow());
+    stage.add(sheetAt(1e-3));
+    stage.add(sheetAt(3e-3, 1.3e-3));
+    stage.post(SetGravity{{0, 0, -9.81}});
+    CHECK_FALSE(stage.run(500, 0.002).has(StepFlag::Intersecting));
+    // A contact keeps surfaces apart by a hundredth of both proximities at most.
+    constexpr double apart = 0.01 * 2.0 * kProximity;
+    for (const Vec3& x : stage.soft(0).x) CHECK(std::abs(x.z - 0.5 * kThickness) < 2.0 * apart);
+    for (std::size_t i = 0; i < stage.soft(1).x.size(); ++i) {
+        const Vec3 x = stage.soft(1).x[i];
+        if (std::max(std::abs(x.x), std::abs(x.y)) > 0.028) continue; // beyond the rim of the other
+        CHECK(std::abs(x.z - 1.5 * kThickness) < 4.0 * apart);
+    }
+}
+
+TEST_CASE("a closed shell rests on a floor as thick as it is")
+{
+    Stage stage({.period = 0.002, .threads = 1});
+    stage.add(floorBelow());
+    stage.add(SoftBodyDef{.mesh = geometry::shapes::sphere(0.01, 6),
+                          .pose = {{0, 0, 0.0115}, {}},
+                          .material = ShellMaterial{.youngModulus = 1e6, .thickness = kThickness},
+                          .rayleigh = {0.5, 0.01},
+                          .collision = {{.proximity = kProximity}}});
+    stage.post(SetGravity{{0, 0, -9.81}});
+    stage.run(1000, 0.002);
+    double lowest = 1.0;
+    for (const Vec3& x : stage.soft().x) lowest = std::min(lowest, x.z);
+    CHECK(std::abs(lowest - 0.5 * kThickness) < 0.04 * kProximity);
+}
+
+} // namespace thick_shells_test
