@@ -2,9 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace filasofia::engine {
 namespace {
+
+// The rounds of the centred step: each makes its error smaller by h w, half of the angle that the body turns in a step.
+// Beyond kShrinking it would not end.
+constexpr int kMostRounds = 12;
+constexpr double kShrinking = 0.5, kSettled = 1e-8; // [-]
 
 /// [m] The length that turns a joint's velocity into one in [m/s]: the radius of gyration of all that it moves, or 1 if
 /// the joint slides or moves no mass.
@@ -34,25 +40,68 @@ JointMatrix dampingOf(const MovingTree& moving, const JointDrive& drive)
     return damping;
 }
 
+/// [rad/s] or [m/s] The change of the free joints' velocities, without constraints, if the inertial forces are those of
+/// the velocities that differ from the start's by `change`. `given` [N m] or [N]: the other forces.
+std::vector<double> changeAt(const MovingTree& moving, const JointDrive& drive, std::span<const double> given,
+                             const JointMatrix& inverse, std::span<const double> change, double dt)
+{
+    std::vector<double> velocities(moving.velocities.begin(), moving.velocities.end());
+    for (std::size_t f = 0; f < change.size(); ++f) velocities[static_cast<std::size_t>(drive.free[f])] += change[f];
+    MovingTree then = moving;
+    then.velocities = velocities;
+    if (drive.freeBase) {
+        const std::span<const double> base = std::span(velocities).last(kBaseJoints);
+        then.baseVelocity = {{base[0], base[1], base[2]}, {base[3], base[4], base[5]}};
+    }
+    std::vector<double> impulses = inverseDynamics(then, drive.gravity, drive.free);
+    for (std::size_t f = 0; f < impulses.size(); ++f) impulses[f] = dt * (given[f] - impulses[f]);
+    std::vector<double> out(impulses.size());
+    multiply(inverse, impulses, out);
+    return out;
+}
+
+/// The change with the inertial forces in the middle of the step, by fixed-point iteration: see the head of
+/// joint_step.h. If a body turns too far in a step for that, those of its start.
+std::vector<double> centredChange(const MovingTree& moving, const JointDrive& drive, std::span<const double> given,
+                                  const JointMatrix& inverse, double dt)
+{
+    const std::vector<double> first = changeAt(moving, drive, given, inverse, {}, dt);
+    std::vector<double> change = first;
+    double last = std::numeric_limits<double>::infinity();
+    for (int round = 0; round < kMostRounds; ++round) {
+        std::vector<double> half = change;
+        for (double& each : half) each *= 0.5;
+        std::vector<double> next = changeAt(moving, drive, given, inverse, half, dt);
+        double moved = 0.0, size = 0.0; // in squares
+        for (std::size_t f = 0; f < next.size(); ++f) {
+            moved += (next[f] - change[f]) * (next[f] - change[f]);
+            size += next[f] * next[f];
+        }
+        if (!(moved <= kShrinking * kShrinking * last)) return first;
+        change = std::move(next);
+        if (moved <= kSettled * kSettled * size) break;
+        last = moved;
+    }
+    return change;
+}
+
 } // namespace
 
 JointStep planJoints(const MovingTree& moving, const JointDrive& drive, double dt)
 {
     JointStep out;
-    const std::vector<double> needed = inverseDynamics(moving, drive.gravity, drive.free);
     out.matrix = massMatrix(moving.tree, moving.axes, moving.masses, drive.free);
     const JointMatrix damping = dampingOf(moving, drive);
-    std::vector<double> speeds, slowing(drive.free.size()), impulses;
+    std::vector<double> speeds, given(drive.free.size());
     for (const int joint : drive.free) speeds.push_back(moving.velocities[static_cast<std::size_t>(joint)]);
-    multiply(damping, speeds, slowing);
+    multiply(damping, speeds, given);
     for (std::size_t f = 0; f < drive.free.size(); ++f) {
         out.arms.push_back(armOf(moving, drive.free[f], out.matrix(f, f)));
-        impulses.push_back(dt * (drive.forces[f] - slowing[f] - needed[f]));
+        given[f] = drive.forces[f] - given[f];
     }
     for (std::size_t i = 0; i < damping.entries.size(); ++i) out.matrix.entries[i] += dt * damping.entries[i];
     out.inverse = inverse(out.matrix);
-    out.change.assign(drive.free.size(), 0.0);
-    multiply(out.inverse, impulses, out.change);
+    out.change = centredChange(moving, drive, given, out.inverse, dt);
     return out;
 }
 

@@ -8,10 +8,12 @@
 /// A step of the joints of a tree without constraints. Joints that are told a position move there at their speed. The
 /// velocities q' of the free joints, those that forces move, are the unknowns,
 ///
-///     (M + h D) dq' = h (force - D q' - c(q, q', base)) + sum of J^T impulse,
+///     (M + h D) dq' = h (force - D q' - c(q, q' + dq'_0 / 2, base)) + sum of J^T impulse,
 ///
-/// with the mass matrix M, the damping D and the inertial and gravity forces c (inverseDynamics): semi-implicit Euler
-/// in reduced coordinates.
+/// with the mass matrix M, the damping D, the inertial and gravity forces c (inverseDynamics) and the change dq'_0
+/// without impulses: semi-implicit Euler in reduced coordinates, with inertial forces in the middle of the step. So the
+/// velocities are those between two positions (leapfrog; Hairer, Lubich and Wanner 2006, I.1.4): the step is the same
+/// forwards and backwards, and energy and angular momentum do not drift.
 namespace filasofia::engine {
 
 /// What drives the free joints besides their own motion.
