@@ -37,6 +37,7 @@ struct Proximity {
     double gap = 0.0;                               ///< [m] negative if the surfaces overlap
     /// The pair of features: the same number from step to step, unique among the pairs of two bodies.
     std::uint64_t feature = 0;
+    bool parting = false; ///< not a distance: a way out for surfaces that pass through each other
 };
 
 } // namespace filasofia::engine

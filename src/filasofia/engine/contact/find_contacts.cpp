@@ -6,6 +6,7 @@
 #include "filasofia/engine/contact/everted_tissue.h"
 #include "filasofia/engine/contact/intersections.h"
 #include "filasofia/engine/contact/islands.h"
+#include "filasofia/engine/contact/part_crossings.h"
 #include "filasofia/engine/contact/turned_contact.h"
 #include "filasofia/engine/contact/warm_start.h"
 
@@ -194,8 +195,11 @@ void noteStartsInside(const Scene& scene, const std::vector<SurfaceOwner>& owner
         const DeepPoints deep = deepPointsOf(owners, detection, pair);
         if (deep.inRigid.empty() && deep.inTissue.empty()) continue;
         detection.startedInside.push_back({one.name, two.name});
+        const bool tissue = one.soft && two.soft;
         logWarning("body '", nameOf(scene, one), "' and body '", nameOf(scene, two), "' start inside each other: ",
-                   deep.inRigid.empty() ? "points inside tissue stay there" : "they are pushed apart");
+                   tissue                 ? "they part where their surfaces cross"
+                   : deep.inRigid.empty() ? "points inside tissue stay there"
+                                          : "they are pushed apart");
     }
 }
 
@@ -226,12 +230,13 @@ void writeContact(const Proximity& found, double gap, const std::array<const Sur
         contact.sides[side] = pointOf(*sides[side], found, side,
                                       surfaces[static_cast<std::size_t>(found.surfaces[side])], scene, coupling.rigid);
     contact.frame = frameOf(found.normal);
-    contact.friction = std::sqrt(frictionOf(scene, *sides[0]) * frictionOf(scene, *sides[1]));
+    contact.friction = found.parting ? 0.0 : std::sqrt(frictionOf(scene, *sides[0]) * frictionOf(scene, *sides[1]));
     const Vec3 point = 0.5 * (contact.sides[0].position + contact.sides[1].position);
     contact.contact = {.cached = {sides[0]->name.body, sides[1]->name.body, found.feature, point, {}},
                        .gap = gap,
                        .proximity = proximity,
-                       .skin = kSkin * proximity};
+                       .skin = kSkin * proximity,
+                       .passing = found.parting};
     if (std::holds_alternative<physics::ExactContact>(context.method))
         turnContact(context.dt, coupling.rigid,
                     {armOf(*sides[0]->collision, found, 0), armOf(*sides[1]->collision, found, 1)}, contact);
@@ -285,6 +290,7 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
     findProximities(detection.surfaces, dt, context.pool, detection.sides, detection.scratch, detection.proximities);
     if (!added.empty()) noteStartsInside(scene, owners, added, coupling);
     addDeepPoints(owners, detection);
+    partCrossings(context, owners, detection);
 
     detection.followed.clear();
     for (Proximity& found : detection.proximities) {

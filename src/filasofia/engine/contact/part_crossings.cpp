@@ -1,0 +1,137 @@
+#include "filasofia/engine/contact/part_crossings.h"
+
+#include "filasofia/engine/collision/surface_crossings.h"
+#include "filasofia/geometry/distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+// [-] Relative to both proximities: how deep a crossing counts at least. It decides how fast the surfaces part.
+constexpr double kLeastDepth = 0.2;
+// [-] Below it the way out is rounding: an edge in the middle of a flat part tells nothing.
+constexpr double kLeastWay = 1e-3;
+
+/// The edge's number; both vertices are those of an edge.
+int edgeBetween(const CollisionShape& shape, const std::array<int, 2>& ends)
+{
+    const auto edges = shape.vertexEdges[ends[0]];
+    return *std::ranges::find_if(edges, [&](int edge) { return shape.edges[edge] == ends; });
+}
+
+/// The direction in which the edge moves relative to the triangle, not normalised.
+Vec3 wayOut(const SurfaceCrossing& crossing, int edge, const CollisionSurface& own, const CollisionSurface& target)
+{
+    const Vec3 from = own.x[crossing.edge[0]], along = normalized(own.x[crossing.edge[1]] - from);
+    const auto [a, b, c] = crossing.triangle;
+    const Vec3 normal = normalized(cross(target.x[b] - target.x[a], target.x[c] - target.x[a]));
+    const double rise = dot(along, normal);
+    if (rise == 0.0) return {};
+    const CollisionShape& shape = *own.shape;
+    Vec3 way;
+    for (int i = shape.edgeTriangles.start[edge]; i < shape.edgeTriangles.start[edge + 1]; ++i) {
+        const Vec3 third = own.x[shape.edgeOpposites[i]] - from;
+        const Vec3 inwards = third - dot(third, along) * along; // across the edge, into the triangle
+        Vec3 line = normalized(cross(normal, cross(along, inwards)));
+        if (dot(line, inwards) < 0.0) line = -line;
+        way += line - dot(along, line) / rise * normal;
+    }
+    return way;
+}
+
+class Parting {
+public:
+    Parting(const StepContext& context, ContactDetection& detection) : context_(context), detection_(detection) {}
+
+    void part(std::array<int, 2> pair)
+    {
+        const auto first = static_cast<std::size_t>(pair[0]), second = static_cast<std::size_t>(pair[1]);
+        CollisionSurface &one = detection_.surfaces[first], &two = detection_.surfaces[second];
+        const SurfacePair meeting{{&one, &two}, pair, 0.0};
+        // With boxes around the surface as it is now: nearly all of those around its motion overlap, if it is fast.
+        if (meeting.self()) boundSurface(one, 0.0);
+        crossings_.clear();
+        findSurfaceCrossings(meeting, context_.pool, detection_.scratch, crossings_);
+        if (meeting.self()) boundSurface(one, kStepsAhead * context_.dt);
+        if (crossings_.empty()) return;
+        dropAtCrossings(meeting);
+        for (const SurfaceCrossing& each : crossings_) add(meeting, each);
+    }
+
+private:
+    /// Surfaces that have passed through each other push where they are near, from whatever side.
+    void dropAtCrossings(const SurfacePair& meeting)
+    {
+        std::array<std::vector<int>, 2> crossing; // vertices per side
+        for (const SurfaceCrossing& each : crossings_) {
+            const std::size_t side = each.surfaces[0] == meeting.places[0] ? 0 : 1;
+            crossing[side].insert(crossing[side].end(), each.edge.begin(), each.edge.end());
+            crossing[1 - side].insert(crossing[1 - side].end(), each.triangle.begin(), each.triangle.end());
+        }
+        if (meeting.self()) {
+            crossing[0].insert(crossing[0].end(), crossing[1].begin(), crossing[1].end());
+            crossing[1] = crossing[0];
+        }
+        for (std::vector<int>& each : crossing) std::ranges::sort(each);
+        std::erase_if(detection_.proximities, [&](const Proximity& near) {
+            if (near.surfaces != meeting.places) return false;
+            const auto touches = [&](std::size_t side) {
+                return std::ranges::any_of(near.vertices[side], [&](int vertex) {
+                    return vertex >= 0 && std::ranges::binary_search(crossing[side], vertex);
+                });
+            };
+            return touches(0) && touches(1);
+        });
+    }
+
+    void add(const SurfacePair& meeting, const SurfaceCrossing& crossing)
+    {
+        const std::size_t side = crossing.surfaces[0] == meeting.places[0] ? 0 : 1;
+        const CollisionSurface &own = *meeting.sides[side], &target = *meeting.sides[1 - side];
+        const int edge = edgeBetween(*own.shape, crossing.edge);
+        const Vec3 way = wayOut(crossing, edge, own, target);
+        const double size = length(way);
+        if (!(size > kLeastWay)) return;
+        const auto [a, b, c] = crossing.triangle;
+        Proximity& out = detection_.proximities.emplace_back();
+        out.surfaces = meeting.places;
+        out.vertices[side] = {crossing.edge[0], crossing.edge[1], -1};
+        out.weights[side] = {1.0 - crossing.along, crossing.along, 0.0};
+        out.vertices[1 - side] = crossing.triangle;
+        out.weights[1 - side] =
+            geometry::nearestOnTriangle(crossing.place, target.x[a], target.x[b], target.x[c]).weights;
+        out.normal = (side == 0 ? 1.0 : -1.0) / size * way;
+        out.gap = -std::max(crossing.depth, kLeastDepth * meeting.proximities());
+        out.parting = true;
+        const int triangle = *std::ranges::find_if(target.shape->vertexTriangles[a], [&](int t) {
+            return target.shape->triangles[static_cast<std::size_t>(t)] == crossing.triangle;
+        });
+        const int mine = own.shape->edgeFeature(edge), other = target.shape->triangleFeature(triangle);
+        out.feature = side == 0 ? featureNumber(meeting, mine, other) : featureNumber(meeting, other, mine);
+    }
+
+    const StepContext& context_;
+    ContactDetection& detection_;
+    std::vector<SurfaceCrossing> crossings_;
+};
+
+} // namespace
+
+void partCrossings(const StepContext& context, const std::vector<SurfaceOwner>& owners, ContactDetection& detection)
+{
+    const std::vector<std::array<SurfaceName, 2>>& lost = detection.intersections.lost;
+    if (lost.empty()) return;
+    Parting parting(context, detection);
+    const std::vector<std::array<int, 2>> pairs = detection.scratch.surfacePairs;
+    for (const std::array<int, 2>& pair : pairs) {
+        const SurfaceOwner &one = owners[static_cast<std::size_t>(pair[0])],
+                           &two = owners[static_cast<std::size_t>(pair[1])];
+        if (one.soft && two.soft && std::ranges::find(lost, std::array{one.name, two.name}) != lost.end())
+            parting.part(pair);
+    }
+}
+
+} // namespace filasofia::engine
