@@ -6,6 +6,7 @@
 #include "filasofia/engine/collision/surface_pair.h"
 
 #include <cmath>
+#include <numbers>
 #include <set>
 
 namespace filasofia::engine::self_collision_test {
@@ -197,6 +198,46 @@ TEST_CASE("pairs of a surface's own elements that do not face each other have no
     }
     CHECK(dropped > 10000);
     CHECK(lost == 0);
+}
+
+TEST_CASE("triangles of a sheet that an edge joins are tested where it is folded between them, and rolls everywhere")
+{
+    constexpr int kCells = 16;
+    constexpr double kCell = 1.0 / kCells;
+    const geometry::TriangleMesh sheet = sheetMesh(0.5, kCells);
+    std::mt19937 random(5);
+    std::size_t dropped = 0;
+    double nearest = 1.0;                             // [edges]
+    for (const double curl : {0.0, 3.0, 9.0, 16.0}) { // [rad] from end to end: from 7 on it is a roll, its layers apart
+        Scene scene;
+        scene.add(sheet, {.proximity = 0.03, .depth = 0.04, .self = true});
+        for (Vec3& x : scene.surfaces[0].x) {
+            const double turn = curl * (x.x + 0.5),
+                         radius = curl > 0.0 ? 1.0 / curl + 0.02 * turn / (2.0 * std::numbers::pi) : 0.0;
+            if (curl > 0.0) x = {radius * std::sin(turn), x.y, radius * std::cos(turn)};
+            x += randomVector(random, 0.1 * kCell);
+        }
+        scene.find();
+        const CollisionSurface& surface = scene.surfaces[0];
+        const SurfacePair meeting{{&surface, &surface}, {0, 0}, kStepsAhead * scene.dt};
+        std::set<std::array<int, 2>> tested(scene.scratch.elementPairs.begin(), scene.scratch.elementPairs.end());
+        collectElementPairs(surface, surface, nullptr, scene.scratch);
+        for (const std::array<int, 2>& pair : scene.scratch.elementPairs) {
+            if (tested.contains(pair)) continue;
+            ++dropped;
+            std::vector<PointMinimum> points;
+            for (const int side : {0, 1})
+                for (const int v : surface.shape->elements[pair[side]].ownVertices)
+                    if (v >= 0) collidePoint(meeting, 0, v, pair[1 - side], points);
+            for (const PointMinimum& each : points) nearest = std::min(nearest, std::abs(each.proximity.gap) / kCell);
+            const auto turned = [&](int of) {
+                return curl * surface.shape->rest[surface.shape->elements[of].vertices[0]].x;
+            };
+            CHECK(std::abs(turned(pair[0]) - turned(pair[1])) < 0.5 * std::numbers::pi + 0.5); // never layers of a roll
+        }
+    }
+    CHECK(dropped > 1000);
+    CHECK(nearest > 0.4);
 }
 
 } // namespace filasofia::engine::self_collision_test

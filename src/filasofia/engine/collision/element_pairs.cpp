@@ -12,10 +12,23 @@ bool isFragment(const CollisionSurface& surface, int element)
     return surface.pieceOf[static_cast<std::size_t>(surface.shape->elements[element].vertices[0])] < 0;
 }
 
+/// Whether an edge joins two triangles, or they share a vertex.
+bool joined(const CollisionShape& shape, const std::array<int, 3>& a, const std::array<int, 3>& b)
+{
+    const auto isOfA = [&](int vertex) { return vertex == a[0] || vertex == a[1] || vertex == a[2]; };
+    return std::ranges::any_of(b, [&](int vertex) {
+        return isOfA(vertex) || std::ranges::any_of(shape.vertexEdges[vertex], [&](int edge) {
+                   return isOfA(shape.edges[edge][0]) || isOfA(shape.edges[edge][1]);
+               });
+    });
+}
+
 bool mayTouch(const CollisionSurface& surface, int i, int k, const NormalBounds& normals)
 {
-    if (!mayFace(normals.elements[i], normals.elements[k])) return false;
     const std::array<int, 3>&a = surface.shape->elements[i].vertices, &b = surface.shape->elements[k].vertices;
+    // Outsides that look the same way meet if a sheet is rolled up, but not where its triangles are next to each other.
+    if (!mayFace(normals.elements[i], normals.elements[k]) && (surface.shape->closed || joined(*surface.shape, a, b)))
+        return false;
     const bool neighbours = std::ranges::any_of(a, [&](int v) { return v >= 0 && std::ranges::find(b, v) != b.end(); });
     return !neighbours || mayFace(normals.own[i], normals.own[k], kFolded);
 }
@@ -44,7 +57,7 @@ void collectElementPairs(const CollisionSurface& a, const CollisionSurface& b, c
         const auto [i, k] = scratch.open.back();
         scratch.open.pop_back();
         if (!meet(a.nodeBounds[i], b.nodeBounds[k])) continue;
-        if (normals != nullptr && !mayFace(normals->nodes[i], normals->nodes[k])) continue;
+        if (normals != nullptr && a.shape->closed && !mayFace(normals->nodes[i], normals->nodes[k])) continue;
         const CollisionShape::Node &na = a.shape->nodes[i], &nb = b.shape->nodes[k];
         if (na.count > 0 && nb.count > 0) {
             collectLeafPairs(a, b, na, nb, normals, scratch.elementPairs);

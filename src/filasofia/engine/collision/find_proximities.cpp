@@ -156,9 +156,9 @@ void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerP
         const Vec3 drift = meeting.self() ? driftOf(surfaces[i]) : Vec3{};
         const bool drifts = length(drift) * reach > kDrift * surfaces[i].shape->depth;
         if (drifts) boundSurface(surfaces[i], reach, drift);
-        const bool ownSolid = meeting.ownSolid();
-        if (ownSolid) boundNormals(surfaces[i], scratch.normals);
-        collectElementPairs(surfaces[i], surfaces[k], ownSolid ? &scratch.normals : nullptr, scratch);
+        const bool folds = meeting.self() && surfaces[i].shape->triangleFaces;
+        if (folds) boundNormals(surfaces[i], scratch.normals);
+        collectElementPairs(surfaces[i], surfaces[k], folds ? &scratch.normals : nullptr, scratch);
         testElementPairs(meeting, pool, scratch);
         keepMinima(meeting, sides, scratch, found);
         if (drifts) boundSurface(surfaces[i], reach);
