@@ -96,14 +96,13 @@ class Clumsy(Trainer):
             if STEPS:
                 continue
             force, warnings, perforations = float(found[1]), int(found[2]), int(found[3])
-            self.assertGreater(force, 3.0)  # the expert's is 1.5; 4.4 and 5.6 without a perforation were measured
-            # 33.5 N after a perforation, which most clumsy sessions have (docs/lab/hysteroscopy.md): the wall holds the scope.
-            self.assertLess(force, 45.0)
+            self.assertGreater(force, 3.0)  # the expert's is 1.5; 4.4 to 5.5 were measured
+            self.assertLess(force, 25.0)
             self.assertGreater(warnings, 0)  # 5 to 7 were measured
             self.assertLess(warnings, 20)
             events = [line["event"] for line in self.lines() if "event" in line]
             self.assertEqual(events.count("perforation"), perforations)
-            self.assertLessEqual(perforations, 4)  # 0, 0 and 1 were measured; where such hands end up is chance
+            self.assertLessEqual(perforations, 4)  # 0 were measured; where such hands end up is chance
             torn += events.count("tear")
         if not STEPS:
             self.assertGreater(torn, 0)

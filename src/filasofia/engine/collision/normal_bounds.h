@@ -6,8 +6,8 @@ namespace filasofia::engine {
 
 /// [-] Boxes around the normals of a surface: those of all triangles that share a vertex with an element, in
 /// the order of the elements, and those of a node's elements. Parts of one surface touch only where their outsides face
-/// each other, so most pairs of neighbours need no test (Volino and Magnenat-Thalmann 1994 use cones for it). In a sheet
-/// this holds for neighbours only: rolled up, it meets itself with outsides that look the same way.
+/// each other, so most pairs of neighbours need no test (Volino and Magnenat-Thalmann 1994 use cones for it). In a
+/// sheet this holds for neighbours only: rolled up, it meets itself with outsides that look the same way.
 struct NormalBounds {
     std::vector<Bounds> vertices, elements, nodes;
     std::vector<Bounds> own; ///< each element's triangle alone

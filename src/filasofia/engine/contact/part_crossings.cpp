@@ -129,8 +129,9 @@ void partCrossings(const StepContext& context, const std::vector<SurfaceOwner>& 
     for (const std::array<int, 2>& pair : pairs) {
         const SurfaceOwner &one = owners[static_cast<std::size_t>(pair[0])],
                            &two = owners[static_cast<std::size_t>(pair[1])];
-        if (one.soft && two.soft && std::ranges::find(lost, std::array{one.name, two.name}) != lost.end())
-            parting.part(pair);
+        if (!one.soft || !two.soft || std::ranges::find(lost, std::array{one.name, two.name}) == lost.end()) continue;
+        // Crumbs of a torn solid may be stuck in it from several sides, with no way out: they were thrown.
+        if (pair[0] != pair[1] || !one.collision->shape->closed) parting.part(pair);
     }
 }
 

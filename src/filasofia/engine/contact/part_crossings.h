@@ -5,7 +5,7 @@
 
 namespace filasofia::engine {
 
-/// Where two surfaces of tissue that contact has lost pass through each other, or one through itself, replaces the
+/// Where two surfaces of tissue that contact has lost pass through each other, or a sheet through itself, replaces the
 /// proximities there by ways out: edge and triangle move in the direction in which the line where the surfaces meet
 /// becomes shorter (Volino and Magnenat-Thalmann, Resolving surface collisions through intersection contour
 /// minimization, 2006). That needs neither an inside nor a history. With the unit vectors
