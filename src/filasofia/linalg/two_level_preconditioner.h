@@ -98,7 +98,7 @@ private:
     [[nodiscard]] const BlockJacobi& smoother() const { return presentUsed_ ? present_ : smoother_; }
 
     std::vector<RotationBlock> rotations_;
-    BlockJacobi smoother_, present_; ///< of A_rest, and of usePresent()
+    BlockJacobi smoother_, present_; ///< for A_rest, and from usePresent()
     bool presentUsed_ = false;
     ClusterSmoother clusters_;
     CoarseLevel coarse_;

@@ -19,12 +19,12 @@ struct IntersectionWatch {
     std::vector<physics::Intersection> folded;
     /// Two surfaces that pass through each other deeper than any contact between them knows.
     struct Unseen {
-        std::array<SurfaceName, 2> surfaces; ///< ascending
-        double since = 0.0;                  ///< [s] simulated time of the first test in a row
+        std::array<SurfaceName, 2> surfaces;
+        double since = 0.0; ///< [s] simulated time of the first test in a row
     };
-    std::vector<Unseen> unseen;
+    std::vector<Unseen> unseen; ///< with names that ascend
     /// Pairs of which contacts had lost a place at the last test: until they part, they are followed at any depth.
-    std::vector<std::array<SurfaceName, 2>> lost;
+    std::vector<Unseen> lost;
 };
 
 /// The data of contact detection. Only `surfaces`, `startedInside`, the intersections and the warned groups carry

@@ -205,15 +205,16 @@ void noteStartsInside(const Scene& scene, const std::vector<SurfaceOwner>& owner
 
 void addDeepPoints(const std::vector<SurfaceOwner>& owners, ContactDetection& detection)
 {
-    const std::vector<std::array<SurfaceName, 2>>&started = detection.startedInside,
-                                              &lost = detection.intersections.lost;
+    const std::vector<std::array<SurfaceName, 2>>& started = detection.startedInside;
+    const std::vector<IntersectionWatch::Unseen>& lost = detection.intersections.lost;
     if (started.empty() && lost.empty()) return;
     for (const std::array<int, 2>& pair : detection.scratch.surfacePairs) {
         const std::array names{owners[static_cast<std::size_t>(pair[0])].name,
                                owners[static_cast<std::size_t>(pair[1])].name};
         const SurfaceOwner &one = owners[static_cast<std::size_t>(pair[0])],
                            &two = owners[static_cast<std::size_t>(pair[1])];
-        const bool isLost = one.soft != two.soft && std::ranges::find(lost, names) != lost.end();
+        const bool isLost =
+            one.soft != two.soft && std::ranges::find(lost, names, &IntersectionWatch::Unseen::surfaces) != lost.end();
         if (!isLost && std::ranges::find(started, names) == started.end()) continue;
         const DeepPoints deep = deepPointsOf(owners, detection, pair);
         detection.proximities.insert(detection.proximities.end(), deep.inRigid.begin(), deep.inRigid.end());
@@ -290,7 +291,7 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
     findProximities(detection.surfaces, dt, context.pool, detection.sides, detection.scratch, detection.proximities);
     if (!added.empty()) noteStartsInside(scene, owners, added, coupling);
     addDeepPoints(owners, detection);
-    partCrossings(context, owners, detection);
+    partCrossings(context, scene.time, owners, detection);
 
     detection.followed.clear();
     for (Proximity& found : detection.proximities) {

@@ -128,7 +128,7 @@ public:
         for (std::size_t s = 0; s < owners_.size(); ++s)
             if (isTested(owners_[s])) testFolds(static_cast<int>(s));
         watch_.told = folded;
-        watch_.lost.clear();
+        lostBefore_ = std::exchange(watch_.lost, {});
         const std::vector<IntersectionWatch::Unseen> before = std::exchange(watch_.unseen, {});
         for (const std::array<int, 2>& pair : detection_.scratch.surfacePairs) test(pair, before);
         std::ranges::sort(watch_.told, {},
@@ -153,7 +153,9 @@ private:
         const auto tell = [&](const physics::Intersection& found) {
             add(one, two, found, watch_.told);
             const std::array names{one.name, two.name};
-            if (watch_.lost.empty() || watch_.lost.back() != names) watch_.lost.push_back(names);
+            if (!watch_.lost.empty() && watch_.lost.back().surfaces == names) return;
+            const auto then = std::ranges::find(lostBefore_, names, &IntersectionWatch::Unseen::surfaces);
+            watch_.lost.push_back({names, then != lostBefore_.end() ? then->since : scene_.time});
         };
         for (const SurfaceCrossing& each : crossings_)
             if (unseen || isLost(each, meeting)) tell({.crossings = 1, .depth = each.depth, .place = each.place});
@@ -288,6 +290,7 @@ private:
     const RigidPlan& plan_;
     ContactDetection& detection_;
     IntersectionWatch& watch_ = detection_.intersections;
+    std::vector<IntersectionWatch::Unseen> lostBefore_;
     std::vector<SurfaceCrossing> crossings_;
 };
 

@@ -14,7 +14,9 @@ namespace filasofia::engine {
 ///     R_i  along the line of intersection, from the edge into its adjacent triangle i
 ///
 /// the edge moves by a positive multiple of the sum of R_i - (E . R_i) / (E . N) N relative to the triangle; moved
-/// along itself it would change nothing. To be called after findProximities().
-void partCrossings(const StepContext& context, const std::vector<SurfaceOwner>& owners, ContactDetection& detection);
+/// along itself it would change nothing. What has not parted after a second has no room to: it is only told from then
+/// on. To be called after findProximities(). `time` [s]: simulated.
+void partCrossings(const StepContext& context, double time, const std::vector<SurfaceOwner>& owners,
+                   ContactDetection& detection);
 
 } // namespace filasofia::engine

@@ -45,7 +45,7 @@ private:
     [[nodiscard]] bool follows(const EditableMesh& mesh, std::span<const BladeSegment> blade) const;
     [[nodiscard]] Vec3 tissueMotion(const EditableMesh& mesh) const;
     struct Normals {
-        Vec3 own = {};     ///< of the segment alone
+        Vec3 own = {};     ///< the segment alone
         Vec3 smooth = {};  ///< with its neighbours' near the joints
         bool bent = false; ///< a joint near by is no part of a round blade
     };

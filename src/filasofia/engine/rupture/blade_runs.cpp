@@ -8,7 +8,7 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr double kSliding = 0.05;  ///< [-] of the longest direction: a segment with less moves along itself
+constexpr double kSliding = 0.05;  ///< [-] relative to the longest direction: a segment with less moves along itself
 constexpr double kSharpest = -0.2; ///< [-] cosine: normals beyond a joint that differ more belong to another run
 
 struct SegmentEnd {

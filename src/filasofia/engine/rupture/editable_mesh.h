@@ -17,8 +17,8 @@ namespace filasofia::engine {
 
 /// Where a blade's path is, as an unrolled sheet.
 struct SweptPlace {
-    int pass = 0;       ///< of one blade without a break; 0: not known
-    int segment = 0;    ///< of the blade
+    int pass = 0;       ///< counts blades without a break; 0: not known
+    int segment = 0;    ///< index in the blade
     double along = 0.0; ///< [m] along the chain
     double way = 0.0;   ///< [m] that the blade has gone there since its pass began
     friend bool operator==(const SweptPlace&, const SweptPlace&) = default;
