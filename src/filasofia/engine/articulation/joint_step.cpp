@@ -7,7 +7,7 @@
 namespace filasofia::engine {
 namespace {
 
-// The rounds of the centred step: each makes its error smaller by h w, half of the angle that the body turns in a step.
+// The rounds of the centred step: each makes its error smaller by about the angle h w that the body turns in a step.
 // Beyond kShrinking it would not end.
 constexpr int kMostRounds = 12;
 constexpr double kShrinking = 0.5, kSettled = 1e-8; // [-]

@@ -15,6 +15,7 @@ bool isFragment(const CollisionSurface& surface, int element)
 /// Whether an edge joins two triangles, or they share a vertex.
 bool joined(const CollisionShape& shape, const std::array<int, 3>& a, const std::array<int, 3>& b)
 {
+    if (a[2] < 0 || b[2] < 0) return false;
     const auto isOfA = [&](int vertex) { return vertex == a[0] || vertex == a[1] || vertex == a[2]; };
     return std::ranges::any_of(b, [&](int vertex) {
         return isOfA(vertex) || std::ranges::any_of(shape.vertexEdges[vertex], [&](int edge) {

@@ -34,7 +34,8 @@ struct ContactInfo {
     double proximity = 0.0; ///< [m] sum of both surfaces' proximities
     double skin = 0.0;      ///< [m] the gap that the contact keeps
     double turning = 0.0;   ///< [m] change of the gap in the step beyond that by the velocity at its start
-    bool passing = false;   ///< keeps lines from passing through each other in this step; the next starts without it
+    bool passing = false;   ///< of this step alone, as what keeps lines from passing: the next starts without it
+    bool parting = false;   ///< leads surfaces out of each other: its gap is no distance
 };
 
 /// The data of a constraint of kind JointLimit or JointFriction beyond its law.

@@ -195,7 +195,7 @@ void noteStartsInside(const Scene& scene, const std::vector<SurfaceOwner>& owner
         const DeepPoints deep = deepPointsOf(owners, detection, pair);
         if (deep.inRigid.empty() && deep.inTissue.empty()) continue;
         detection.startedInside.push_back({one.name, two.name});
-        const bool tissue = one.soft && two.soft;
+        const bool tissue = partsFrom(one, two);
         logWarning("body '", nameOf(scene, one), "' and body '", nameOf(scene, two), "' start inside each other: ",
                    tissue                 ? "they part where their surfaces cross"
                    : deep.inRigid.empty() ? "points inside tissue stay there"
@@ -237,7 +237,8 @@ void writeContact(const Proximity& found, double gap, const std::array<const Sur
                        .gap = gap,
                        .proximity = proximity,
                        .skin = kSkin * proximity,
-                       .passing = found.parting};
+                       .passing = found.parting,
+                       .parting = found.parting};
     if (std::holds_alternative<physics::ExactContact>(context.method))
         turnContact(context.dt, coupling.rigid,
                     {armOf(*sides[0]->collision, found, 0), armOf(*sides[1]->collision, found, 1)}, contact);
@@ -291,7 +292,7 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
     findProximities(detection.surfaces, dt, context.pool, detection.sides, detection.scratch, detection.proximities);
     if (!added.empty()) noteStartsInside(scene, owners, added, coupling);
     addDeepPoints(owners, detection);
-    partCrossings(context, scene.time, owners, detection);
+    partCrossings(context, scene, owners, detection);
 
     detection.followed.clear();
     for (Proximity& found : detection.proximities) {
@@ -356,7 +357,7 @@ void keepContacts(const StepContext& context, const Coupling& coupling, Scene& s
                                         .normalForce = force.x,
                                         .friction = force.y * constraint.frame[1] + force.z * constraint.frame[2]});
         report.active += force.x != 0.0 ? 1 : 0;
-        report.penetration = std::max(report.penetration, -contact.gap);
+        if (!contact.parting) report.penetration = std::max(report.penetration, -contact.gap);
         if (!(constraint.multiplier.x > 0.0) || noWayOut[c] || contact.passing) continue;
         CachedContact& cached = scene.contacts.emplace_back(contact.cached);
         cached.force = 1.0 / dt * inWorld(constraint.frame, constraint.multiplier);

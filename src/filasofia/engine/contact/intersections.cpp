@@ -148,17 +148,15 @@ private:
             crossItself(pair[0]);
         else
             cross(meeting);
-        std::erase_if(crossings_, [&](const SurfaceCrossing& each) { return isHeld(each, between); });
+        eraseHeld(scene_, one, two, pair, crossings_);
         const bool unseen = !meeting.self() && !crossings_.empty() && isUnseen(meeting, before);
         const auto tell = [&](const physics::Intersection& found) {
             add(one, two, found, watch_.told);
-            const std::array names{one.name, two.name};
-            if (!watch_.lost.empty() && watch_.lost.back().surfaces == names) return;
-            const auto then = std::ranges::find(lostBefore_, names, &IntersectionWatch::Unseen::surfaces);
-            watch_.lost.push_back({names, then != lostBefore_.end() ? then->since : scene_.time});
+            keepLost(one, two, scene_.time);
         };
         for (const SurfaceCrossing& each : crossings_)
             if (unseen || isLost(each, meeting)) tell({.crossings = 1, .depth = each.depth, .place = each.place});
+        if (!crossings_.empty() && one.soft && two.soft) keepLost(one, two, {});
         if (!unseen && between.empty()) tellDeepInRound(meeting, one, two, before, tell);
         if (!crossings_.empty() || meeting.self() || !between.empty()) return;
         if (const auto within = insideOf(a, b))
@@ -199,7 +197,8 @@ private:
         double known = 0.0, deepest = 0.0; // [m] between the inset surfaces
         for (std::size_t i = 0; i < detection_.proximities.size(); ++i) {
             const Proximity& each = detection_.proximities[i];
-            if (detection_.followed[i] != 0 && each.surfaces == meeting.places) known = std::max(known, -each.gap);
+            if (detection_.followed[i] != 0 && !each.parting && each.surfaces == meeting.places)
+                known = std::max(known, -each.gap);
         }
         for (const SurfaceCrossing& each : crossings_) deepest = std::max(deepest, each.depth);
         // A contact that finds such a place in one step loses it in the next: only parting ends it.
@@ -255,13 +254,16 @@ private:
                 add(owner, owner, {.crossings = 1, .depth = each.depth, .place = each.place}, watch_.folded);
     }
 
-    /// Attached bodies may overlap at what holds them together.
-    bool isHeld(const SurfaceCrossing& crossing, const std::vector<const Attachment*>& between) const
+    /// Notes a pair as lost: since when it was before, or else since `now`; without that, only if it was before.
+    void keepLost(const SurfaceOwner& one, const SurfaceOwner& two, std::optional<double> now)
     {
-        return std::ranges::any_of(between, [&](const Attachment* each) {
-            return holds(*each, ownerOf(crossing.surfaces[0]), crossing.edge) ||
-                   holds(*each, ownerOf(crossing.surfaces[1]), crossing.triangle);
-        });
+        const std::array names{one.name, two.name};
+        if (!watch_.lost.empty() && watch_.lost.back().surfaces == names) return;
+        const auto then = std::ranges::find(lostBefore_, names, &IntersectionWatch::Unseen::surfaces);
+        if (then != lostBefore_.end())
+            watch_.lost.push_back(*then);
+        else if (now)
+            watch_.lost.push_back({names, *now});
     }
 
     static void add(const SurfaceOwner& one, const SurfaceOwner& two, physics::Intersection found,
@@ -295,6 +297,19 @@ private:
 };
 
 } // namespace
+
+void eraseHeld(const Scene& scene, const SurfaceOwner& one, const SurfaceOwner& two, std::array<int, 2> places,
+               std::vector<SurfaceCrossing>& crossings)
+{
+    const auto between = attachmentsBetween(scene, one.name.body, two.name.body);
+    const auto ownerOf = [&](int place) -> const SurfaceOwner& { return place == places[0] ? one : two; };
+    std::erase_if(crossings, [&](const SurfaceCrossing& crossing) {
+        return std::ranges::any_of(between, [&](const Attachment* each) {
+            return holds(*each, ownerOf(crossing.surfaces[0]), crossing.edge) ||
+                   holds(*each, ownerOf(crossing.surfaces[1]), crossing.triangle);
+        });
+    });
+}
 
 void reportIntersections(const StepContext& context, const Scene& scene, const std::vector<SurfaceOwner>& owners,
                          bool changed, Coupling& coupling)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/engine/collision/surface_crossings.h"
 #include "filasofia/engine/contact/contact_surfaces.h"
 #include "filasofia/engine/contact/coupling.h"
 #include "filasofia/engine/scene/step_context.h"
@@ -15,5 +16,10 @@ namespace filasofia::engine {
 /// against itself at every multiple of a second, or of 100 ms once it has been cut.
 void reportIntersections(const StepContext& context, const Scene& scene, const std::vector<SurfaceOwner>& owners,
                          bool changed, Coupling& coupling);
+
+/// Erases the crossings of a pair of surfaces, at these places in the list, at what attaches their bodies to each
+/// other: attached bodies may overlap there.
+void eraseHeld(const Scene& scene, const SurfaceOwner& one, const SurfaceOwner& two, std::array<int, 2> places,
+               std::vector<SurfaceCrossing>& crossings);
 
 } // namespace filasofia::engine

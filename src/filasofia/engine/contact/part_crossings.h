@@ -15,8 +15,11 @@ namespace filasofia::engine {
 ///
 /// the edge moves by a positive multiple of the sum of R_i - (E . R_i) / (E . N) N relative to the triangle; moved
 /// along itself it would change nothing. What has not parted after a second has no room to: it is only told from then
-/// on. To be called after findProximities(). `time` [s]: simulated.
-void partCrossings(const StepContext& context, double time, const std::vector<SurfaceOwner>& owners,
+/// on. To be called after findProximities().
+void partCrossings(const StepContext& context, const Scene& scene, const std::vector<SurfaceOwner>& owners,
                    ContactDetection& detection);
+
+/// Whether both are tissue with faces; rods are led past each other and past tissue in other ways.
+bool partsFrom(const SurfaceOwner& one, const SurfaceOwner& two);
 
 } // namespace filasofia::engine

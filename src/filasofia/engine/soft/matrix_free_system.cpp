@@ -34,8 +34,8 @@ constexpr int kFewNodes = 128;
 constexpr double kTighter = 0.01, kSmallestTolerance = 1e-5; // the second is the limit of float
 
 // [-] A shell whose nodes have turned against their neighbours so far is crumpled. A sheet of 441 nodes and 1 MPa that
-// collapsed took 179 iterations per step with the preconditioner of rest, 18 with either as this chooses, and 33 with
-// that of present blocks alone; from 0.95 to 0.99 it makes no difference. At 0.1 MPa: 76, 14 and 19.
+// collapsed took 179 iterations per step (of any number) with the preconditioner of rest, 18 with either as this
+// chooses, and 33 with that of present blocks alone; from 0.95 to 0.99 it makes no difference. At 0.1 MPa: 76, 14, 19.
 constexpr double kCoherent = 0.97;
 
 constexpr int kNodesPerPart = 512;
