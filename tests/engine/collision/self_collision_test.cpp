@@ -97,6 +97,16 @@ struct WedgeOverBox {
     }
 };
 
+/// What the points of two elements of a surface find on each other.
+std::vector<PointMinimum> pointMinima(const SurfacePair& meeting, std::array<int, 2> pair)
+{
+    std::vector<PointMinimum> found;
+    for (const int side : {0, 1})
+        for (const int v : meeting.sides[0]->shape->elements[pair[side]].ownVertices)
+            if (v >= 0) collidePoint(meeting, 0, v, pair[1 - side], found);
+    return found;
+}
+
 } // namespace
 
 TEST_CASE("the lips of a slit collide with each other, though they lie on each other at rest")
@@ -179,16 +189,12 @@ TEST_CASE("pairs of a surface's own elements that do not face each other have no
                 continue;
             }
             ++dropped;
-            std::vector<PointMinimum> points;
-            for (const int side : {0, 1})
-                for (const int v : surface.shape->elements[pair[side]].ownVertices)
-                    if (v >= 0) collidePoint(meeting, 0, v, pair[1 - side], points);
             std::vector<Proximity> edges;
             for (const int a : surface.shape->elements[pair[0]].ownEdges)
                 for (const int b : surface.shape->elements[pair[1]].ownEdges)
                     if (a >= 0 && b >= 0) collideEdges(meeting, a, b, edges);
             lost += edges.size();
-            for (const PointMinimum& m : points) {
+            for (const PointMinimum& m : pointMinima(meeting, pair)) {
                 CAPTURE(round, pair, m.point, m.proximity.gap);
                 const auto& there = m.proximity.vertices[1];
                 CHECK((m.proximity.gap < 0.0 || !m.facing || m.proximity.gap >= m.range || there[2] >= 0));
@@ -225,11 +231,8 @@ TEST_CASE("triangles of a sheet that an edge joins are tested where it is folded
         for (const std::array<int, 2>& pair : scene.scratch.elementPairs) {
             if (tested.contains(pair)) continue;
             ++dropped;
-            std::vector<PointMinimum> points;
-            for (const int side : {0, 1})
-                for (const int v : surface.shape->elements[pair[side]].ownVertices)
-                    if (v >= 0) collidePoint(meeting, 0, v, pair[1 - side], points);
-            for (const PointMinimum& each : points) nearest = std::min(nearest, std::abs(each.proximity.gap) / kCell);
+            for (const PointMinimum& each : pointMinima(meeting, pair))
+                nearest = std::min(nearest, std::abs(each.proximity.gap) / kCell);
             const auto turned = [&](int of) {
                 return curl * surface.shape->rest[surface.shape->elements[of].vertices[0]].x;
             };

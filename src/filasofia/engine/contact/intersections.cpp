@@ -144,10 +144,7 @@ private:
         const CollisionSurface &a = surfaceOf(pair[0]), &b = surfaceOf(pair[1]);
         const SurfacePair meeting{{&a, &b}, pair, 0.0};
         const auto between = attachmentsBetween(scene_, one.name.body, two.name.body);
-        if (meeting.self())
-            crossItself(pair[0]);
-        else
-            cross(meeting);
+        cross(pair);
         eraseHeld(scene_, one, two, pair, crossings_);
         const bool unseen = !meeting.self() && !crossings_.empty() && isUnseen(meeting, before);
         const auto tell = [&](const physics::Intersection& found) {
@@ -227,20 +224,7 @@ private:
         return scene_.time - since >= kUnseenFor;
     }
 
-    void cross(const SurfacePair& meeting)
-    {
-        crossings_.clear();
-        findSurfaceCrossings(meeting, context_.pool, detection_.scratch, crossings_);
-    }
-
-    /// With boxes around the surface as it is now: nearly all of those around its motion overlap, if it is fast.
-    void crossItself(int place)
-    {
-        CollisionSurface& surface = detection_.surfaces[static_cast<std::size_t>(place)];
-        boundSurface(surface, 0.0);
-        cross({{&surface, &surface}, {place, place}});
-        boundSurface(surface, kStepsAhead * context_.dt);
-    }
+    void cross(std::array<int, 2> pair) { findCrossings(context_, pair, detection_, crossings_); }
 
     void testFolds(int place)
     {
@@ -248,7 +232,7 @@ private:
         const SurfaceOwner& owner = ownerOf(place);
         if (surface.self || surface.shape->nodes.empty()) return;
         findPieces(scene_.soft[owner.body].model, *owner.collision, surface.pieceOf);
-        crossItself(place);
+        cross({place, place});
         for (const SurfaceCrossing& each : crossings_)
             if (isLost(each, {{&surface, &surface}, {place, place}}))
                 add(owner, owner, {.crossings = 1, .depth = each.depth, .place = each.place}, watch_.folded);
@@ -297,6 +281,19 @@ private:
 };
 
 } // namespace
+
+void findCrossings(const StepContext& context, std::array<int, 2> pair, ContactDetection& detection,
+                   std::vector<SurfaceCrossing>& crossings)
+{
+    CollisionSurface &one = detection.surfaces[static_cast<std::size_t>(pair[0])],
+                     &two = detection.surfaces[static_cast<std::size_t>(pair[1])];
+    const SurfacePair meeting{{&one, &two}, pair, 0.0};
+    // With boxes around the surface as it is now: nearly all of those around its motion overlap, if it is fast.
+    if (meeting.self()) boundSurface(one, 0.0);
+    crossings.clear();
+    findSurfaceCrossings(meeting, context.pool, detection.scratch, crossings);
+    if (meeting.self()) boundSurface(one, kStepsAhead * context.dt);
+}
 
 void eraseHeld(const Scene& scene, const SurfaceOwner& one, const SurfaceOwner& two, std::array<int, 2> places,
                std::vector<SurfaceCrossing>& crossings)

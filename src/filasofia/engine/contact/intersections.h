@@ -17,6 +17,11 @@ namespace filasofia::engine {
 void reportIntersections(const StepContext& context, const Scene& scene, const std::vector<SurfaceOwner>& owners,
                          bool changed, Coupling& coupling);
 
+/// Every edge of two surfaces, at these places in the list, that passes through a triangle of the other; or of one and
+/// itself. To be called after findProximities(), for a pair whose boxes overlap.
+void findCrossings(const StepContext& context, std::array<int, 2> pair, ContactDetection& detection,
+                   std::vector<SurfaceCrossing>& crossings);
+
 /// Erases the crossings of a pair of surfaces, at these places in the list, at what attaches their bodies to each
 /// other: attached bodies may overlap there.
 void eraseHeld(const Scene& scene, const SurfaceOwner& one, const SurfaceOwner& two, std::array<int, 2> places,

@@ -55,13 +55,8 @@ public:
     void part(std::array<int, 2> pair)
     {
         const auto first = static_cast<std::size_t>(pair[0]), second = static_cast<std::size_t>(pair[1]);
-        CollisionSurface &one = detection_.surfaces[first], &two = detection_.surfaces[second];
-        const SurfacePair meeting{{&one, &two}, pair, 0.0};
-        // With boxes around the surface as it is now: nearly all of those around its motion overlap, if it is fast.
-        if (meeting.self()) boundSurface(one, 0.0);
-        crossings_.clear();
-        findSurfaceCrossings(meeting, context_.pool, detection_.scratch, crossings_);
-        if (meeting.self()) boundSurface(one, kStepsAhead * context_.dt);
+        const SurfacePair meeting{{&detection_.surfaces[first], &detection_.surfaces[second]}, pair, 0.0};
+        findCrossings(context_, pair, detection_, crossings_);
         eraseHeld(scene_, owners_[first], owners_[second], pair, crossings_);
         if (crossings_.empty()) return;
         dropAtCrossings(meeting);
