@@ -143,6 +143,27 @@ TEST_CASE("a point before one face of a sharp edge of its own surface is not ins
     }
 }
 
+TEST_CASE("a body with narrow creases and thin spikes that stays as it is, is never inside itself")
+{
+    std::mt19937 random(23);
+    int outside = 0, behind = 0;
+    for (int round = 0; round < 40; ++round) {
+        CAPTURE(round);
+        Scene scene; // a star around its middle: no place of its surface is inside
+        scene.add(lumpMesh(0.8, 24, 0.8, random), {.proximity = 0.05, .depth = 0.06, .self = true});
+        for (int step = 0; step < 3; ++step) {
+            scene.find();
+            for (const Proximity& p : scene.found) {
+                CHECK(p.gap >= 0.0);
+                ++outside;
+            }
+        }
+        for (const SheetSide& each : scene.sides) behind += each.side < 0 ? 1 : 0;
+    }
+    CHECK(outside > 1000);
+    CHECK(behind > 100);
+}
+
 TEST_CASE("a body that moves as a whole comes no nearer to itself")
 {
     std::mt19937 random(17);

@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/collision/bounds.h"
 #include "filasofia/engine/collision/collision_shape.h"
+#include "filasofia/engine/collision/plates.h"
 #include "filasofia/engine/collision/sheet_side.h"
 
 #include <memory>
@@ -28,10 +29,11 @@ struct CollisionSurface {
     /// one piece.
     std::vector<int> pieceOf;
 
-    // Boxes for this step, written by findProximities.
+    // Boxes and plates for this step, written by findProximities.
     std::vector<Bounds> vertexBounds;
     std::vector<Bounds> elementBounds; ///< in the order of the shape's elements
     std::vector<Bounds> nodeBounds;
+    std::vector<Plate> plates; ///< in the order of the shape's elements
     Bounds whole{};
 };
 

@@ -65,7 +65,9 @@ void collectSurfacePairs(std::vector<CollisionSurface>& surfaces, double reach, 
             }
     pool.run(count, [&](int i) {
         const auto at = static_cast<std::size_t>(i);
-        if (scratch.wanted[at] != 0) boundTree(surfaces[at]);
+        if (scratch.wanted[at] == 0) return;
+        boundTree(surfaces[at]);
+        makePlates(surfaces[at]);
     });
 }
 
@@ -90,10 +92,8 @@ void testPoints(const SurfacePair& meeting, int source, int mine, int other, std
 bool farApart(const SurfacePair& meeting, std::array<int, 2> pair)
 {
     const CollisionSurface &one = *meeting.sides[0], &two = *meeting.sides[1];
-    const std::array<int, 3>&a = one.shape->elements[pair[0]].vertices, &b = two.shape->elements[pair[1]].vertices;
-    if (a[2] < 0 || b[2] < 0) return false;
     const double far = reachOf(one.elementBounds[pair[0]]) + reachOf(two.elementBounds[pair[1]]);
-    return planeSeparates(one, a, two, b, far) || planeSeparates(two, b, one, a, far);
+    return farApart(one.plates[pair[0]], two.plates[pair[1]], static_cast<float>(far) * (1.0f + 0x1p-20f));
 }
 
 // Every feature is tested where its owner is. If a surface is tested against itself, its points always stand on the

@@ -16,15 +16,24 @@ template <class Visit> void forEachMinimum(ProximityScratch& scratch, const Visi
         for (PointMinimum& minimum : scratch.parts[i].points) visit(minimum);
 }
 
-// The side on which the point was relative to this place, or to one that shares a vertex with it; 0: it was not near.
+// The side on which the point was relative to this place, or to the one that shares most vertices with it, and behind
+// rather than outside; 0: it was not near. In a crease, a place on one wall may share a vertex with one on the other.
 int sideBefore(const std::vector<SheetSide>& sides, const SheetSide& now)
 {
     const auto key = [](const SheetSide& kept) { return std::tie(kept.source, kept.target, kept.point); };
     const auto before = [&](const SheetSide& a, const SheetSide& b) { return key(a) < key(b); };
-    for (auto it = std::ranges::lower_bound(sides, now, before); it != sides.end() && key(*it) == key(now); ++it)
-        for (const int vertex : it->feature)
-            if (vertex >= 0 && std::ranges::find(now.feature, vertex) != now.feature.end()) return it->side;
-    return 0;
+    std::ptrdiff_t most = 0;
+    int side = 0;
+    for (auto it = std::ranges::lower_bound(sides, now, before); it != sides.end() && key(*it) == key(now); ++it) {
+        const std::ptrdiff_t shared = std::ranges::count_if(it->feature, [&](int vertex) {
+            return vertex >= 0 && std::ranges::find(now.feature, vertex) != now.feature.end();
+        });
+        if (shared > most || (shared == most && shared > 0 && it->side < side)) {
+            most = shared;
+            side = it->side;
+        }
+    }
+    return side;
 }
 
 SheetSide sideNow(const SurfacePair& meeting, const PointMinimum& m)
@@ -82,6 +91,17 @@ bool keepForSheet(const SurfacePair& meeting, const std::vector<SheetSide>& side
     return true;
 }
 
+// For a solid against itself: notes where a point is outside, and where it is behind another wall. If only the former
+// were known, it would count as pressed through the other wall as soon as it was near both: bodies with narrow creases
+// deformed at rest, by a tenth of their size.
+void keepSide(const SurfacePair& meeting, ProximityScratch& scratch, const PointMinimum& m)
+{
+    const bool behind = m.distance == kNone && scratch.nearest[m.source][m.point] != kNone;
+    if (!m.kept && !behind) return;
+    scratch.nextSides.push_back(sideNow(meeting, m));
+    if (behind) scratch.nextSides.back().side = -1;
+}
+
 // Two vertices find each other from both sides. The second side's minimum counts only if the first side has not found
 // it. If one surface has no triangles, the one with triangles decides, as it knows better which way is out.
 bool secondary(const SurfacePair& meeting, const PointMinimum& m)
@@ -107,7 +127,7 @@ void keepMinima(const SurfacePair& meeting, const std::vector<SheetSide>& sides,
         m.kept = solid        ? keepForSolid(m, scratch.nearest[m.source][m.point])
                  : m.twoSided ? keepForSheet(meeting, sides, scratch, m)
                               : m.proximity.gap < m.range && m.facing;
-        if (m.kept && meeting.ownSolid()) scratch.nextSides.push_back(sideNow(meeting, m));
+        if (meeting.ownSolid()) keepSide(meeting, scratch, m);
         if (m.kept && m.vertexPair && !secondary(meeting, m)) scratch.vertexPairs.push_back(m.proximity.feature);
     });
     std::ranges::sort(scratch.vertexPairs);
