@@ -9,6 +9,7 @@
 #include <numbers>
 #include <numeric>
 #include <set>
+#include <tuple>
 
 namespace cutting_test {
 
@@ -102,6 +103,85 @@ TEST_CASE("a blade that goes through a body leaves two pieces, and no mass is lo
     CHECK(area == Approx(0.04 * 0.03).epsilon(0.05));
     CHECK(massOf(scene.stage.model()) == Approx(mass).epsilon(1e-3));
     check(scene.stage.model(), scene.stage.soft());
+}
+
+namespace {
+
+/// An open tube of n sides around the z axis.
+TriangleMeshSource tubeMesh(int n, double radius, double height)
+{
+    geometry::TriangleMesh mesh;
+    for (int i = 0; i < n; ++i) {
+        const double a = 2.0 * std::numbers::pi * i / n;
+        mesh.vertices.push_back({radius * std::cos(a), radius * std::sin(a), 0});
+        mesh.vertices.push_back({radius * std::cos(a), radius * std::sin(a), height});
+        const int next = (i + 1) % n;
+        mesh.triangles.push_back({2 * i, 2 * next, 2 * i + 1});
+        mesh.triangles.push_back({2 * i + 1, 2 * next, 2 * next + 1});
+    }
+    return std::make_shared<const geometry::TriangleMesh>(std::move(mesh));
+}
+
+struct Punched {
+    StepReport report;
+    double area = 0.0;          ///< [m^2]
+    std::vector<double> masses; ///< [kg] the pieces that came loose
+};
+
+/// Pushes a tube right through a slab of 60 x 60 x 12 mm that is pinned at two ends or lies on a floor.
+Punched punch(int sides, double radius, double speed, bool pinned)
+{
+    constexpr double dt = 1e-3;
+    Stage stage;
+    SoftBodyDef slab{.mesh = shared(boxMesh({20, 20, 4}, {0.06, 0.06, 0.012}, 0.2)),
+                     .material = FemMaterial{.youngModulus = 2e4},
+                     .collision = {{.selfOnceCut = false}},
+                     .dynamicTopology = true};
+    if (pinned)
+        slab.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1e-6, 1, 1}}},
+                            {.box = geometry::Box{{0.06 - 1e-6, -1, -1}, {1, 1, 1}}}};
+    else
+        slab.pose.position.z = 1e-3;
+    stage.add(slab);
+    if (!pinned)
+        stage.add(RigidBodyDef{.name = "floor",
+                               .elements = {Pose{{0.03, 0.03, -0.05}}},
+                               .mesh = geometry::shapes::box({0.2, 0.2, 0.1}),
+                               .collision = {CollisionDef{}}});
+    const auto poseAt = [](double z) { return Pose{.position = {0.0303, 0.0304, z}}; };
+    const BodyId tube = stage.add(RigidBodyDef{
+        .name = "tube",
+        .elements = {poseAt(0.02)},
+        .collision = {{.mesh = tubeMesh(sides, radius, 0.05), .proximity = 0, .group = 0, .cutting = true}}});
+    stage.post(SetGravity{{0, 0, -9.81}});
+    Punched done;
+    for (double z = 0.02; z > -0.006; z -= speed * dt) {
+        stage.post(SetPose{tube, 0, poseAt(z)});
+        const StepReport step = stage.step(dt);
+        done.report.flags |= step.flags;
+        for (const Rupture& rupture : step.topology.ruptures) {
+            done.area += rupture.area;
+            for (const LoosePiece& piece : rupture.detached) done.masses.push_back(piece.mass);
+        }
+    }
+    return done;
+}
+
+} // namespace
+
+TEST_CASE("a punch that goes through a slab frees its core, on a floor and pinned, slowly and fast")
+{
+    for (const bool pinned : {false, true})
+        for (const auto& [sides, radius, speed] : {std::tuple(24, 0.012, 0.1), std::tuple(24, 0.02, 0.5),
+                                                   std::tuple(48, 0.008, 0.3), std::tuple(8, 0.015, 0.2)}) {
+            CAPTURE(pinned, sides, radius, speed);
+            const Punched done = punch(sides, radius, speed, pinned);
+            const double angle = 2.0 * std::numbers::pi / sides;
+            const double base = 0.5 * sides * radius * radius * std::sin(angle);
+            CHECK(done.area == Approx(2.0 * sides * radius * std::sin(0.5 * angle) * 0.012).epsilon(0.08));
+            REQUIRE(done.masses.size() == 1);
+            CHECK(done.masses[0] == Approx(1000.0 * base * 0.012).epsilon(0.06));
+        }
 }
 
 TEST_CASE("a body is stepped after a cut with about as many iterations")

@@ -17,6 +17,7 @@ constexpr double kAlongEdge = 0.02;  ///< [-] tolerance beyond an edge's ends, s
 constexpr double kClearWay = 0.02;   ///< [-] fraction of the mean edge: a longer step defines the direction by itself
 constexpr double kMemory = 0.1;      ///< [-] fraction of the mean edge: distance over which the direction is averaged
 constexpr double kWithin = 0.02;     ///< [-] sine of the angle below which an edge lies within the surface
+constexpr double kBent = 0.9;        ///< [-] cosine: a bend of less than 25 degrees is taken for a round blade
 constexpr int kHalvings = 40;        ///< bisections of the time of a crossing
 constexpr int kRefreshSteps = 20;    ///< steps that the list of edges lasts at the present speed
 
@@ -82,7 +83,8 @@ Vec3 normalOf(const BladeSegment& s, Vec3 recently, double t, double u, Vec3 tis
     const Vec3 way = mix(s.from - s.fromBefore, s.to - s.toBefore, u) - tissue;
     const Vec3 now = cross(along, way), before = cross(along, recently);
     const bool clear = length(now) >= kClearWay * meanEdge * length(along);
-    return normalized(clear || length(now) >= length(before) ? now : before);
+    if (!clear && length(now) < length(before)) return normalized(before);
+    return normalized(dot(now, before) < 0.0 ? -now : now);
 }
 
 /// The time and place at which one edge crosses one segment during one step.
@@ -232,43 +234,62 @@ void CrossingFinder::addEdgesOfNewNodes(const EditableMesh& mesh)
     tetrahedra_ = mesh.tetrahedra();
 }
 
-void CrossingFinder::learnDirections(const EditableMesh& mesh, std::span<const BladeSegment> blade)
+/// [m] Mean motion of the edges near the blade in the last step.
+Vec3 CrossingFinder::tissueMotion(const EditableMesh& mesh) const
 {
-    Vec3 tissue;
-    for (auto [a, b] : edges_)
-        tissue +=
-            0.5 * (mesh.data().current[a] - mesh.data().previous[a] + mesh.data().current[b] - mesh.data().previous[b]);
-    if (!edges_.empty()) tissue = tissue / static_cast<double>(edges_.size());
-    if (directions_.size() != blade.size()) directions_.assign(blade.size(), {});
-    for (std::size_t i = 0; i < blade.size(); ++i) {
-        const BladeSegment& s = blade[i];
-        const Vec3 way = 0.5 * (s.from - s.fromBefore + s.to - s.toBefore) - tissue, along = normalized(s.to - s.from);
-        Vec3 across = way - dot(way, along) * along;
-        // A blade that saws moves both ways in one surface.
-        if (dot(across, directions_[i]) < 0.0) across = -across;
-        directions_[i] = std::exp(-length(across) / (kMemory * mesh.meanEdge())) * directions_[i] + across;
-    }
+    const MeshTopology& data = mesh.data();
+    Vec3 sum;
+    for (auto [a, b] : edges_) sum += 0.5 * (data.current[a] - data.previous[a] + data.current[b] - data.previous[b]);
+    return edges_.empty() ? sum : sum / static_cast<double>(edges_.size());
 }
 
-/// True if this step begins where the last one ended. After a pause or a refused step the list is invalid.
+/// True if this step begins where the last one ended.
 bool CrossingFinder::follows(const EditableMesh& mesh, std::span<const BladeSegment> blade) const
 {
-    return mesh.moves() - moves_ <= 1 && nodes_ == mesh.nodes() && tetrahedra_ == mesh.tetrahedra() &&
+    return mesh.moves() - moves_ <= 1 &&
            std::ranges::equal(blade, last_, [](const BladeSegment& now, const BladeSegment& last) {
                return now.fromBefore == last.from && now.toBefore == last.to;
            });
 }
 
-void CrossingFinder::find(const EditableMesh& mesh, std::span<const BladeSegment> blade,
-                          std::vector<Crossing>& crossings)
+/// Around a bend of the blade the normal is blended over two elements, so that neighbouring labels agree.
+CrossingFinder::Normals CrossingFinder::normalsAt(std::span<const BladeSegment> blade, int segment,
+                                                  std::array<double, 2> when, Vec3 tissue, double meanEdge) const
+{
+    const auto [t, u] = when;
+    const auto of = [&](int which, double along) {
+        return runs_.along(which) * normalOf(blade[which], runs_.direction(which), t, along, tissue, meanEdge);
+    };
+    const auto alongOf = [&](int which) {
+        return runs_.along(which) * normalized(blade[which].to - blade[which].from);
+    };
+    Normals normals{.own = of(segment, u)};
+    normals.smooth = normals.own;
+    const double l = distance(blade[segment].from, blade[segment].to);
+    for (int end : {0, 1}) {
+        const auto [next, nextEnd] = runs_.joint(segment, end);
+        const double away = (end == 0 ? u : 1.0 - u) * l;
+        if (next < 0 || runs_.run(next) != runs_.run(segment) || !(away < meanEdge)) continue;
+        normals.smooth += (1.0 - away / meanEdge) * of(next, static_cast<double>(nextEnd));
+        normals.bent = normals.bent || dot(alongOf(segment), alongOf(next)) < kBent;
+    }
+    normals.smooth = normalized(normals.smooth, normals.own);
+    return normals;
+}
+
+void CrossingFinder::find(EditableMesh& mesh, std::span<const BladeSegment> blade, std::vector<Crossing>& crossings)
 {
     const MeshTopology& data = mesh.data();
     const double h = mesh.meanEdge(), motion = travel(blade) + mesh.lastMotion();
     remaining_ -= motion;
-    if (!(remaining_ >= 0.0) || !follows(mesh, blade)) refresh(mesh, blade, motion);
+    // After a pause or a refused step the list is invalid, and the blade may be another one.
+    const bool same = follows(mesh, blade);
+    if (!same) runs_.join(blade, mesh.newPass(), h);
+    if (!same || !(remaining_ >= 0.0) || nodes_ != mesh.nodes() || tetrahedra_ != mesh.tetrahedra())
+        refresh(mesh, blade, motion);
     moves_ = mesh.moves();
     last_.assign(blade.begin(), blade.end());
-    learnDirections(mesh, blade);
+    runs_.follow(blade, tissueMotion(mesh), kMemory * h);
     const int parts = std::max(1, static_cast<int>(std::ceil(2.0 * motion / h)));
     std::vector<Box> swept;
     for (const BladeSegment& s : blade)
@@ -286,22 +307,19 @@ void CrossingFinder::find(const EditableMesh& mesh, std::span<const BladeSegment
             edgeStar(data, edge[0], edge[1], star);
             if (star.empty()) break; // this edge no longer exists
             const Vec3 tissue = mix(a1 - a0, b1 - b0, found->s);
-            const Vec3 sharp = normalOf(s, directions_[i], found->t, found->u, tissue, h);
+            const auto segment = static_cast<int>(i);
+            const Normals normals = normalsAt(blade, segment, {found->t, found->u}, tissue, h);
             const Vec3 e = mix(b0, b1, found->t) - mix(a0, a1, found->t);
-            if (std::abs(dot(sharp, e)) < kWithin * length(e)) continue; // other edges at its ends are crossed instead
-            // Around a corner of the blade the normal is blended over two elements, so that neighbouring labels agree.
-            const double l = distance(s.from, s.to), fromStart = found->u * l, fromEnd = l - fromStart;
-            Vec3 normal = sharp;
-            if (i > 0 && blade[i - 1].to == s.from && fromStart < h)
-                normal += (1.0 - fromStart / h) * normalOf(blade[i - 1], directions_[i - 1], found->t, 1.0, tissue, h);
-            if (i + 1 < blade.size() && blade[i + 1].from == s.to && fromEnd < h)
-                normal += (1.0 - fromEnd / h) * normalOf(blade[i + 1], directions_[i + 1], found->t, 0.0, tissue, h);
-            normal = normalized(normal, sharp);
-            Crossing c{edge[0], edge[1], found->s, {}, normalAtRest(data, star, normal), 0.0};
+            if (std::abs(dot(normals.own, e)) < kWithin * length(e))
+                continue; // other edges at its ends are crossed instead
+            Crossing c{.a = edge[0], .b = edge[1], .s = found->s};
+            c.normal = normalAtRest(data, star, normals.smooth);
+            c.facet = normals.bent ? normalAtRest(data, star, normals.own) : c.normal;
+            c.swept = runs_.placeAt(segment, found->u, found->t);
             const Vec3 pa = data.rest[c.a], pb = data.rest[c.b];
             c.point = mix(pa, pb, c.s);
             c.length = distance(pa, pb);
-            if (c.normal == Vec3{}) continue;
+            if (c.normal == Vec3{} || c.facet == Vec3{}) continue;
             if (dot(c.normal, pb - pa) < 0.0) {
                 std::swap(c.a, c.b);
                 c.s = 1.0 - c.s;

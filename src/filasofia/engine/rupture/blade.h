@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/engine/rupture/blade_runs.h"
 #include "filasofia/engine/rupture/cut_surface.h"
 
 #include <optional>
@@ -7,17 +8,6 @@
 #include <vector>
 
 namespace filasofia::engine {
-
-/// A straight piece of a blade, now and one step ago. A blade is any number of segments: a line, a strip, or the two
-/// jaws of scissors. If a segment begins where the previous one ends, the two are one edge. That edge should bend by no
-/// more than 45 degrees there: around a sharper corner uncut bridges remain. Two cuts one after the other,
-/// each extended by a mean edge beyond the corner, separate the tissue.
-struct BladeSegment {
-    Vec3 from = {};       ///< [m]
-    Vec3 to = {};         ///< [m]
-    Vec3 fromBefore = {}; ///< [m]
-    Vec3 toBefore = {};   ///< [m]
-};
 
 /// An edge before and after a step [m].
 struct MovingEdge {
@@ -41,17 +31,27 @@ public:
     /// Appends the crossings of this step, at most one per edge. An edge is crossed if the signed volume spanned by
     /// edge and segment changes its sign between the step's start and its end (zero counts as positive), so that
     /// adjacent segments and steps leave no gap. Large steps are tested in parts.
-    void find(const EditableMesh& mesh, std::span<const BladeSegment> blade, std::vector<Crossing>& crossings);
+    void find(EditableMesh& mesh, std::span<const BladeSegment> blade, std::vector<Crossing>& crossings);
     /// Call this after the mesh was edited along these crossings: adds the edges of the new nodes to the list.
     void addEdgesOfNewNodes(const EditableMesh& mesh);
     /// True if no edge was near the blade at the last find().
     [[nodiscard]] bool away() const { return edges_.empty(); }
+    /// As of the last find().
+    [[nodiscard]] BladeRuns& runs() { return runs_; }
 
 private:
     using Edge = std::array<int, 2>;
     void refresh(const EditableMesh& mesh, std::span<const BladeSegment> blade, double motion);
     [[nodiscard]] bool follows(const EditableMesh& mesh, std::span<const BladeSegment> blade) const;
-    void learnDirections(const EditableMesh& mesh, std::span<const BladeSegment> blade);
+    [[nodiscard]] Vec3 tissueMotion(const EditableMesh& mesh) const;
+    struct Normals {
+        Vec3 own = {};     ///< the segment alone
+        Vec3 smooth = {};  ///< with its neighbours' near the joints
+        bool bent = false; ///< a joint near by is no part of a round blade
+    };
+    /// `when`: the fraction of the step, and the parameter along the segment.
+    [[nodiscard]] Normals normalsAt(std::span<const BladeSegment> blade, int segment, std::array<double, 2> when,
+                                    Vec3 tissue, double meanEdge) const;
 
     std::vector<Edge> edges_;        ///< sorted, ascending
     double margin_ = 0.0;            ///< [m] margin of the list around the blade
@@ -63,7 +63,7 @@ private:
     long pass_ = 0;
     long moves_ = 0;                 ///< the mesh's moves() at the last step
     std::vector<BladeSegment> last_; ///< the blade at the last step
-    std::vector<Vec3> directions_;   ///< [m] per segment: recent direction of motion, up to its sign
+    BladeRuns runs_;
 };
 
 } // namespace filasofia::engine

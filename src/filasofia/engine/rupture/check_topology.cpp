@@ -287,7 +287,8 @@ std::uint64_t hashOf(const MeshTopology& mesh)
         for (int t : mesh.around[n]) add(t);
         addPoint(mesh.rest[n]), addPoint(mesh.current[n]), addPoint(mesh.previous[n]);
         const CutLabel& label = mesh.labels[n];
-        add(label.sheet), add(label.sequence), addPoint(label.point), addPoint(label.normal);
+        add(label.sheet), add(label.sequence), addPoint(label.point), addPoint(label.normal), addPoint(label.facet);
+        add(label.swept.pass), add(label.swept.segment), add(label.swept.along), add(label.swept.way);
     }
     return hash.value();
 }

@@ -37,7 +37,7 @@ RuptureReport BladeStroke::step(EditableMesh& mesh, std::span<const BladeSegment
     const std::size_t waiting = crossings_.size();
     finder_.find(mesh, blade, crossings_);
     report.crossings = static_cast<long>(crossings_.size() - waiting);
-    cutCrossings(mesh, sheet_, parameters, crossings_, report);
+    cutCrossings(mesh, sheet_, parameters, finder_.runs(), crossings_, report);
     finder_.addEdgesOfNewNodes(mesh);
     report.pending = static_cast<long>(crossings_.size());
     return report;
@@ -63,7 +63,7 @@ int sheetAt(const EditableMesh& mesh, std::span<const BladeSegment> blade)
 
 bool BladeStroke::finish(EditableMesh& mesh, const CutParameters& parameters, RuptureReport& report)
 {
-    cutCrossings(mesh, sheet_, parameters, crossings_, report);
+    cutCrossings(mesh, sheet_, parameters, finder_.runs(), crossings_, report);
     report.pending = static_cast<long>(crossings_.size());
     if (!crossings_.empty()) return false;
     openAll(mesh, openingLimits(parameters, mesh.meanEdge()), report);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace filasofia::engine {
@@ -17,11 +18,14 @@ using geometry::Tetrahedron;
 constexpr double kSamePlace = 0.3, kSameDirection = 0.5; ///< a crossing at a node that is on the sheet already
 constexpr double kAlignPlace = 0.4;                      ///< a new label and its neighbour's plane
 constexpr double kMemberDirection = 0.3, kMemberPlace = 0.5, kMemberMargin = 0.1; ///< a node in an element's sheet
+/// The same for two nodes that the blade passed one after the other, or at once, around a bend.
+constexpr double kBendDirection = -0.5, kBendPlace = 2.0, kBendMargin = 0.5;
+constexpr double kFlat = 0.05; ///< slope to each other of places that count as one plane
 
 class SheetCut {
 public:
-    SheetCut(EditableMesh& mesh, int sheet, const CutParameters& parameters, RuptureReport& report)
-        : mesh_(mesh), data_(mesh.data()), sheet_(sheet), parameters_(parameters), report_(report)
+    SheetCut(EditableMesh& mesh, int sheet, const CutParameters& parameters, BladeRuns& blade, RuptureReport& report)
+        : mesh_(mesh), data_(mesh.data()), sheet_(sheet), parameters_(parameters), blade_(blade), report_(report)
     {
     }
 
@@ -43,10 +47,21 @@ public:
 private:
     [[nodiscard]] bool hasLabel(int node) const { return data_.labels[node].sheet == sheet_; }
 
+    /// [m] How far a place on the sheet is from a label's plane. Around a corner of the blade, it is enough if the
+    /// label is near the other's plane.
+    [[nodiscard]] static double planeDistance(const CutLabel& label, const CutLabel& other)
+    {
+        const Vec3 way = other.point - label.point;
+        const double away = std::abs(dot(label.normal, way));
+        return label.swept.pass > 0 && other.swept.pass > 0 ? std::min(away, std::abs(dot(other.normal, way))) : away;
+    }
+
+    [[nodiscard]] CutLabel labelOf(const Crossing& c) const { return {sheet_, 0, c.point, c.normal, c.facet, c.swept}; }
+
     [[nodiscard]] bool onSheet(int node, const Crossing& c) const
     {
         const CutLabel& label = data_.labels[node];
-        return hasLabel(node) && std::abs(dot(label.normal, c.point - label.point)) <= kSamePlace * c.length &&
+        return hasLabel(node) && planeDistance(label, labelOf(c)) <= kSamePlace * c.length &&
                std::abs(dot(label.normal, c.normal)) > kSameDirection;
     }
 
@@ -56,25 +71,37 @@ private:
         return !star_.empty() && !mesh_.isGone(c.a);
     }
 
-    void label(int node, Vec3 point, Vec3 normal)
+    void label(int node, Vec3 point, const Crossing& crossing)
     {
+        CutLabel mine = labelOf(crossing);
+        mine.point = point;
         // The newest neighbour on the same sheet decides the normal's orientation.
         int guide = -1;
         for (int t : data_.around[node])
             for (int n : nodesOf(data_.tetrahedra[t])) {
                 const CutLabel& l = data_.labels[n];
-                if (n == node || !hasLabel(n) || std::abs(dot(l.normal, normal)) <= kSameDirection ||
+                if (n == node || !hasLabel(n) || std::abs(dot(l.normal, mine.normal)) <= kSameDirection ||
                     (guide >= 0 && l.sequence <= data_.labels[guide].sequence) ||
-                    std::abs(dot(normal, l.point - point)) > kAlignPlace * distance(data_.rest[n], data_.rest[node]))
+                    planeDistance(mine, l) > kAlignPlace * distance(data_.rest[n], data_.rest[node]))
                     continue;
                 guide = n;
             }
-        // If there is none yet, the sheet's newest label anywhere decides: the two jaws of scissors come from two
+        // If there is none yet, the side of the segment decides, so that a ring is cut with one side inwards all
+        // around. A segment that has none follows the sheet's newest label: the two jaws of scissors come from two
         // sides.
-        const Vec3 up = guide >= 0 ? data_.labels[guide].normal : mesh_.sheetNormal(sheet_);
-        if (dot(up, normal) < 0.0) normal = -normal;
-        mesh_.setSheetNormal(sheet_, normal);
-        mesh_.setLabel(node, {sheet_, mesh_.nextSequence(), point, normal});
+        const int known = blade_.sideAt(crossing.swept);
+        const Vec3 up = guide >= 0   ? data_.labels[guide].normal
+                        : known != 0 ? static_cast<double>(known) * mine.normal
+                                     : mesh_.sheetNormal(sheet_);
+        const bool opposite = dot(up, mine.normal) < 0.0;
+        if (known == 0) blade_.setSideAt(crossing.swept, opposite ? -1 : 1);
+        if (opposite) {
+            mine.normal = -mine.normal;
+            mine.facet = -mine.facet;
+        }
+        mesh_.setSheetNormal(sheet_, mine.normal);
+        mine.sequence = mesh_.nextSequence();
+        mesh_.setLabel(node, mine);
         fresh_.push_back(node);
     }
 
@@ -94,7 +121,7 @@ private:
             }
             const bool first = c.s < 0.5;
             const int node = first ? c.a : c.b, toward = first ? c.b : c.a;
-            label(node, c.point, c.normal);
+            label(node, c.point, c);
             ++report_.snapped;
             if (parameters_.moveNodes && e > 1e-9 && slide(node, toward, e)) relabel(node);
         }
@@ -171,10 +198,10 @@ private:
             const double inwards = 0.5 * (c.s + 0.5);
             if (longEnough && (goodEnough(c.s) || goodEnough(inwards))) {
                 const int node = mesh_.bisect(c.a, c.b, goodEnough(c.s) ? c.s : inwards);
-                label(node, data_.rest[node], c.normal);
+                label(node, data_.rest[node], c);
                 ++report_.bisections;
             } else {
-                label(c.s < 0.5 ? c.a : c.b, c.point, c.normal);
+                label(c.s < 0.5 ? c.a : c.b, c.point, c);
                 ++report_.snappedGuard;
             }
         }
@@ -195,13 +222,41 @@ private:
         for (std::size_t i = 0; i < n.size(); ++i) {
             const CutLabel& l = data_.labels[n[i]];
             if (!hasLabel(n[i])) continue;
+            const double way = distance(data_.rest[n[i]], data_.rest[newest]), direction = dot(l.normal, guide.normal);
             if (n[i] == newest ||
-                (dot(l.normal, guide.normal) > kMemberDirection &&
-                 std::abs(dot(guide.normal, l.point - guide.point)) <=
-                     kMemberPlace * distance(data_.rest[n[i]], data_.rest[newest]) + kMemberMargin * mesh_.meanEdge()))
+                (direction > kMemberDirection &&
+                 planeDistance(guide, l) <= kMemberPlace * way + kMemberMargin * mesh_.meanEdge()) ||
+                (direction > kBendDirection &&
+                 blade_.distanceBetween(l.swept, guide.swept) <= kBendPlace * way + kBendMargin * mesh_.meanEdge()))
                 mask |= 1u << i;
         }
         return mask;
+    }
+
+    /// [m] How far a place is above the sheet at the labels of an element's corners: in the mean. If a blade bends away
+    /// from its normals there, above is what is above any of the labels' planes; if towards them, what is above all.
+    [[nodiscard]] double heightAbove(std::span<const int> nodes, unsigned mask, Vec3 place) const
+    {
+        bool bends = true;
+        double bend = 0.0, span = 0.0, sum = 0.0;
+        double highest = -std::numeric_limits<double>::infinity(), lowest = -highest;
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            if ((mask >> i & 1u) == 0) continue;
+            const CutLabel& label = data_.labels[nodes[i]];
+            const double height = dot(label.facet, place - label.point);
+            bends = bends && label.swept.pass > 0;
+            sum += height;
+            highest = std::max(highest, height);
+            lowest = std::min(lowest, height);
+            for (std::size_t j = 0; j < nodes.size(); ++j) {
+                if (j == i || (mask >> j & 1u) == 0) continue;
+                const Vec3 way = data_.labels[nodes[j]].point - label.point;
+                bend += dot(label.facet, way);
+                span += length(way);
+            }
+        }
+        if (!bends || std::abs(bend) <= kFlat * span) return sum / std::popcount(mask);
+        return bend < 0.0 ? highest : lowest;
     }
 
     /// +1 above the sheet, -1 below, 0 if the element does not lie along it. The side is decided once and then kept.
@@ -211,18 +266,12 @@ private:
         const int count = std::popcount(mask), corners = static_cast<int>(n.size());
         if (count < corners - 1) return 0;
         if (data_.sides[t] / 2 == sheet_) return (data_.sides[t] & 1) != 0 ? 1 : -1;
-        const auto height = [&](Vec3 p) {
-            double sum = 0.0;
-            for (int i = 0; i < corners; ++i)
-                if ((mask >> i & 1u) != 0) sum += dot(data_.labels[n[i]].normal, p - data_.labels[n[i]].point);
-            return sum / count;
-        };
         double h = 0.0;
         for (int i = 0; i < corners; ++i)
-            if ((mask >> i & 1u) == 0) h = height(data_.rest[n[i]]);
+            if ((mask >> i & 1u) == 0) h = heightAbove(n, mask, data_.rest[n[i]]);
         const double size =
             mesh_.isSheet() ? std::sqrt(2.0 * restVolume(data_, t)) : std::cbrt(6.0 * restVolume(data_, t));
-        if (std::abs(h) < 1e-7 * size) h = height(middleOf(data_.tetrahedra[t], data_.rest));
+        if (std::abs(h) < 1e-7 * size) h = heightAbove(n, mask, middleOf(data_.tetrahedra[t], data_.rest));
         mesh_.setSide(t, 2 * sheet_ + (h >= 0.0 ? 1 : 0));
         return h >= 0.0 ? 1 : -1;
     }
@@ -316,6 +365,7 @@ private:
     const MeshTopology& data_;
     int sheet_;
     const CutParameters& parameters_;
+    BladeRuns& blade_;
     RuptureReport& report_;
     std::vector<int> fresh_; ///< nodes labelled in this step, in order
     std::vector<int> star_;
@@ -333,11 +383,11 @@ OpeningLimits openingLimits(const CutParameters& parameters, double meanEdge)
     return {.minQuality = parameters.minQuality, .shortestEdge = parameters.shortestEdge * meanEdge};
 }
 
-void cutCrossings(EditableMesh& mesh, int sheet, const CutParameters& parameters, std::vector<Crossing>& crossings,
-                  RuptureReport& report)
+void cutCrossings(EditableMesh& mesh, int sheet, const CutParameters& parameters, BladeRuns& blade,
+                  std::vector<Crossing>& crossings, RuptureReport& report)
 {
     if (crossings.empty()) return;
-    SheetCut(mesh, sheet, parameters, report).cut(crossings);
+    SheetCut(mesh, sheet, parameters, blade, report).cut(crossings);
 }
 
 } // namespace filasofia::engine

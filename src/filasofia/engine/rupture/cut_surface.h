@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/engine/rupture/blade_runs.h"
 #include "filasofia/engine/rupture/open_faces.h"
 
 #include <vector>
@@ -36,14 +37,16 @@ struct Crossing {
     int b = 0;           ///< the end on the side that the normal points to
     double s = 0.0;      ///< [-], in [0, 1], from a to b
     Vec3 point = {};     ///< [m] at rest
-    Vec3 normal = {};    ///< unit, at rest
+    Vec3 normal = {};    ///< unit, at rest; turns smoothly where the blade bends
+    Vec3 facet = {};     ///< the same; that of one segment if the blade is not round there
     double length = 0.0; ///< [m] the edge's length at rest
+    SweptPlace swept = {};
 };
 
 /// Inserts the crossings into the mesh. Near nodes are labelled (and slid onto the surface) and other edges are
 /// bisected. Then faces whose three nodes lie on the sheet, between elements of opposite sides, are flagged and opened.
 /// If the limit of new tetrahedra is reached, the remaining crossings stay in `crossings`.
-void cutCrossings(EditableMesh& mesh, int sheet, const CutParameters& parameters, std::vector<Crossing>& crossings,
-                  RuptureReport& report);
+void cutCrossings(EditableMesh& mesh, int sheet, const CutParameters& parameters, BladeRuns& blade,
+                  std::vector<Crossing>& crossings, RuptureReport& report);
 
 } // namespace filasofia::engine

@@ -15,12 +15,23 @@
 /// and volumes then holds for edges and areas.
 namespace filasofia::engine {
 
+/// Where the path of a blade that bends is, as an unrolled sheet.
+struct SweptPlace {
+    int pass = 0;       ///< one blade without a break; 0: not known, or the blade is straight
+    int segment = 0;    ///< its number in the blade
+    double along = 0.0; ///< [m] along the chain
+    double way = 0.0;   ///< [m] that the blade has gone there since its pass began
+    friend bool operator==(const SweptPlace&, const SweptPlace&) = default;
+};
+
 /// Marks a node that lies on a cut surface, with the surface's plane there.
 struct CutLabel {
     int sheet = 0;    ///< 0: on no sheet
     int sequence = 0; ///< position in the order of the mesh's labels: the newest has the largest
     Vec3 point;       ///< [m] at rest, on the surface
-    Vec3 normal;      ///< unit, at rest
+    Vec3 normal;      ///< unit, at rest; turns smoothly where the blade bends
+    Vec3 facet;       ///< the same; that of one segment if the blade is not round there
+    SweptPlace swept;
     friend bool operator==(const CutLabel&, const CutLabel&) = default;
 };
 
@@ -121,6 +132,7 @@ public:
     void setSide(int tetrahedron, int side) { data_.sides[tetrahedron] = side; }
     void setLabel(int node, const CutLabel& label) { data_.labels[node] = label; }
     int nextSequence() { return ++sequence_; }
+    int newPass() { return ++passes_; } ///< 1, 2, ...
     /// Adds a cut surface and returns its id: 1, 2, ...
     int newSheet() { return sheetNormals_.emplace_back(), static_cast<int>(sheetNormals_.size()); }
     /// The normal of the sheet's newest label.
@@ -147,7 +159,7 @@ private:
     double thickness_ = 0.0; ///< [m] 0: tetrahedra, no sheet
     double meanEdge_ = 0.0, diagonal_ = 0.0, startVolume_ = 0.0, lastMotion_ = 0.0, volumeMoved_ = 0.0;
     std::vector<double> reach_;
-    int sequence_ = 0;
+    int sequence_ = 0, passes_ = 0;
     long moves_ = 0;
     std::vector<Vec3> sheetNormals_;
 

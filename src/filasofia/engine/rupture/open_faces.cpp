@@ -200,8 +200,9 @@ private:
             const CutLabel &la = data_.labels[a], &lb = data_.labels[b];
             CutLabel label;
             if (la.sheet != 0 && lb.sheet != 0)
-                label = {std::min(la.sheet, lb.sheet), std::max(la.sequence, lb.sequence), 0.5 * (la.point + lb.point),
-                         normalized(la.normal + lb.normal)};
+                label = {std::min(la.sheet, lb.sheet),    std::max(la.sequence, lb.sequence),
+                         0.5 * (la.point + lb.point),     normalized(la.normal + lb.normal),
+                         normalized(la.facet + lb.facet), la.sequence > lb.sequence ? la.swept : lb.swept};
             const int middle = mesh_.bisect(a, b, 0.5);
             mesh_.setLabel(middle, label);
             candidates_.push_back(middle);
