@@ -124,7 +124,7 @@ GallbladderTools::GallbladderTools(Simulation& sim, const GallbladderPatient& pa
             std::make_unique<LaparoscopicInstrument>(
                 sim, inTrocar("scissors", kRightPort, {.kind = InstrumentKind::LaparoscopicScissors, .opening = 0.6}))},
       clips(sim, right[Applier]->tool(),
-            {.clip = {.gap = 0.7_mm},
+            {.clip = {.gap = 0.5_mm},
              .clips = 8,
              .targets = {patient.duct.body, patient.artery.body},
              .onClip = [this](BodyId tissue) { return onClip ? onClip(tissue) : void(); }}),

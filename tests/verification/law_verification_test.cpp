@@ -15,10 +15,13 @@ namespace {
 constexpr double kMu = 1000.0, kNu = 0.49999;
 const Lame kMaterial = lame(2.0 * kMu * (1.0 + kNu), kNu);
 
-/// [Pa] Cauchy stress along x with the stresses along the other free axes zero: `shape` makes the deformation gradient
-/// from the stretch and the lateral stretch, which is sought.
-double freeStress(const ElasticLaw& law, Lame material, double stretch,
-                  const std::function<Vec3(double, double)>& shape)
+/// The stress along x and the lateral stretch.
+struct Free {
+    double stress, lateral; ///< Cauchy [Pa]
+};
+/// With the stresses along the other free axes zero: `shape` makes the deformation gradient from the stretch and the
+/// lateral stretch, which is sought.
+Free freely(const ElasticLaw& law, Lame material, double stretch, const std::function<Vec3(double, double)>& shape)
 {
     double low = 0.2, high = 6.0; // lateral stretches: the lateral stress rises with them
     const auto stressOf = [&](double lateral) {
@@ -29,16 +32,20 @@ double freeStress(const ElasticLaw& law, Lame material, double stretch,
         const double middle = 0.5 * (low + high);
         (stressOf(middle)[2].z < 0.0 ? low : high) = middle;
     }
-    return stressOf(0.5 * (low + high))[0].x;
+    return {stressOf(0.5 * (low + high))[0].x, 0.5 * (low + high)};
 }
 
+Free uniaxially(const ElasticLaw& law, Lame material, double stretch)
+{
+    return freely(law, material, stretch, [](double s, double t) { return Vec3{s, t, t}; });
+}
 double uniaxial(const ElasticLaw& law, Lame material, double stretch)
 {
-    return freeStress(law, material, stretch, [](double s, double t) { return Vec3{s, t, t}; });
+    return uniaxially(law, material, stretch).stress;
 }
 double equibiaxial(const ElasticLaw& law, double stretch)
 {
-    return freeStress(law, kMaterial, stretch, [](double s, double t) { return Vec3{s, s, t}; });
+    return freely(law, kMaterial, stretch, [](double s, double t) { return Vec3{s, s, t}; }).stress;
 }
 double simpleShear(const ElasticLaw& law, Lame material, double shear)
 {
@@ -151,6 +158,29 @@ TEST_CASE("the compressible laws have closed forms at any Poisson's ratio")
         verify(text("corotational, uniaxial, nu ", nu, ", relative error"), corotational, 1e-9);
         verify(text("corotational, simple shear, nu ", nu, ", relative error"), turned, 1e-9);
     }
+}
+
+TEST_CASE("neo-Hookean tissue of any Poisson's ratio presses back ever more, down to 15 % of its height")
+{
+    for (const double nu : {0.0, 0.03, 0.1, 0.2, 0.3, 0.4, 0.45, 0.49}) {
+        double last = 0.0;
+        for (double height = 0.95; height > 0.149; height -= 0.025) {
+            CAPTURE(nu, height);
+            const Free at = uniaxially(NeoHookean{}, lame(3000.0, nu), height);
+            const double pressure = -at.stress * squared(at.lateral); // per area at rest
+            CHECK(pressure > last);
+            last = pressure;
+        }
+    }
+    // Without a Poisson's ratio it stays as wide as it is: J = s, and mu (1/s - s) presses back.
+    double error = 0.0, wider = 0.0;
+    for (const double s : {0.9, 0.7, 0.5, 0.3}) {
+        const Free at = uniaxially(NeoHookean{}, lame(2.0 * kMu, 0.0), s);
+        error = std::max(error, std::abs(at.stress / (kMu * (s - 1.0 / s)) - 1.0));
+        wider = std::max(wider, std::abs(at.lateral - 1.0));
+    }
+    verify("neo-Hookean, nu 0, pressed to 0.3 of its height, relative error of the stress", error, 1e-9);
+    verify("neo-Hookean, nu 0, pressed to 0.3 of its height, lateral strain", wider, 1e-9);
 }
 
 } // namespace law_verification_test

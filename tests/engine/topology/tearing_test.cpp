@@ -58,8 +58,9 @@ struct PulledStrip {
 TEST_CASE("a strip in tension tears at the threshold for every step length")
 {
     // With a Poisson ratio of 0 the stress is the same all along the strip and its cross section stays constant. The
-    // force per area is E e at strain e.
-    const double youngModulus = 10e3, expected = kThreshold / youngModulus;
+    // force per area is E/2 (s - 1/s) at stretch s.
+    const double youngModulus = 10e3, share = kThreshold / youngModulus,
+                 expected = share + std::hypot(1.0, share) - 1.0;
     for (double dt : {1e-3, 5e-4}) {
         PulledStrip strip(
             FemMaterial{.youngModulus = youngModulus, .poissonRatio = 0.0, .tearingThreshold = kThreshold}, 0.05,
@@ -137,7 +138,7 @@ TEST_CASE("a search limited to elements near the threshold finds bit-identical s
                 strip.at += speed * strip.start * dt;
                 strip.stage.post(SetPose{strip.clamp, 0, Pose{.position = {strip.at, 1e-3 * number(random), 0}}});
                 tears += static_cast<int>(strip.stage.step(dt).topology.ruptures.size());
-                if (i % 10 != 0) continue;
+                if (i % 4 != 0) continue;
                 const SoftModel& model = strip.stage.model();
                 const SoftState& state = strip.stage.soft();
                 MatrixFreeSystem system(model, dt);

@@ -76,8 +76,8 @@ class Block:
 
 
 def energy_of_shape(own):
-    """Neo-Hookean (Smith, de Goes and Kim 2018) with this lambda."""
-    return f"{SHEAR}/2*(Norm_sqr(F)-3)-{SHEAR}*(Det(F)-1)+{own + SHEAR}/2*sqr(Det(F)-1)"
+    """Neo-Hookean (Bonet and Wood 2008) with this lambda."""
+    return f"{SHEAR}/2*(Norm_sqr(F)-3)-{SHEAR}*log(Det(F))+{own}/2*sqr(Det(F)-1)"
 
 
 def linear(nu):

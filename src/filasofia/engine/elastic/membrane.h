@@ -10,11 +10,12 @@
 ///
 ///     W   energy per volume at rest      F   3 x 2, from the triangle at rest to the present one
 ///
-/// This is mu/2 (|F|^2 - 3) + (lambda + mu)/2 (J - 1)^2 - mu (J - 1), the law of neo_hookean.h, with the stretch s of
-/// the thickness that makes it least: s = A (1 + q) / (q + A^2) with the stretch A = sqrt(a) of the area, as stress
-/// across the sheet is zero. So energy, force and tangent are finite in every state and need neither axes nor a root of
-/// C. For nu = 0.5 it is the incompressible membrane, mu/2 (t + 1/a - 3). phi(t) is t, but below kLeastTrace a
-/// parabola, without which a sheet that is crushed to a third would go on to a point.
+/// This is mu/2 (|F|^2 - 3) + (lambda + mu)/2 (J - 1)^2 - mu (J - 1), the law of Smith, de Goes and Kim (2018), which
+/// is that of neo_hookean.h up to the second order in J - 1, with the stretch s of the thickness that makes it least: s
+/// = A (1 + q) / (q + A^2) with the stretch A = sqrt(a) of the area, as stress across the sheet is zero. So energy,
+/// force and tangent are finite in every state and need neither axes nor a root of C. For nu = 0.5 it is the
+/// incompressible membrane, mu/2 (t + 1/a - 3). phi(t) is t, but below kLeastTrace a parabola, without which a sheet
+/// that is crushed to a third would go on to a point.
 namespace filasofia::engine {
 
 /// [-] Bound of tr C, which is 2 at rest. For every nu >= 0 a smaller sheet then has more energy.

@@ -1,5 +1,7 @@
 #include "filasofia/engine/elastic/neo_hookean.h"
 
+#include "filasofia/engine/elastic/stretch_response-inl.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -15,8 +17,14 @@ Mat3 cofactorChange(const Mat3& f, const Mat3& df)
 
 /// The slope of i(I) in the header.
 double shearFactor(const Mat3& f) { return std::min(1.0, contract(f, f)); }
-double bulkOf(Lame material) { return material.lambda + material.mu; }
-double twistAt(Lame material, double volume) { return bulkOf(material) * (volume - 1.0) - material.mu; }
+double bulkAt(Lame material, double volume)
+{
+    return material.lambda + material.mu * HWY_NAMESPACE::reciprocalSquare(volume);
+}
+double twistAt(Lame material, double volume)
+{
+    return material.lambda * (volume - 1.0) - material.mu * HWY_NAMESPACE::tangentReciprocal(volume);
+}
 
 /// An upper bound of the largest stretch, exact if the two others are equal: the eigenvalues of a symmetric matrix lie
 /// within mean +- sqrt(2/3) |deviator|.
@@ -30,9 +38,10 @@ double largestStretch(const Mat3& s)
 
 double neoHookeanEnergy(Lame material, const Mat3& f)
 {
-    const double grown = determinant(f) - 1.0, square = contract(f, f);
+    const double volume = determinant(f), square = contract(f, f);
     const double shape = square < 1.0 ? 0.5 * (square * square + 1.0) : square;
-    return 0.5 * material.mu * (shape - 3.0) - material.mu * grown + 0.5 * bulkOf(material) * grown * grown;
+    return material.mu * (0.5 * (shape - 3.0) - HWY_NAMESPACE::tangentLogarithm(volume)) +
+           0.5 * material.lambda * (volume - 1.0) * (volume - 1.0);
 }
 
 Mat3 neoHookeanStress(Lame material, const Mat3& f)
@@ -43,9 +52,10 @@ Mat3 neoHookeanStress(Lame material, const Mat3& f)
 NeoHookeanTangent neoHookeanTangent(Lame material, const Deformation& at, double turning)
 {
     constexpr double kSmallest = 1e-6; // [-] stretch
-    NeoHookeanTangent tangent{at.f, cofactor(at.f), material.mu * shearFactor(at.f), bulkOf(material),
-                              twistAt(material, determinant(at.f))};
-    if (determinant(at.f) - 1.0 < kTense) tangent.twist = std::min(tangent.twist, -material.mu);
+    const double volume = determinant(at.f);
+    NeoHookeanTangent tangent{at.f, cofactor(at.f), material.mu * shearFactor(at.f), bulkAt(material, volume),
+                              twistAt(material, volume)};
+    if (volume - 1.0 < kTense) tangent.twist = std::min(tangent.twist, -material.mu);
     const double s = std::max(largestStretch(transposeTimes(at.rotation, at.f)), kSmallest);
     // If the element is small in all directions at once, bulk does not lift the mode in which all three change alike.
     const double least = tangent.shear + tangent.bulk / 3.0 * contract(tangent.cofactor, tangent.cofactor);

@@ -2,14 +2,18 @@
 
 #include "filasofia/engine/elastic/element.h"
 
-/// The stable neo-Hookean law (Smith, de Goes and Kim 2018, "Stable Neo-Hookean flesh simulation", without the
-/// logarithm of equation 13; the constants make the rest shape the minimum):
-///     W = mu/2 (i(|F|^2) - 3) - mu (J - 1) + k/2 (J - 1)^2, J = det F, k = lambda + mu
-///     P = mu i' F + p C, C = cof F = dJ/dF, p = k (J - 1) - mu
-///     dP = mu i' dF + k (C : dF) C + p dC
-/// At small strain it is Hooke's law. Nothing in it is singular, also if the element is flat or inside out. i(I) = I
-/// down to I = 1, which is 3 at rest; below, i = (I^2 + 1) / 2, so that an element that is shrunk in all directions
-/// grows again: with i = I a point would be a minimum of the energy.
+/// The neo-Hookean law of textbooks (Bonet and Wood 2008, section 6.4.3, with another term of lambda), made stable for
+/// every deformation:
+///     W = mu/2 (i(|F|^2) - 3) - mu l(J) + lambda/2 (J - 1)^2, J = det F
+///     P = mu i' F + p C, C = cof F = dJ/dF, p = lambda (J - 1) - mu l'
+///     dP = mu i' dF + (lambda - mu l'') (C : dF) C + p dC
+/// l = ln J down to J = 0.2, below it goes on along its parabola. i(I) = I down to I = 1, which is 3 at rest; below,
+/// i = (I^2 + 1) / 2, so that an element that is shrunk in all directions grows again: with i = I a point would be a
+/// minimum of the energy. So nothing in the law is singular, also if the element is flat or inside out.
+///
+/// Smith, de Goes and Kim (2018) have mu (J - 1) - mu/2 (J - 1)^2 for l, which is the same up to the second order. But
+/// under pressure tissue of a low Poisson's ratio then loses its strength: with nu = 0 it is flat at half of its
+/// height.
 namespace filasofia::engine {
 
 /// [J/m^3]

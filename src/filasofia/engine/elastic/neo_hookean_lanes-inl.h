@@ -9,6 +9,7 @@
 
 #include "filasofia/engine/elastic/law_lanes-inl.h"
 #include "filasofia/engine/elastic/neo_hookean.h"
+#include "filasofia/engine/elastic/stretch_response-inl.h"
 #include "filasofia/physics/elastic_law.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -102,8 +103,8 @@ HWY_INLINE NeoHookeanLanes linearise(const physics::NeoHookean&, const LaneEleme
     }
 
     // In units of mu, as in neoHookeanTangent().
-    const V bulk = hn::Add(one, at.ratio);
-    const V exact = hn::MulSub(bulk, hn::Sub(volume, one), one);
+    const V bulk = hn::Add(at.ratio, reciprocalSquare(Lane(volume)).v);
+    const V exact = hn::MulSub(at.ratio, hn::Sub(volume, one), tangentReciprocal(Lane(volume)).v);
     const V s = largestStretch(at.f, at.r);
     const auto tense = hn::Ge(hn::Sub(volume, one), lane(static_cast<float>(kTense)));
     const V twisting = hn::IfThenElse(tense, exact, hn::Min(exact, hn::Neg(one)));

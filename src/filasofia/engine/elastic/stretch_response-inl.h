@@ -60,6 +60,26 @@ template <class S> HWY_INLINE Curve<S> boundedLogarithm(S x, S low)
 constexpr double kSmallestVolume = 0.2;   // [-] J below which the bounded logarithm departs from ln J
 constexpr double kSmallestStretch = 0.05; // [-] the same for a stretch
 
+/// The reciprocal of J down to kSmallestVolume, where it goes on along its tangent, also for J < 0. This is the slope
+/// of the neo-Hookean law's logarithm, which so resists ever more, where boundedLogarithm() ends.
+template <class S> HWY_INLINE S tangentReciprocal(S volume)
+{
+    const S j = larger(volume, S(kSmallestVolume));
+    return S(1.0) / j - (volume - j) / (j * j);
+}
+/// Minus its slope.
+template <class S> HWY_INLINE S reciprocalSquare(S volume)
+{
+    const S j = larger(volume, S(kSmallestVolume));
+    return S(1.0) / (j * j);
+}
+/// Its integral from 1 on.
+template <class S> HWY_INLINE S tangentLogarithm(S volume)
+{
+    const S j = larger(volume, S(kSmallestVolume)), below = (volume - j) / j;
+    return logarithm(j) + below - S(0.5) * below * below;
+}
+
 /// J = s1 s2 s3 and its derivatives.
 template <class S> struct VolumeRatio {
     HWY_INLINE explicit VolumeRatio(const S (&s)[3])

@@ -17,15 +17,17 @@ template <class S> HWY_INLINE StretchResponse<S> responseOf(const physics::NeoHo
 {
     StretchResponse<S> out;
     const VolumeRatio<S> volume(s);
-    addVolumetric(volume, ratio + S(1.0), out);
+    addVolumetric(volume, ratio, out);
     const S square = s[0] * s[0] + s[1] * s[1] + s[2] * s[2], factor = smaller(square, S(1.0));
     const S shape = ifLess(square, S(1.0), S(0.5) * (square * square + S(1.0)), square);
-    out.energy = out.energy + S(0.5) * (shape - S(3.0)) - (volume.value - S(1.0));
+    const S slope = tangentReciprocal(volume.value), curvature = reciprocalSquare(volume.value);
+    out.energy = out.energy + S(0.5) * (shape - S(3.0)) - tangentLogarithm(volume.value);
     for (int i = 0; i < 3; ++i) {
-        out.d[i] = out.d[i] + factor * s[i] - volume.d[i];
+        out.d[i] = out.d[i] + factor * s[i] - slope * volume.d[i];
         out.h[i][i] = out.h[i][i] + factor;
         for (int j = 0; j < 3; ++j)
-            out.h[i][j] = out.h[i][j] - volume.second(i, j) + ifLess(square, S(1.0), S(2.0) * s[i] * s[j], S(0.0));
+            out.h[i][j] = out.h[i][j] + curvature * volume.d[i] * volume.d[j] - slope * volume.second(i, j) +
+                          ifLess(square, S(1.0), S(2.0) * s[i] * s[j], S(0.0));
     }
     return out;
 }
