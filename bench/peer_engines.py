@@ -15,9 +15,9 @@ class Filasofia:
     """`scheme` "implicit" is the default: linearised backward Euler; "explicit" is symplectic Euler."""
 
     package, equal = "filasofia", False
-    LAWS = {"neo-Hookean": "NeoHookean", "St. Venant-Kirchhoff": "StVenantKirchhoff"}
+    LAWS = {"neo-Hookean, ln J": "NeoHookean", "St. Venant-Kirchhoff": "StVenantKirchhoff"}
 
-    def __init__(self, block, dt, damping=0.0, law="neo-Hookean", scheme="implicit"):
+    def __init__(self, block, dt, damping=0.0, law="neo-Hookean, ln J", scheme="implicit"):
         import filasofia as fs
 
         self.law = law

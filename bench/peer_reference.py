@@ -25,14 +25,21 @@ def st_venant_kirchhoff(f, mu, lam):
 
 
 def neo_hookean(f, mu, lam):
-    """Smith, de Goes and Kim 2018 without the logarithm: Filasofia's default, and Newton's VBD."""
+    """Smith, de Goes and Kim 2018 without the logarithm: Newton's VBD."""
     c = cofactor(f)
     grown = np.einsum("...ij,...ij->...", f, c) / 3 - 1
     return mu * f + ((lam + mu) * grown - mu)[..., None, None] * c
 
 
+def neo_hookean_ln_j(f, mu, lam):
+    """Bonet and Wood 2008: Filasofia's default, as long as no element is below a fifth of its volume."""
+    c = cofactor(f)
+    volume = np.einsum("...ij,...ij->...", f, c) / 3
+    return mu * f + (lam * (volume - 1) - mu / volume)[..., None, None] * c
+
+
 def neo_hookean_log(f, mu, lam):
-    """The same with the logarithm: Bullet, and Newton's semi-implicit solver. Constants for the same small strains."""
+    """Smith's with the logarithm: Bullet, and Newton's semi-implicit solver. Constants for the same small strains."""
     mu, lam = 4 / 3 * mu, lam + 5 / 6 * mu
     c = cofactor(f)
     grown = np.einsum("...ij,...ij->...", f, c) / 3 - 1
@@ -40,7 +47,12 @@ def neo_hookean_log(f, mu, lam):
     return (mu * (1 - 1 / (square + 1)))[..., None, None] * f + (lam * grown - 0.75 * mu)[..., None, None] * c
 
 
-LAWS = {"St. Venant-Kirchhoff": st_venant_kirchhoff, "neo-Hookean": neo_hookean, "neo-Hookean, log": neo_hookean_log}
+LAWS = {
+    "St. Venant-Kirchhoff": st_venant_kirchhoff,
+    "neo-Hookean": neo_hookean,
+    "neo-Hookean, ln J": neo_hookean_ln_j,
+    "neo-Hookean, log": neo_hookean_log,
+}
 
 
 class Block:

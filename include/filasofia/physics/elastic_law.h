@@ -26,7 +26,7 @@ inline namespace elastic_laws {
 /// W = mu/2 (I1 - 3) - mu ln J + lambda/2 (J - 1)^2 (Bonet and Wood 2008, section 6.4.3, with another term of lambda).
 /// Stable in every deformation, also flat and inside out: the usual choice. Below J = 0.2 the logarithm goes on as its
 /// parabola. Below I1 = 1, where tissue is crushed in all directions, I1 is replaced by (1 + I1^2) / 2, so that a point
-/// is no minimum. Pressed tissue of any Poisson's ratio presses back ever more.
+/// is no minimum. Tissue of any Poisson's ratio presses back ever more, down to 15 % of its height.
 struct NeoHookean {
     friend bool operator==(const NeoHookean&, const NeoHookean&) = default;
 };

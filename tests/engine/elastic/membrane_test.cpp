@@ -156,7 +156,7 @@ TEST_CASE("without the geometric stiffness, a stretched membrane turns freely")
     CHECK(free < stiff);
 }
 
-TEST_CASE("a membrane is a neo-Hookean tissue whose thickness is free")
+TEST_CASE("a membrane is tissue of Smith's neo-Hookean law whose thickness is free")
 {
     std::mt19937 random(5);
     for (double nu : {0.0, 0.3, 0.45}) {

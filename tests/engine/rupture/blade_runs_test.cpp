@@ -107,7 +107,6 @@ TEST_CASE("after a pause a ring keeps its sides, and another part of its body ha
     CHECK(runs.sideAt(runs.placeAt(3, 0.5, 0.5)) == 1);
     runs.join(ringOf(circle(8, 0.02), {0, 1, 2, 3, 4, 5, 6, 7}), 3, kEdge);
     CHECK(runs.sideAt(runs.placeAt(3, 0.5, 0.5)) == 0);
-    CHECK(runs.direction(3) == Vec3{});
 }
 
 } // namespace blade_runs_test

@@ -16,8 +16,9 @@ template <class Visit> void forEachMinimum(ProximityScratch& scratch, const Visi
         for (PointMinimum& minimum : scratch.parts[i].points) visit(minimum);
 }
 
-// The side on which the point was relative to this place, or to the one that shares most vertices with it, and behind
-// rather than outside; 0: it was not near. In a crease, a place on one wall may share a vertex with one on the other.
+// The side on which the point was relative to this place, or to the one that shares most vertices with it; 0: it was
+// not near. In a crease of a solid, a place on one wall may share a vertex with one on the other: if two share as many,
+// the point was behind. In a sheet it makes no difference which of the two decides.
 int sideBefore(const std::vector<SheetSide>& sides, const SheetSide& now)
 {
     const auto key = [](const SheetSide& kept) { return std::tie(kept.source, kept.target, kept.point); };

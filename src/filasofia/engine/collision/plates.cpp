@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace filasofia::engine {
 namespace {
@@ -50,10 +51,13 @@ void makePlates(CollisionSurface& surface)
         for (const FourFloats& each : {plate.x, plate.y, plate.z})
             for (int k = 0; k < 3; ++k) largest = std::max(largest, std::abs(each[k]));
         const Vec3 centre = 1.0 / 3.0 * (a + b + c), normal = cross(b - a, c - a);
+        // With an infinite allowance, an element that is not finite is never told to be far from anything.
+        const float allowance = isFinite(centre) ? kRounding * largest : std::numeric_limits<float>::infinity();
         plate.centre = FourFloats{static_cast<float>(centre.x), static_cast<float>(centre.y),
-                                  static_cast<float>(centre.z), kRounding * largest};
-        const double area = length(normal);
-        const Vec3 unit = area > 0.0 ? 1.0 / area * normal : Vec3{};
+                                  static_cast<float>(centre.z), allowance};
+        const double area = length(normal), longest = std::max(lengthSquared(b - a), lengthSquared(c - a));
+        const Vec3 unit =
+            area * area > kSliver * longest * longest ? 1.0 / area * normal : Vec3{}; // else it is rounding
         plate.normal =
             FourFloats{static_cast<float>(unit.x), static_cast<float>(unit.y), static_cast<float>(unit.z), 0.0f};
     }

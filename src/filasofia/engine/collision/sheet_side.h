@@ -14,7 +14,7 @@ struct SurfaceName {
     friend constexpr auto operator<=>(const SurfaceName&, const SurfaceName&) = default;
 };
 
-/// The side of a sheet that a point was on. For a point's own surface: whether the point was outside.
+/// The side of a sheet that a point was on. For a point's own surface: whether it was outside, or behind another wall.
 struct SheetSide {
     SurfaceName source;           ///< the surface that the point belongs to
     SurfaceName target;           ///< the sheet

@@ -61,7 +61,7 @@ constexpr double kSmallestVolume = 0.2;   // [-] J below which the bounded logar
 constexpr double kSmallestStretch = 0.05; // [-] the same for a stretch
 
 /// The reciprocal of J down to kSmallestVolume, where it goes on along its tangent, also for J < 0. This is the slope
-/// of the neo-Hookean law's logarithm, which so resists ever more, where boundedLogarithm() ends.
+/// of the neo-Hookean law's logarithm, which so resists longer than boundedLogarithm().
 template <class S> HWY_INLINE S tangentReciprocal(S volume)
 {
     const S j = larger(volume, S(kSmallestVolume));

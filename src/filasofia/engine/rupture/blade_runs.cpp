@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kSliding =
     0.05; ///< [-] a segment whose direction is shorter, relative to the longest, moves along itself
-constexpr double kSameLength = 1e-6;
-constexpr double kNarrow = 2.0;    ///< [-] mean edges: a ring of a smaller hydraulic diameter has no inside
-constexpr double kSharpest = -0.2; ///< [-] cosine: normals beyond a joint that differ more belong to another run
+constexpr double kSameLength = 1e-6; // [-]
+constexpr double kNarrow = 2.0;      ///< [-] mean edges: a ring of a smaller hydraulic diameter has no inside
+constexpr double kSharpest = -0.2;   ///< [-] cosine: normals beyond a joint that differ more belong to another run
 
 struct SegmentEnd {
     Vec3 place;
@@ -23,8 +23,8 @@ struct SegmentEnd {
 
 void BladeRuns::join(std::span<const BladeSegment> blade, int pass, double meanEdge)
 {
-    // After a pause. If another part of the body is near the tissue now, it has other lengths or another number of
-    // segments; or it is straight, as jaws are, and has no sides.
+    // After a pause sides are kept. If another part of the body is near the tissue now, it has other lengths or another
+    // number of segments; or it is straight, as jaws are, and has no sides.
     const bool same = std::ranges::equal(blade, stretches_, [](const BladeSegment& now, const Stretch& last) {
         const double l = distance(now.from, now.to);
         return std::abs(std::abs(last.to - last.from) - l) <= kSameLength * l;
@@ -50,10 +50,8 @@ void BladeRuns::join(std::span<const BladeSegment> blade, int pass, double meanE
     orderChains(blade);
     for (int i = 0; i < count; ++i)
         if (rings_[i] > 0.0 && widthOf(i, blade) < kNarrow * meanEdge) separate(i);
-    if (!same) {
-        directions_.assign(blade.size(), {});
-        sides_.assign(blade.size(), 0);
-    }
+    if (directions_.size() != blade.size()) directions_.assign(blade.size(), {});
+    if (!same) sides_.assign(blade.size(), 0);
     findRuns(blade);
 }
 
