@@ -1,4 +1,3 @@
-#include "filasofia/core/log.h"
 #include "filasofia/geometry/mesh_file.h"
 #include "geometry/gmsh_writer.h"
 #include "geometry/sample_meshes.h"
@@ -12,16 +11,6 @@ using namespace filasofia::geometry;
 using Catch::Matchers::Contains;
 
 namespace {
-
-// Collects the log while it exists.
-struct LogTrap {
-    std::string lines;
-    LogTrap()
-    {
-        setLogSink([this](LogLevel, std::string_view line) { lines += std::string(line) + "\n"; });
-    }
-    ~LogTrap() { setLogSink({}); }
-};
 
 std::string errorFor(const std::string& name, std::string_view bytes)
 {

@@ -165,7 +165,7 @@ TEST_CASE("the solids of VTK's files are split, however a wedge is turned")
     CHECK(volumeOf(mesh) == Approx(1.0 + 1.0 + 0.5 + 0.5 + 1.0 / 3.0));
     CHECK(volumeInside(extractSurface(mesh).mesh) == Approx(volumeOf(mesh))); // nothing is open between them
     CHECK_THAT(errorIn(kHead + points + replaced(cells, "11 12", "11 25")),
-               Contains("cell 1 must be a tetrahedron, hexahedron, voxel, wedge or pyramid") &&
+               Contains("cell 1 must be a tetrahedron of 4 or 10 nodes, or a hexahedron, voxel, wedge or pyramid") &&
                    Contains("got VTK's type 25 with 8 nodes"));
     CHECK_THAT(errorIn(kHead + points + replaced(cells, "5 8 9 10 11 15", "5 8 9 10 8 15")),
                Contains("a.vtk:13: pyramid 4 names node 8 twice"));

@@ -191,7 +191,7 @@ TEST_CASE("what is wrong in a VTK XML file is named with its line")
     CHECK_THAT(errorIn(replaced(kFile, ">4<", ">5<")), Contains("a.vtu:10: the offsets of cells must ascend"));
     CHECK_THAT(errorIn(replaced(kFile, ">10<", ">10 10<")),
                Contains("a.vtu:11: must have one number per cell (1), got 2"));
-    CHECK_THAT(errorIn(replaced(kFile, ">10<", ">25<")), Contains("cell 0 must be a tetrahedron, hexahedron"));
+    CHECK_THAT(errorIn(replaced(kFile, ">10<", ">25<")), Contains("cell 0 must be a tetrahedron of 4 or 10 nodes, or a hexahedron"));
     CHECK_THAT(errorIn(replaced(kFile, "</Piece>", "</Piece>\n<Piece/>")),
                Contains("a.vtu:13: the grid must have one Piece, got a second one"));
     CHECK_THAT(errorIn(replaced(kFile, "ascii\">\n0 1 2 3", "binary\">\n!")), Contains("a.vtu:8: the data end before"));

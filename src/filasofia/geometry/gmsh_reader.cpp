@@ -280,8 +280,8 @@ GmshType GmshReader::checkedType(std::int64_t type) const
     if (!known) in_.failHere("the element type must be one of Gmsh's 1 to 31, got ", type);
     if (known->dimension == 3 && !known->solid)
         in_.failHere(
-            "a solid element must be of first order: a tetrahedron, hexahedron, prism or pyramid (type 4 to 7), "
-            "got a ",
+            "a solid element must be a tetrahedron, hexahedron, prism or pyramid (type 4 to 7) or a second-order "
+            "tetrahedron (type 11), got a ",
             known->name, " (type ", type, ")");
     return *known;
 }

@@ -18,7 +18,7 @@ std::optional<GmshType> gmshType(std::int64_t number)
         {"second-order line", 1, 3},
         {"second-order triangle", 2, 6},
         {"second-order quadrangle", 2, 9},
-        {"second-order tetrahedron", 3, 10},
+        {"second-order tetrahedron", 3, 10, Solid::Simplex},
         {"second-order hexahedron", 3, 27},
         {"second-order prism", 3, 18},
         {"second-order pyramid", 3, 14},

@@ -20,7 +20,7 @@ bool isFlat(std::int64_t type)
 std::optional<Solid> toSolid(std::int64_t type, std::vector<std::int64_t>& nodes, const RawTetMesh& mesh)
 {
     const auto have = [&](std::size_t count) { return nodes.size() == count; };
-    if (type == 10 && have(4)) return Solid::Simplex;
+    if ((type == 10 && have(4)) || (type == 24 && have(10))) return Solid::Simplex; // 24: of second order
     if (type == 12 && have(8)) return Solid::Hexahedron;
     if (type == 14 && have(5)) return Solid::Pyramid;
     if (type == 11 && have(8)) { // a voxel counts in x, then y, then z
@@ -117,8 +117,8 @@ void addCells(const VtkCells& cells, const CellNumbers* labels, const NumberSour
         const std::optional<Solid> solid = toSolid(cells.types[cell], nodes, mesh);
         if (!solid)
             file.failAt(cells.places[cell], "cell ", cell,
-                        " must be a tetrahedron, hexahedron, voxel, wedge or pyramid of 4, 8, "
-                        "8, 6 or 5 nodes, got VTK's type ",
+                        " must be a tetrahedron of 4 or 10 nodes, or a hexahedron, voxel, wedge or pyramid of "
+                        "8, 8, 6 or 5 nodes, got VTK's type ",
                         cells.types[cell], " with ", nodes.size(), " nodes");
         addSolid(nodes,
                  {.number = static_cast<std::int64_t>(cell),
