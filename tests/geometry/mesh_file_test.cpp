@@ -200,11 +200,11 @@ TEST_CASE("what is no mesh file at all is refused by name")
     CHECK_THAT(errorOf([] { loadTetMesh("nowhere.msh"); }), Contains("nowhere.msh: no such file"));
     CHECK_THAT(errorOf([] { loadTetMesh("nowhere.node"); }), Contains("nowhere.node: no such file"));
     CHECK_THAT(errorOf([] { loadTriangleMesh("/dev/zero"); }),
-               Contains("must be an .obj, .stl, .ply, .gltf, .glb or .vtk file"));
+               Contains("must be an .obj, .stl, .ply, .gltf, .glb, .off, .vtk, .vtp, .vtu or .mesh file"));
     CHECK_THAT(errorOf([] { loadTriangleMesh("a.fbx"); }),
-               Contains("must be an .obj, .stl, .ply, .gltf, .glb or .vtk file, got '.fbx'"));
+               Contains("must be an .obj, .stl, .ply, .gltf, .glb, .off, .vtk, .vtp, .vtu or .mesh file, got '.fbx'"));
     CHECK_THAT(errorOf([] { loadTetMesh("a.obj"); }),
-               Contains("must be a .msh, .vtk, .vtu, .node or .ele file, got '.obj'"));
+               Contains("must be a .msh, .mesh, .vtk, .vtu, .node or .ele file, got '.obj'"));
     CHECK_THAT(errorOf([] { loadTetMesh("liver"); }), Contains("liver: a tetrahedral mesh must be"));
     CHECK_THAT(errorOf([] { loadTetMesh("liver.msh", 1.0, "part"); }),
                Contains("liver.msh: labels names a list of a .vtk or .vtu file, got 'part' for a '.msh' file"));

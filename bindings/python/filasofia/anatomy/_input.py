@@ -17,9 +17,9 @@ from ._read import read_bytes, read_labels
 from ._solids import mesh_surfaces
 from ._types import Array, Tell, silent
 
-SURFACES = (".stl", ".ply", ".obj", ".gltf", ".glb", ".vtp")
+SURFACES = (".stl", ".ply", ".obj", ".gltf", ".glb", ".off", ".vtp")
 TETRAHEDRA = (".msh", ".vtu", ".node", ".ele", ".inp", ".xdmf", ".med", ".mesh")
-_OURS = (".msh", ".vtk", ".vtu", ".node", ".ele")
+_OURS = (".msh", ".mesh", ".vtk", ".vtu", ".node", ".ele")
 
 
 def _ending(file: str) -> str:
