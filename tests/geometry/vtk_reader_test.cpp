@@ -204,6 +204,27 @@ TEST_CASE("polygons of VTK's polydata become triangles, with their texture coord
           2); // dropped, with a warning
 }
 
+TEST_CASE("arrays of strings and bits, as PyVista writes, are passed over")
+{
+    const auto fields = [](const std::string& strings, const std::string& bits) {
+        return "FIELD FieldData 2\n_PYVISTA_USER_DICT 1 3 string\n" + strings + "flags 2 5 bit\n" + bits + "\n";
+    };
+    const std::string text = fields("{%22a%22: POINTS 1}\n\nlast one\n", "0 1 0 1 1 0 1 1 0 1");
+    CHECK(parseVtk(replaced(kFile, "POINTS", text + "POINTS"), "a.vtk").nodes == unitTetrahedron().nodes);
+    CHECK(parseVtk(kFile + "CELL_DATA 1\nFIELD f 1\nnames 1 1 string\nliver\n", "a.vtk").labels.empty());
+    CHECK_THAT(errorIn(replaced(kFile, "POINTS", "FIELD f 1\nx 1 99999 string\na\nPOINTS")),
+               Contains("a.vtk:6: an array of 1 by 99999 values must fit into the rest of the file"));
+    CHECK_THAT(errorIn(replaced(kFile, "POINTS", "FIELD f 1\nx 1 -1 bit\nPOINTS")), Contains("1 by -1 values must"));
+    CHECK_THAT(errorIn(kFile + "CELL_DATA 1\nFIELD f 1\nnames 1 2 string\nliver\n"), Contains("ends before a value"));
+
+    // Strings of fewer than 64 bytes, of 300 and of none have numbers of one, two and one bytes before them.
+    const std::string strings = std::string("\xC2") + "ab" + "\x81\x2C" + std::string(300, 'x') + "\xC0" + "\n";
+    const std::string binary = VtkWriter({true, true}).write(labelledCube(1));
+    const std::string with = replaced(binary, "POINTS 8", fields(strings, "ab") + "POINTS 8");
+    CHECK(parseVtk(with, "a.vtk").tetrahedra == labelledCube(1).tetrahedra);
+    damage(with, "a.vtk", [](const std::string& bytes) { return parseVtk(bytes, "a.vtk"); });
+}
+
 TEST_CASE("what is wrong in a VTK file is named with its line or byte")
 {
     CHECK_THAT(errorIn("solid cube"), Contains("a.vtk:1: a legacy VTK file must begin with '# vtk DataFile Version '"));

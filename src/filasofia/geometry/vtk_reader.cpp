@@ -16,14 +16,14 @@ namespace {
 /// A type of numbers in the file, whose name may be in any case.
 struct NumberType {
     std::string_view name;
-    int bytes = 0;
+    int bytes = 0; ///< 0: of values that are no numbers, or less than a byte each; they are passed over
     bool real = false;
 };
 constexpr NumberType kNumberTypes[] = {
-    {"char", 1},          {"unsigned_char", 1}, {"short", 2},         {"unsigned_short", 2},
-    {"int", 4},           {"unsigned_int", 4},  {"long", 8},          {"vtkidtype", 4}, // written as int
-    {"unsigned_long", 8}, {"vtktypeint64", 8},  {"vtktypeuint64", 8}, {"vtktypeint32", 4},
-    {"vtktypeuint32", 4}, {"float", 4, true},   {"double", 8, true},
+    {"char", 1},          {"unsigned_char", 1}, {"short", 2},         {"unsigned_short", 2}, {"int", 4},
+    {"unsigned_int", 4},  {"long", 8},          {"vtkidtype", 4}, // written as int
+    {"unsigned_long", 8}, {"vtktypeint64", 8},  {"vtktypeuint64", 8}, {"vtktypeint32", 4},   {"vtktypeuint32", 4},
+    {"float", 4, true},   {"double", 8, true},  {"signed_char", 1},   {"string", 0},         {"bit", 0},
 };
 
 class VtkReader {
@@ -64,6 +64,8 @@ private:
     void passOver(std::size_t count, const NumberType& type);
     void readNumbers(std::string_view name, const NumberType& type);
     [[nodiscard]] NumberType type();
+    [[nodiscard]] NumberType anyType();
+    void passOverOdd(std::int64_t components, std::int64_t tuples, bool bits);
     std::int64_t textCount(std::string_view what, std::size_t numbers, std::size_t rawBytes);
     std::vector<std::int64_t> readIntegers(std::size_t count, std::string_view what, int bytes);
     void beginRaw();
@@ -131,12 +133,19 @@ void VtkReader::readSection(const std::string& keyword)
     readAttribute(keyword);
 }
 
-NumberType VtkReader::type()
+NumberType VtkReader::anyType()
 {
     const std::string_view word = in_.word();
     const auto* found = std::ranges::find(kNumberTypes, lowered(word), &NumberType::name);
     if (found == std::end(kNumberTypes)) in_.failHere("a type of numbers must be char to double, got ", quoted(word));
     return *found;
+}
+
+NumberType VtkReader::type()
+{
+    const NumberType of = anyType();
+    if (of.bytes == 0) in_.failHere("a type of numbers must be char to double, got ", quoted(of.name));
+    return of;
 }
 
 // Counts are text even in a binary file.
@@ -233,28 +242,28 @@ void VtkReader::readAttribute(const std::string& keyword)
             if (name.empty()) in_.failHere("the file ends before an array");
             const std::int64_t components = in_.integerIn(in_.word(), "a number of components");
             const std::int64_t tuples = in_.integerIn(in_.word(), "a number of values");
-            readArray(name, components, tuples, type());
+            readArray(name, components, tuples, anyType());
         }
         return;
     }
     const std::string_view name = in_.word();
     if (name.empty()) in_.failHere("the file ends after ", quoted(keyword));
     if (keyword == "scalars") {
-        const NumberType of = type();
+        const NumberType of = anyType();
         const std::string_view components = in_.wordOnThisLine();
         if (lowered(in_.word()) != "lookup_table") in_.failHere("SCALARS must have a LOOKUP_TABLE");
         in_.word();
         return readArray(name, components.empty() ? 1 : in_.integerIn(components, "a number of components"),
                          attributes_, of);
     }
-    if (keyword == "vectors" || keyword == "normals") return readArray(name, 3, attributes_, type());
-    if (keyword == "tensors") return readArray(name, 9, attributes_, type());
-    if (keyword == "global_ids" || keyword == "pedigree_ids") return readArray(name, 1, attributes_, type());
+    if (keyword == "vectors" || keyword == "normals") return readArray(name, 3, attributes_, anyType());
+    if (keyword == "tensors") return readArray(name, 9, attributes_, anyType());
+    if (keyword == "global_ids" || keyword == "pedigree_ids") return readArray(name, 1, attributes_, anyType());
     const NumberType colour = in_.isBinary() ? NumberType{"unsigned_char", 1} : NumberType{"float", 4, true};
     if (keyword == "texture_coordinates") {
         if (surface_ && !ofCells_ && uv_.empty()) return readTextureCoordinates();
         const std::int64_t dimension = in_.integerIn(in_.word(), "a dimension");
-        return readArray(name, dimension, attributes_, type());
+        return readArray(name, dimension, attributes_, anyType());
     }
     if (keyword == "color_scalars")
         return readArray(name, in_.integerIn(in_.word(), "a number of components"), attributes_, colour);
@@ -264,6 +273,7 @@ void VtkReader::readAttribute(const std::string& keyword)
 
 void VtkReader::readArray(std::string_view name, std::int64_t components, std::int64_t tuples, const NumberType& of)
 {
+    if (of.bytes == 0) return passOverOdd(components, tuples, of.name == "bit");
     in_.boundCount(components, "a number of components", 1, 1);
     in_.boundCount(tuples, "a number of values", 1, 1);
     if (components > 0 && tuples > std::numeric_limits<std::int64_t>::max() / components / 8)
@@ -275,6 +285,33 @@ void VtkReader::readArray(std::string_view name, std::int64_t components, std::i
         readNumbers(name, of);
     else
         passOver(count, of);
+}
+
+// Strings are a line each or, if binary, the number of their bytes and these; the two upper bits of the first byte tell
+// how many further bytes the number has (vtkDataWriter). Bits are words or, if binary, eight in a byte.
+void VtkReader::passOverOdd(std::int64_t components, std::int64_t tuples, bool bits)
+{
+    const auto most = static_cast<std::int64_t>(8 * (in_.remaining() + 1));
+    if (components < 0 || tuples < 0 || (components > 0 && tuples > most / components))
+        in_.failHere("an array of ", components, " by ", tuples, " values must fit into the rest of the file");
+    const auto count = static_cast<std::size_t>(components * tuples);
+    if (bits) {
+        beginRaw();
+        return in_.isBinary() ? in_.skipBytes((count + 7) / 8, "values") : passOver(count, {});
+    }
+    in_.restOfLine();
+    for (std::size_t i = 0; i < count; ++i) {
+        if (in_.remaining() == 0) in_.failHere("the file ends before a value");
+        if (!in_.isBinary()) {
+            in_.restOfLine();
+            continue;
+        }
+        const auto first = static_cast<unsigned char>(in_.byte());
+        constexpr int kFurther[] = {7, 3, 1, 0};
+        std::uint64_t length = first & 63u;
+        for (int k = 0; k < kFurther[first >> 6u]; ++k) length = length << 8u | static_cast<unsigned char>(in_.byte());
+        in_.skipBytes(length, "a string");
+    }
 }
 
 void VtkReader::passOver(std::size_t count, const NumberType& of)
