@@ -180,6 +180,7 @@ TEST_CASE("texture coordinates come along, one pair per vertex, and a seam is co
     CHECK(mesh.uv[0] == std::array{0.0, 0.25});
     CHECK(mesh.uv[1] == std::array{1.0, 0.0});
     CHECK_THAT(log.lines, Contains("1 texture coordinates of vertices that have others already"));
+    CHECK(log.warnings.empty()); // most files have seams
 }
 
 TEST_CASE("triangles that collapse in joining are dropped and counted in one warning")
@@ -187,7 +188,7 @@ TEST_CASE("triangles that collapse in joining are dropped and counted in one war
     const LogTrap log;
     const TriangleMesh mesh = meshFrom("t.obj", obj() + "v 0 0 0\nf 1 5 2\nf 1 2 2\n");
     checkIsUnitTetrahedron(mesh);
-    CHECK_THAT(log.lines, Contains("dropped 2 triangles with two corners at the same place"));
+    CHECK_THAT(log.lines, Contains("t.obj: dropped 2 triangles with two corners at the same place\n"));
     CHECK(std::ranges::count(log.lines, '\n') == 1);
 }
 

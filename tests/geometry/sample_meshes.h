@@ -17,10 +17,13 @@ namespace filasofia::geometry {
 
 /// Collects the log while it exists.
 struct LogTrap {
-    std::string lines;
+    std::string lines, warnings; ///< all; those that are no information
     LogTrap()
     {
-        setLogSink([this](LogLevel, std::string_view line) { lines += std::string(line) + "\n"; });
+        setLogSink([this](LogLevel level, std::string_view line) {
+            lines += text(line, "\n");
+            if (level != LogLevel::Info) warnings += text(line, "\n");
+        });
     }
     ~LogTrap() { setLogSink({}); }
 };
