@@ -12,7 +12,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// Of the square and the triangle that all files below hold.
+/// The square and the triangle that all files below hold.
 const std::vector<Triangle> kTriangles{{0, 1, 2}, {0, 2, 3}, {0, 1, 4}};
 constexpr Vec3 kTip{0.1, 0.2, 1e-3}; // no number of single precision
 

@@ -81,7 +81,7 @@ private:
     int version_ = 2; ///< 1, 2 or 4
     RawTetMesh mesh_;
     std::vector<int> groups_, entities_;  ///< per tetrahedron: physical group, 0 for none, and geometric entity
-    std::map<std::int64_t, int> groupOf_; ///< of a volume of version 4: its first physical group
+    std::map<std::int64_t, int> groupOf_; ///< a volume of version 4: its first physical group
 };
 
 // Returns the first section behind the format. A file of version 1 has none, and begins with its nodes.

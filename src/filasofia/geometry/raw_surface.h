@@ -18,7 +18,7 @@ struct RawSurface {
     std::vector<std::array<double, 2>> uv = {}; ///< one per point, or empty
     std::int64_t first = 0;
     std::vector<Polygon> polygons = {};
-    std::vector<std::int64_t> corners = {}; ///< of all polygons
+    std::vector<std::int64_t> corners = {}; ///< all polygons, one after the other
     std::size_t solids = 0;                 ///< that the file holds besides
     std::size_t secondOrder = 0;            ///< polygons of which only the corners were taken
     bool keepsUnused = false;               ///< points that no triangle has for a corner

@@ -35,7 +35,7 @@ std::string solidName(const RawTetMesh::Element& element)
 // formats, so such a node is compared with the middle of the edge that is nearest.
 void warnOfMiddles(const RawTetMesh& raw, const TetMesh& mesh, const std::vector<int>& middles, std::string_view name)
 {
-    constexpr double kStraight = 1e-3; // of the edge: less is rounding
+    constexpr double kStraight = 1e-3; // relative to the edge; less is rounding
     std::vector<bool> left(mesh.nodes.size()), bent(mesh.nodes.size());
     std::size_t solids = 0;
     double largest = 0.0;

@@ -35,7 +35,7 @@ constexpr std::int64_t kPolygon = 7, kPixel = 8, kSecondOrderLine = 21;
 std::optional<Solid> toSolid(std::int64_t type, std::vector<std::int64_t>& nodes, const RawTetMesh& mesh)
 {
     const auto have = [&](std::size_t count) { return nodes.size() == count; };
-    if ((type == 10 && have(4)) || (type == 24 && have(10))) return Solid::Simplex; // 24: of second order
+    if ((type == 10 && have(4)) || (type == 24 && have(10))) return Solid::Simplex; // 24: second order
     if (type == 12 && have(8)) return Solid::Hexahedron;
     if (type == 14 && have(5)) return Solid::Pyramid;
     if (type == 11 && have(8)) { // a voxel counts in x, then y, then z

@@ -16,7 +16,7 @@ namespace {
 /// A type of numbers in the file, whose name may be in any case.
 struct NumberType {
     std::string_view name;
-    int bytes = 0; ///< 0: of values that are no numbers, or less than a byte each; they are passed over
+    int bytes = 0; ///< 0: no numbers, or less than a byte each; they are passed over
     bool real = false;
 };
 constexpr NumberType kNumberTypes[] = {

@@ -60,7 +60,7 @@ private:
     pugi::xml_document document_;
     bool swapped_ = false, appendedBase64_ = false;
     std::string_view compressor_; ///< empty: none
-    std::size_t sizeBytes_ = 4;   ///< of the sizes before an array's data
+    std::size_t sizeBytes_ = 4;   ///< each of the sizes before an array's data
 };
 
 } // namespace filasofia::geometry
