@@ -27,4 +27,15 @@ TEST_CASE("a slip is told the nearest known word, another word none")
     CHECK(didYouMean("totalMass", {"radius"}).empty());
 }
 
+TEST_CASE("short words must be nearer, and a field that is near none gets the list of all")
+{
+    CHECK(didYouMean("mass", {"class", "value"}).empty()); // two letters of four are another word
+    CHECK(didYouMean("clas", {"class", "value"}) == " (did you mean 'class'?)");
+    CHECK(didYouMeanOneOf("mass", {"class", "value"}) == " (it has class, value)");
+    CHECK(didYouMeanOneOf("valeu", {"class", "value"}) == " (did you mean 'value'?)");
+    CHECK(didYouMeanOneOf("mass", {}).empty());
+    CHECK(didYouMeanOneOf("mass", std::vector<std::string>(12, "a")).size() > 30);
+    CHECK(didYouMeanOneOf("mass", std::vector<std::string>(13, "a")).empty());
+}
+
 } // namespace suggestion_test

@@ -4,5 +4,6 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
     using namespace filasofia::geometry;
+    fuzzReader(data, size, [](std::string_view bytes) { return parseVtuSurface(bytes, "fuzz.vtp"); });
     return fuzzReader(data, size, [](std::string_view bytes) { return parseVtu(bytes, "fuzz.vtu"); });
 }

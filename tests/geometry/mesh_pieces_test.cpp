@@ -106,4 +106,32 @@ TEST_CASE("joined nodes make a mesh whole again, with its order, its labels and 
                Contains("a.msh: tetrahedra 0 and 1 lie on the same side"));
 }
 
+TEST_CASE("parts that touch in an edge or a node only get nodes of their own, and all else stays")
+{
+    const TetMesh one = cubeMesh(2, 1);
+    CHECK(withSplitNodes(one).nodes == one.nodes);
+    CHECK(withSplitNodes(one).tetrahedra == one.tetrahedra);
+
+    // A second cube: at x + 1 and y + 1 the two share an edge of 3 nodes; at z + 1, too, a node.
+    for (const auto& [shift, shared] : {std::pair{Vec3{1, 1, 0}, 3}, {Vec3{1, 1, 1}, 1}}) {
+        TetMesh two = one;
+        for (const Tetrahedron& t : one.tetrahedra) {
+            two.tetrahedra.push_back(t);
+            for (int& node : two.tetrahedra.back()) node += static_cast<int>(one.nodes.size());
+        }
+        for (const Vec3 p : one.nodes) two.nodes.push_back(p + shift);
+        const TetMesh touching = withJoinedNodes(two, "two cubes");
+        REQUIRE(touching.nodes.size() == two.nodes.size() - static_cast<std::size_t>(shared));
+        const TetMesh apart = withSplitNodes(touching);
+        CHECK(apart.nodes.size() == two.nodes.size());
+        CHECK(std::equal(touching.nodes.begin(), touching.nodes.end(), apart.nodes.begin())); // copies come last
+        CHECK(std::equal(one.tetrahedra.begin(), one.tetrahedra.end(), apart.tetrahedra.begin()));
+        CHECK(piecesOf(touching).pieces == 1);
+        CHECK(piecesOf(apart).pieces == 2);
+        CHECK(piecesOf(apart).doubled == shared);
+        CHECK(volumeOf(apart) == Approx(2.0));
+        CHECK(withSplitNodes(apart).nodes == apart.nodes);
+    }
+}
+
 } // namespace mesh_pieces_test

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
 #include "filasofia/geometry/surface.h"
 #include "filasofia/geometry/tet_mesh.h"
 
@@ -13,6 +14,19 @@
 #include <string>
 
 namespace filasofia::geometry {
+
+/// Collects the log while it exists.
+struct LogTrap {
+    std::string lines, warnings; ///< all; those that are no information
+    LogTrap()
+    {
+        setLogSink([this](LogLevel level, std::string_view line) {
+            lines += text(line, "\n");
+            if (level != LogLevel::Info) warnings += text(line, "\n");
+        });
+    }
+    ~LogTrap() { setLogSink({}); }
+};
 
 /// The unit tetrahedron: a right corner at the origin; volume 1/6.
 inline TetMesh unitTetrahedron() { return {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 1, 2, 3}}}; }

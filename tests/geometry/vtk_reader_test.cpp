@@ -165,7 +165,7 @@ TEST_CASE("the solids of VTK's files are split, however a wedge is turned")
     CHECK(volumeOf(mesh) == Approx(1.0 + 1.0 + 0.5 + 0.5 + 1.0 / 3.0));
     CHECK(volumeInside(extractSurface(mesh).mesh) == Approx(volumeOf(mesh))); // nothing is open between them
     CHECK_THAT(errorIn(kHead + points + replaced(cells, "11 12", "11 25")),
-               Contains("cell 1 must be a tetrahedron, hexahedron, voxel, wedge or pyramid") &&
+               Contains("cell 1 must be a tetrahedron of 4 or 10 nodes, or a hexahedron, voxel, wedge or pyramid") &&
                    Contains("got VTK's type 25 with 8 nodes"));
     CHECK_THAT(errorIn(kHead + points + replaced(cells, "5 8 9 10 11 15", "5 8 9 10 8 15")),
                Contains("a.vtk:13: pyramid 4 names node 8 twice"));
@@ -190,7 +190,8 @@ TEST_CASE("polygons of VTK's polydata become triangles, with their texture coord
     CHECK(parseVtkSurface(version5, "a.vtk").triangles == mesh.triangles);
 
     const auto error = [](const std::string& bytes) { return errorOf([&] { parseVtkSurface(bytes, "a.vtk"); }); };
-    CHECK_THAT(error(kFile), Contains("a.vtk:4: the file must hold a DATASET POLYDATA"));
+    CHECK_THAT(error(replaced(kFile, "UNSTRUCTURED_GRID", "STRUCTURED_GRID")),
+               Contains("a.vtk:4: the file must hold a DATASET POLYDATA or UNSTRUCTURED_GRID"));
     CHECK_THAT(error(head + points + lines), Contains("a.vtk: must have a POLYGONS section with polygons, found none"));
     CHECK_THAT(error(head + points + "TRIANGLE_STRIPS 1 4\n3 0 1 2\n"), Contains("must consist of POLYGONS"));
     CHECK_THAT(error(replaced(file, "3 0 1 4", "3 0 1 5")),
@@ -201,6 +202,27 @@ TEST_CASE("polygons of VTK's polydata become triangles, with their texture coord
                Contains("must have one value per point (5), got 4"));
     CHECK(parseVtkSurface(replaced(file, "3 0 1 4", "3 0 1 1"), "a.vtk").triangles.size() ==
           2); // dropped, with a warning
+}
+
+TEST_CASE("arrays of strings and bits, as PyVista writes, are passed over")
+{
+    const auto fields = [](const std::string& strings, const std::string& bits) {
+        return "FIELD FieldData 2\n_PYVISTA_USER_DICT 1 3 string\n" + strings + "flags 2 5 bit\n" + bits + "\n";
+    };
+    const std::string text = fields("{%22a%22: POINTS 1}\n\nlast one\n", "0 1 0 1 1 0 1 1 0 1");
+    CHECK(parseVtk(replaced(kFile, "POINTS", text + "POINTS"), "a.vtk").nodes == unitTetrahedron().nodes);
+    CHECK(parseVtk(kFile + "CELL_DATA 1\nFIELD f 1\nnames 1 1 string\nliver\n", "a.vtk").labels.empty());
+    CHECK_THAT(errorIn(replaced(kFile, "POINTS", "FIELD f 1\nx 1 99999 string\na\nPOINTS")),
+               Contains("a.vtk:6: an array of 1 by 99999 values must fit into the rest of the file"));
+    CHECK_THAT(errorIn(replaced(kFile, "POINTS", "FIELD f 1\nx 1 -1 bit\nPOINTS")), Contains("1 by -1 values must"));
+    CHECK_THAT(errorIn(kFile + "CELL_DATA 1\nFIELD f 1\nnames 1 2 string\nliver\n"), Contains("ends before a value"));
+
+    // Strings of fewer than 64 bytes, of 300 and of none have numbers of one, two and one bytes before them.
+    const std::string strings = std::string("\xC2") + "ab" + "\x81\x2C" + std::string(300, 'x') + "\xC0" + "\n";
+    const std::string binary = VtkWriter({true, true}).write(labelledCube(1));
+    const std::string with = replaced(binary, "POINTS 8", fields(strings, "ab") + "POINTS 8");
+    CHECK(parseVtk(with, "a.vtk").tetrahedra == labelledCube(1).tetrahedra);
+    damage(with, "a.vtk", [](const std::string& bytes) { return parseVtk(bytes, "a.vtk"); });
 }
 
 TEST_CASE("what is wrong in a VTK file is named with its line or byte")

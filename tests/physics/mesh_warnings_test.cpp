@@ -1,4 +1,5 @@
 #include "filasofia/core/log.h"
+#include "filasofia/geometry/mesh_pieces.h"
 #include "filasofia/geometry/shapes.h"
 #include "physics/fake_engine.h"
 
@@ -123,6 +124,29 @@ TEST_CASE("a body so light that it would not fall, and a name that cannot be rea
     server.remove(first);
     CHECK(server.nameOf(first) == "twin");
     CHECK(server.nameOf(BodyId{77}) == "body 77");
+}
+
+TEST_CASE("nodes that were split so that a body can be cut are told, and nobody is asked to join them")
+{
+    geometry::TetMesh two = *geometry::shapes::block({0.01, 0.01, 0.01}, {2, 2, 2});
+    const geometry::TetMesh one = two;
+    for (const Vec3 p : one.nodes) two.nodes.push_back(p + Vec3{0.01, 0.01, 0.0}); // they share an edge of 3 nodes
+    for (geometry::Tetrahedron t : one.tetrahedra) {
+        for (int& node : t) node += static_cast<int>(one.nodes.size());
+        two.tetrahedra.push_back(t);
+    }
+    SoftBodyDef def = soft(geometry::withJoinedNodes(two, "two"));
+    CHECK(logOf(def).empty());
+    def.dynamicTopology = true;
+    CHECK_THAT(logOf(def),
+               Contains("soft body 'organ': 3 nodes were added where parts of the mesh touch in an edge or a "
+                        "node only") &&
+                   Contains("has 2 pieces that share no node, and move apart; make a body"));
+    CHECK_THAT(logOf(def), !Contains("to join them"));
+    def.mesh = std::make_shared<const geometry::TetMesh>(two); // so it is if a recording is read again
+    CHECK_THAT(logOf(def), !Contains("to join them"));
+    def.mesh = std::make_shared<const geometry::TetMesh>(twoBlocks(0.0)); // this seam is none of ours
+    CHECK_THAT(logOf(def), Contains("to join them"));
 }
 
 } // namespace mesh_warnings_test

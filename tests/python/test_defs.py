@@ -127,6 +127,7 @@ def test_nested_defs_and_lists_may_be_changed_in_place():
         (lambda: fs.FemMaterial(law="fung"), TypeError, "(did you mean Fung()?)"),
         (lambda: fs.JointDef(kind="revolut"), fs.Error, "must be 'revolute' or 'prismatic', got 'revolut' (did you mean 'revolute'?)"),
         (lambda: fs.SoftBodyDef(total_mass=1), TypeError, "SoftBodyDef has no field 'total_mass' (did you mean 'mass'?)"),
+        (lambda: fs.TotalMass(mass=1), TypeError, "TotalMass has no field 'mass' (it has value)"),
         (lambda: fs.FemMaterial(youngs_modulus=1), TypeError, "FemMaterial has no field 'youngs_modulus' (did you mean 'young_modulus'?)"),
         (lambda: setattr(fs.FemMaterial(), "poisson", 1), AttributeError, "FemMaterial has no field 'poisson'"),
         (lambda: fs.Ball((0, 0, 0), 1, 2), TypeError, "Ball has 2 fields, got 3 values"),

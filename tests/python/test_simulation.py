@@ -595,7 +595,7 @@ def test_observers_that_come_and_go_get_what_happens_while_they_are_there():
     assert (first, second) == ([1, 2, 7, 8], [1, 2, 3, 4])
 
 
-def test_words_of_the_user_stay_as_they_are_in_errors():
+def test_words_of_the_user_stay_as_they_are_in_errors(tmp_path, monkeypatch):
     sim = fs.Simulation(threads=1)
     for name in ("o'brien's liverName", "liverName", "a 'liverName' b"):
         with pytest.raises(fs.Error) as caught:
@@ -605,6 +605,18 @@ def test_words_of_the_user_stay_as_they_are_in_errors():
         with pytest.raises(fs.Error) as caught:
             fs.load_tet_mesh(file)
         assert file in str(caught.value)
+
+    written = tmp_path / "cubeDof.msh"
+    written.write_text("$MeshFormat\n9 0 8\n")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(fs.Error, match="^cubeDof.msh:2: the Gmsh format"):  # a name without a folder, and a line
+        fs.load_tet_mesh("cubeDof.msh")
+    points = '<Points><DataArray type="Float32" format="binary">AAAA</DataArray></Points>'
+    piece = f'<Piece NumberOfPoints="4" NumberOfCells="1">{points}</Piece>'
+    head = '<VTKFile type="UnstructuredGrid" compressor="vtkLZMADataCompressor">'
+    (tmp_path / "dofGrid.vtu").write_text(f"{head}<UnstructuredGrid>{piece}</UnstructuredGrid></VTKFile>")
+    with pytest.raises(fs.Error, match="compressed by vtkZLibDataCompressor or not at all"):  # a word of a file's format
+        fs.load_tet_mesh("dofGrid.vtu")
 
     class camelCase:
         def __repr__(self):

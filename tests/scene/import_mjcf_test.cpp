@@ -134,6 +134,29 @@ TEST_CASE("MJCF: classes inherit, childclass counts for what is inside, and what
         "model.xml:2:55: mujoco/worldbody/geom.class must be a class, got 'softr' (did you mean 'soft'?)");
 }
 
+TEST_CASE("MJCF: a mesh may be in the model itself, by its vertices and faces or as the hull of its vertices")
+{
+    const auto massOf = [](const std::string& mesh) {
+        const Imported imported = mjcf("<asset><mesh name=\"m\" " + mesh + R"(/></asset><worldbody><body><freejoint/>
+<geom type="mesh" mesh="m" density="600"/></body></worldbody>)");
+        return std::get<GivenInertia>(rigid(imported, 0).mass).mass;
+    };
+    const std::string vertices = "vertex=\"0 0 0  1 0 0  0 1 0  0 0 1\"";
+    CHECK(massOf(vertices) == Approx(100.0));
+    CHECK(massOf(vertices + " face=\"0 2 1  0 1 3  0 3 2  1 2 3\"") == Approx(100.0));
+    CHECK(massOf("scale=\"2 1 1\" vertex=\"0 0 0  1 0 0  0 1 0  0 0 1  .1 .1 .1  .2 .2 0\"") == Approx(200.0));
+    const auto error = [](const std::string& mesh) {
+        return errorOf("<asset>\n<mesh name=\"m\" " + mesh +
+                       "/>\n</asset><worldbody><geom type=\"mesh\" mesh=\"m\"/></worldbody>");
+    };
+    CHECK_THAT(error(""), Catch::Contains("model.xml:3:2: mujoco/asset/mesh 'm' must say its file or its vertices"));
+    CHECK_THAT(error("vertex=\"0 0 0 1 0 0 0 1 0 0 0 1 2\""), Catch::Contains("must be three numbers per vertex"));
+    CHECK_THAT(error("vertex=\"0 0 0 1 0 0 0 1 0 1 1 0\""), Catch::Contains("must not lie in a plane"));
+    CHECK_THAT(error(vertices + " face=\"0 1 4\""), Catch::Contains("face must be in [0, 3]"));
+    CHECK_THAT(error(vertices + " face=\"0 1 1\""), Catch::Contains("names a vertex twice"));
+    CHECK_THAT(error(vertices + " face=\"0 1\""), Catch::Contains("must be three vertices per face"));
+}
+
 TEST_CASE("MJCF: shapes weigh what they do, by density, by mass, and as a mesh")
 {
     const auto inertia = [](const std::string& geom) {

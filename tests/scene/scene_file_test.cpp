@@ -208,7 +208,13 @@ TEST_CASE("scene files: every mistake is one line with its place, its bound and 
         CHECK(error.find('\n') == std::string::npos);
         CHECK(error.size() < 400);
     };
-    contains(body(R"(, "friction": "much")"), "must be a number, such as 0.01 or \"10 mm\", got \"much\"");
+    contains(body(R"(, "friction": "much")"), "friction must be a number, such as 0.01, got \"much\"");
+    contains(body(R"(, "pressure": "much")"), "must be a number, such as 0.01 or \"0.01 Pa\", got \"much\"");
+    contains(R"({"physics": {"rate": "much"}})", "must be a number, such as 1 or \"1 Hz\", got \"much\"");
+    contains(R"({"bodies": [{"mesh": {"type": "tetrahedra", "file": "a.msh", "scale": "mm"}}]})",
+             "scale must be a number, such as 0.01, got \"mm\"");
+    contains(body(R"(, "mass": {"type": "TotalMass", "mass": 1})"),
+             "unknown field 'mass' in bodies[0].mass, a TotalMass (it has ");
     contains(body(R"(, "friction": true)"), "bodies[0].friction must be a number, got true");
     contains(body(R"(, "gravity": 1)"), "bodies[0].gravity must be true or false, got 1");
     contains(body(R"(, "name": 1)"), "bodies[0].name must be a text, got 1");

@@ -158,6 +158,13 @@ if not _typing.TYPE_CHECKING:  # a type checker would take every wrong name for 
         return version("filasofia")
 
 
+def _own_names() -> set[str]:
+    """What Errors of C++ call by its name in Python: our fields, functions and methods. All other words are users'."""
+    owners = [shapes, viewer, *(each for each in globals().values() if isinstance(each, type))]
+    return set(globals()).union(*(dir(each) for each in owners))
+
+
+_core.set_own_names(sorted(_own_names()))
 # Before the interpreter ends: a thread of a simulation must not find it gone.
 _atexit.register(_core._log_to, None)  # type: ignore[attr-defined]  # the last, as the others may log
 _atexit.register(_core.close_all)

@@ -45,7 +45,7 @@ class Def:
 
     @classmethod
     def _unknown(cls, name):
-        return f"{cls.__name__} has no field '{name}'{_core.did_you_mean(name, list(cls._names))}"
+        return f"{cls.__name__} has no field '{name}'{_core.did_you_mean_one_of(name, list(cls._names))}"
 
     def replace(this, /, **changes):
         """A deep copy with other values of some fields."""

@@ -92,6 +92,10 @@ void bindDefs(nb::module_& module)
         "did_you_mean",
         [](const std::string& word, const std::vector<std::string>& known) { return didYouMean(word, known); },
         "' (did you mean ...?)' for the nearest of the known words, or nothing.");
+    module.def(
+        "did_you_mean_one_of",
+        [](const std::string& word, const std::vector<std::string>& known) { return didYouMeanOneOf(word, known); },
+        "The same; if no known word is near, ' (it has ...)' with all, if these are few.");
 }
 
 } // namespace filasofia::python

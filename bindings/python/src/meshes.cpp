@@ -310,7 +310,8 @@ void bindFiles(nb::module_& module)
         nb::arg("file").none(), nb::arg("scale") = 1.0, nb::arg("join") = false, nb::arg("labels") = "",
         nb::sig("def load_tet_mesh(file: str | os.PathLike[str], scale: float = 1.0, join: bool = False, labels: str "
                 "= '') -> TetMesh"),
-        "Reads a .msh, .vtk, .vtu or .node/.ele file; `scale` [m] is the length of one unit of it. With `join`, nodes "
+        "Reads a .msh, .mesh, .vtk, .vtu or .node/.ele file; `scale` [m] is the length of one unit of it. With `join`, "
+        "nodes "
         "that lie on each other become one. `labels` names the list of whole numbers per cell of a VTK file that "
         "become the labels; without it, the first one that does not number the cells.");
     module.def(
@@ -321,7 +322,9 @@ void bindFiles(nb::module_& module)
         },
         nb::arg("file").none(), nb::arg("scale") = 1.0,
         nb::sig("def load_triangle_mesh(file: str | os.PathLike[str], scale: float = 1.0) -> TriangleMesh"),
-        "Reads an OBJ, STL, PLY or glTF file; `scale` [m] is the length of one unit of it.");
+        "Reads an OBJ, STL, PLY, glTF, OFF, VTK (.vtk, .vtp, .vtu) or Medit (.mesh) file; `scale` [m] is the length of "
+        "one "
+        "unit of it.");
     module.def(
         "asset", [](const std::string& name, const std::string& installed) { return runtime::asset(name, installed); },
         nb::arg("name"), nb::arg("installed"));

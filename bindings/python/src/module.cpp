@@ -51,6 +51,9 @@ NB_MODULE(_core, module)
     bindSimulation(module);
     addClipApplier(module);
     addKnotHands(module);
+    module.def("set_own_names", [](const std::vector<std::string>& names) {
+        setOwnNames({names.begin(), names.end()});
+    });
     module.def("close_all", &closeAll, nb::call_guard<nb::gil_scoped_release>());
     explainWrongArguments(module);
 }

@@ -15,6 +15,15 @@ bool isPart(char letter) { return std::isalnum(static_cast<unsigned char>(letter
 /// Fields and functions begin with a small letter, types and units such as "N" with a capital.
 bool isCamel(std::string_view word) { return isLower(word.front()) && std::ranges::any_of(word, isUpper); }
 
+std::set<std::string>& ownNames()
+{
+    static std::set<std::string> names;
+    return names;
+}
+
+/// Whether a word is ours: users' names, those in their files, and what Python does not have stay as they are.
+bool isOwn(std::string_view word) { return isCamel(word) && ownNames().contains(snakeCase(word)); }
+
 /// Behind the quotation that the line begins with; 0 if it begins with none. A mark inside a word ends nothing: names
 /// may have apostrophes.
 std::size_t quotationEnd(std::string_view line)
@@ -29,9 +38,10 @@ std::size_t quotationEnd(std::string_view line)
 /// Whether a word between spaces is the name of a file: it has a folder, or an extension that the engine knows.
 bool isFile(std::string_view word)
 {
-    static constexpr std::string_view kExtensions[] = {".csv",  ".ele",   ".filamat", ".glb", ".gltf", ".jpeg", ".jpg",
-                                                       ".json", ".jsonl", ".ktx",     ".mp4", ".msh",  ".node", ".obj",
-                                                       ".ply",  ".png",   ".rec",     ".stl", ".vtk",  ".vtu"};
+    static constexpr std::string_view kExtensions[] = {
+        ".csv", ".ele",  ".filamat", ".glb", ".gltf", ".jpeg", ".jpg", ".json", ".jsonl", ".ktx", ".mesh", ".mp4",
+        ".msh", ".node", ".obj",     ".off", ".ply",  ".png",  ".rec", ".stl",  ".vtk",   ".vtp", ".vtu"};
+    word = word.substr(0, word.find(':', 2)); // the line and column follow; a drive is one letter
     while (!word.empty() && std::string_view(":,;.()").find(word.back()) != std::string_view::npos)
         word.remove_suffix(1);
     if (word.find_first_of("/\\") != std::string_view::npos) return true;
@@ -53,6 +63,8 @@ std::size_t fileEnd(std::string_view line)
 }
 
 } // namespace
+
+void setOwnNames(std::set<std::string> names) { ownNames() = std::move(names); }
 
 std::string snakeCase(std::string_view camel)
 {
@@ -89,7 +101,7 @@ std::string pythonic(std::string_view line)
         else if (word == 0)
             take(1, false);
         else
-            take(word, isCamel(line.substr(0, word)));
+            take(word, isOwn(line.substr(0, word)));
     }
     return out;
 }

@@ -14,4 +14,8 @@ int editDistance(std::string_view a, std::string_view b);
 /// nothing if there is none.
 std::string didYouMean(std::string_view word, const std::vector<std::string>& known);
 
+/// The same for a field that does not exist; if no known one is near, " (it has ...)" with all, if these are at
+/// most 12.
+std::string didYouMeanOneOf(std::string_view word, const std::vector<std::string>& known);
+
 } // namespace filasofia

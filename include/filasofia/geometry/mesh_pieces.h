@@ -23,4 +23,8 @@ MeshPieces piecesOf(const TetMesh& mesh);
 /// `name` if the result is no mesh, because tetrahedra overlap.
 TetMesh withJoinedNodes(const TetMesh& mesh, std::string_view name);
 
+/// The mesh with a node for each group of tetrahedra that are connected through faces at it: parts that touch in an
+/// edge or a node only come apart. The group of the first tetrahedron keeps the node; copies are appended.
+TetMesh withSplitNodes(const TetMesh& mesh);
+
 } // namespace filasofia::geometry

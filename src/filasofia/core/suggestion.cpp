@@ -54,7 +54,7 @@ std::string didYouMean(std::string_view word, const std::vector<std::string>& kn
     if (const std::string_view other = otherWordFor(word); std::ranges::find(known, other) != known.end())
         return text(" (did you mean '", other, "'?)");
     const std::string* nearest = nullptr;
-    int smallest = std::max(2, static_cast<int>(word.size()) / 3) + 1; // a larger distance is another word, not a slip
+    int smallest = std::max(1, static_cast<int>(word.size()) / 3) + 1; // a larger distance is another word, not a slip
     for (const std::string& candidate : known) {
         const int distance = editDistance(word, candidate);
         // If a word shares no letter with the candidate, it is not a slip of it either.
@@ -64,6 +64,15 @@ std::string didYouMean(std::string_view word, const std::vector<std::string>& kn
         }
     }
     return nearest ? text(" (did you mean '", *nearest, "'?)") : std::string();
+}
+
+std::string didYouMeanOneOf(std::string_view word, const std::vector<std::string>& known)
+{
+    constexpr std::size_t kFew = 12;
+    std::string hint = didYouMean(word, known);
+    if (!hint.empty() || known.empty() || known.size() > kFew) return hint;
+    for (const std::string& each : known) hint += text(hint.empty() ? " (it has " : ", ", each);
+    return hint + ")";
 }
 
 } // namespace filasofia

@@ -208,11 +208,12 @@ TriangleMesh readWithAssimp(const std::filesystem::path& file, const std::option
     if (soup.mesh.triangles.empty()) fail(name, ": must have at least 1 triangle, got 0");
     Dropped dropped;
     TriangleMesh mesh = joined(soup, dropped);
-    if (dropped.triangles + dropped.texture + soup.notTriangles > 0 || (soup.anyUv && soup.anyWithout))
-        logWarning(name, ": dropped ", dropped.triangles, " triangles with two corners at the same place, ",
-                   soup.notTriangles, " points and lines, and ", dropped.texture,
-                   " texture coordinates of vertices that have others already",
-                   soup.anyUv && soup.anyWithout ? "; a part without texture coordinates gets (0, 0)" : "");
+    if (dropped.triangles > 0)
+        logWarning(name, ": dropped ", dropped.triangles, " triangles with two corners at the same place");
+    if (soup.notTriangles > 0) logWarning(name, ": dropped ", soup.notTriangles, " points and lines");
+    if (soup.anyUv && soup.anyWithout) logWarning(name, ": a part without texture coordinates gets (0, 0)");
+    if (dropped.texture > 0)
+        logInfo(name, ": dropped ", dropped.texture, " texture coordinates of vertices that have others already");
     check(mesh, name);
     return mesh;
 }

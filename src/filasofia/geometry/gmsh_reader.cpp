@@ -1,92 +1,46 @@
 #include "filasofia/geometry/gmsh_reader.h"
 
+#include "filasofia/geometry/gmsh_types.h"
 #include "filasofia/geometry/raw_tet_mesh.h"
 
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <optional>
 #include <set>
 #include <span>
 #include <string>
 
-// The format: Gmsh reference manual, "MSH file format" (4.1) and "MSH file format version 2 (Legacy)".
+// The format: Gmsh reference manual, "MSH file format" (4.1), "version 2 (Legacy)" and "version 1 (Legacy)".
 namespace filasofia::geometry {
 namespace {
 
-// Gmsh's element types by number; an element of dimension 3 must not be skipped.
-struct ElementType {
-    std::string_view name;
-    int dimension = 0;
-    int nodes = 0;
-    std::optional<Solid> solid = {}; ///< none: it is not read
-};
-
-std::optional<ElementType> elementType(std::int64_t type)
-{
-    static constexpr ElementType kTypes[] = {
-        {},
-        {"line", 1, 2},
-        {"triangle", 2, 3},
-        {"quadrangle", 2, 4},
-        {"tetrahedron", 3, 4, Solid::Simplex},
-        {"hexahedron", 3, 8, Solid::Hexahedron},
-        {"prism", 3, 6, Solid::Prism},
-        {"pyramid", 3, 5, Solid::Pyramid},
-        {"second-order line", 1, 3},
-        {"second-order triangle", 2, 6},
-        {"second-order quadrangle", 2, 9},
-        {"second-order tetrahedron", 3, 10},
-        {"second-order hexahedron", 3, 27},
-        {"second-order prism", 3, 18},
-        {"second-order pyramid", 3, 14},
-        {"point", 0, 1},
-        {"second-order quadrangle of 8 nodes", 2, 8},
-        {"second-order hexahedron of 20 nodes", 3, 20},
-        {"second-order prism of 15 nodes", 3, 15},
-        {"second-order pyramid of 13 nodes", 3, 13},
-        {"third-order triangle of 9 nodes", 2, 9},
-        {"third-order triangle", 2, 10},
-        {"fourth-order triangle of 12 nodes", 2, 12},
-        {"fourth-order triangle", 2, 15},
-        {"fifth-order triangle of 15 nodes", 2, 15},
-        {"fifth-order triangle", 2, 21},
-        {"third-order line", 1, 4},
-        {"fourth-order line", 1, 5},
-        {"fifth-order line", 1, 6},
-        {"third-order tetrahedron", 3, 20},
-        {"fourth-order tetrahedron", 3, 35},
-        {"fifth-order tetrahedron", 3, 56},
-    };
-    if (type < 1 || type >= static_cast<std::int64_t>(std::size(kTypes))) return {};
-    return kTypes[type];
-}
-
-// The reader goes from section to section; the two versions differ only inside $Nodes and $Elements.
+// The reader goes from section to section; the versions differ only inside those of nodes and elements.
 class GmshReader {
 public:
     GmshReader(std::string_view bytes, std::string_view name) : in_(bytes, name), name_(name) {}
 
     TetMesh read()
     {
-        readFormat();
+        std::string_view section = readFormat();
+        const std::string_view nodes = version_ == 1 ? "$NOD" : "$Nodes";
+        const std::string_view elements = version_ == 1 ? "$ELM" : "$Elements";
         bool haveNodes = false, haveElements = false, haveEntities = false;
-        for (std::string_view section = in_.word(); !section.empty(); section = in_.word()) {
-            if (section == "$Nodes")
-                beginOnly(section, haveNodes), version4_ ? readNodes4() : readNodes2(), endSection(section);
-            else if (section == "$Elements")
-                beginOnly(section, haveElements), version4_ ? readElements4() : readElements2(), endSection(section);
+        for (; !section.empty(); section = in_.word()) {
+            if (section == nodes)
+                beginOnly(section, haveNodes), version_ == 4 ? readNodes4() : readNodes2(), endSection(section);
+            else if (section == elements)
+                beginOnly(section, haveElements), readElements(), endSection(section);
             else if (section == "$PhysicalNames")
                 readNames(), endSection(section);
-            else if (section == "$Entities" && version4_)
+            else if (section == "$Entities" && version_ == 4)
                 beginOnly(section, haveEntities), readEntities(), endSection(section);
             else if (section == "$PartitionedEntities")
                 in_.failHere("a partitioned mesh is not read; save it without partitions");
             else
                 skip(section);
         }
-        if (!haveNodes) fail(name_, ": must have a $Nodes section, found none");
-        if (!haveElements) fail(name_, ": must have an $Elements section, found none");
+        if (!haveNodes) fail(name_, ": must have a ", nodes, " section, found none");
+        if (!haveElements) fail(name_, ": must have an ", elements, " section, found none");
         label();
         return resolve(mesh_, in_, in_, name_);
     }
@@ -99,7 +53,7 @@ private:
         int group = 0, entity = 0;
     };
 
-    void readFormat();
+    std::string_view readFormat();
     void readByteOrder();
     void readNames();
     void readEntities();
@@ -107,13 +61,16 @@ private:
     void label();
     void readNodes2();
     void readNodes4();
+    void readElements();
+    void readElements1();
     void readElements2();
     void readElements4();
     void beginOnly(std::string_view section, bool& seen);
     void endSection(std::string_view section);
     void skip(std::string_view section);
-    ElementType checkedType(std::int64_t type) const;
-    void readElement(const Tags& tags, const ElementType& type, int rawSize);
+    [[nodiscard]] std::string_view endMark() const { return version_ == 1 ? "$END" : "$End"; }
+    GmshType checkedType(std::int64_t type) const;
+    void readElement(const Tags& tags, const GmshType& type, int rawSize);
     int labelIn(std::int64_t number, std::string_view what) const;
     std::size_t readTextCount(std::string_view what, std::size_t numbers, std::size_t rawBytes);
     void beginRaw();
@@ -121,26 +78,34 @@ private:
 
     NumberSource in_;
     std::string_view name_;
-    bool version4_ = false;
+    int version_ = 2; ///< 1, 2 or 4
     RawTetMesh mesh_;
     std::vector<int> groups_, entities_;  ///< per tetrahedron: physical group, 0 for none, and geometric entity
-    std::map<std::int64_t, int> groupOf_; ///< of a volume of version 4: its first physical group
+    std::map<std::int64_t, int> groupOf_; ///< a volume of version 4: its first physical group
 };
 
-void GmshReader::readFormat()
+// Returns the first section behind the format. A file of version 1 has none, and begins with its nodes.
+std::string_view GmshReader::readFormat()
 {
-    if (in_.word() != "$MeshFormat") in_.failHere("a Gmsh file must begin with $MeshFormat");
+    const std::string_view first = in_.word();
+    if (first == "$NOD") {
+        version_ = 1;
+        return first;
+    }
+    if (first != "$MeshFormat") in_.failHere("a Gmsh file must begin with $MeshFormat or, in version 1, with $NOD");
     const std::string_view version = in_.word();
-    if (version != "2.2" && version != "4.1")
-        in_.failHere("the Gmsh format must be 2.2 or 4.1, got ", version.substr(0, 10),
+    constexpr std::string_view kLegacy[] = {"2", "2.0", "2.1", "2.2"};
+    if (std::ranges::find(kLegacy, version) == std::end(kLegacy) && version != "4.1")
+        in_.failHere("the Gmsh format must be 2 to 2.2 or 4.1, got ", version.substr(0, 10),
                      "; Gmsh can convert the file (Mesh.MshFileVersion)");
-    version4_ = version == "4.1";
+    version_ = version == "4.1" ? 4 : 2;
     const std::int64_t binary = in_.integer("the file type");
     if (binary != 0 && binary != 1) in_.failHere("the file type must be 0 (ASCII) or 1 (binary), got ", binary);
     const std::int64_t size = in_.integer("the data size");
     if (size != 8) in_.failHere("the data size must be 8, got ", size);
     if (binary == 1) readByteOrder();
     endSection("$MeshFormat");
+    return in_.word();
 }
 
 // A binary file holds the number 1 in its own byte order.
@@ -173,18 +138,19 @@ void GmshReader::beginRaw()
 
 void GmshReader::endSection(std::string_view section)
 {
-    const std::string_view word = in_.word();
-    if (word.substr(0, 4) != "$End" || word.substr(4) != section.substr(1))
-        in_.failHere(section, " must end with $End", section.substr(1), " after the announced number of entries");
+    const std::string_view end = endMark(), word = in_.word();
+    if (!word.starts_with(end) || word.substr(end.size()) != section.substr(1))
+        in_.failHere(section, " must end with ", end, section.substr(1), " after the announced number of entries");
 }
 
 void GmshReader::skip(std::string_view section)
 {
+    const std::string_view end = endMark();
     if (section[0] != '$') in_.failHere("a section must begin here, with its name after a $");
-    if (section.starts_with("$End") || section.size() < 2 || section.size() > 100)
-        in_.failHere("a section name of 1 to 98 letters must begin here, got $End or a longer name");
-    if (!in_.skipPast("\n$End" + std::string(section.substr(1))))
-        in_.failHere("the file ends before $End", section.substr(1).substr(0, 40));
+    if (section.starts_with(end) || section.size() < 2 || section.size() > 100)
+        in_.failHere("a section name of 1 to 98 letters must begin here, got ", end, " or a longer name");
+    if (!in_.skipPast(text("\n", end, section.substr(1))))
+        in_.failHere("the file ends before ", end, section.substr(1).substr(0, 40));
 }
 
 int GmshReader::labelIn(std::int64_t number, std::string_view what) const
@@ -308,19 +274,19 @@ void GmshReader::readNodes4()
 }
 
 // Dropping a solid element would leave a hole; points, lines and surfaces have no volume.
-ElementType GmshReader::checkedType(std::int64_t type) const
+GmshType GmshReader::checkedType(std::int64_t type) const
 {
-    const std::optional<ElementType> known = elementType(type);
+    const std::optional<GmshType> known = gmshType(type);
     if (!known) in_.failHere("the element type must be one of Gmsh's 1 to 31, got ", type);
     if (known->dimension == 3 && !known->solid)
         in_.failHere(
-            "a solid element must be of first order: a tetrahedron, hexahedron, prism or pyramid (type 4 to 7), "
-            "got a ",
+            "a solid element must be a tetrahedron, hexahedron, prism or pyramid (type 4 to 7) or a second-order "
+            "tetrahedron (type 11), got a ",
             known->name, " (type ", type, ")");
     return *known;
 }
 
-void GmshReader::readElement(const Tags& tags, const ElementType& type, int rawSize)
+void GmshReader::readElement(const Tags& tags, const GmshType& type, int rawSize)
 {
     std::array<std::int64_t, 56> nodes{}; // as many as any type has
     for (int i = 0; i < type.nodes; ++i) nodes[static_cast<std::size_t>(i)] = in_.integer("an element's node", rawSize);
@@ -331,6 +297,29 @@ void GmshReader::readElement(const Tags& tags, const ElementType& type, int rawS
     entities_.resize(mesh_.elements.size(), tags.entity);
 }
 
+void GmshReader::readElements()
+{
+    if (version_ == 1) return readElements1();
+    version_ == 4 ? readElements4() : readElements2();
+}
+
+// A line is: number, type, physical group, entity, number of nodes, nodes.
+void GmshReader::readElements1()
+{
+    const std::size_t count = readTextCount("the number of elements", 6, 6);
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::int64_t number = in_.integer("an element's number");
+        Tags tags{.number = number, .place = in_.place()};
+        const GmshType type = checkedType(in_.integer("an element's type"));
+        const std::int64_t group = in_.integer("a physical group"), entity = in_.integer("an entity's number");
+        if (type.dimension == 3) tags.group = labelIn(group, "a physical group");
+        if (type.dimension == 3) tags.entity = labelIn(entity, "an entity's number");
+        const std::int64_t nodes = in_.integer("an element's number of nodes");
+        if (nodes != type.nodes) in_.failHere("a ", type.name, " must have ", type.nodes, " nodes, got ", nodes);
+        readElement(tags, type, 4);
+    }
+}
+
 void GmshReader::readElements2()
 {
     const std::size_t count = readTextCount("the number of elements", 4, 12);
@@ -339,7 +328,7 @@ void GmshReader::readElements2()
         // tags.
         std::int64_t number = in_.isBinary() ? 0 : in_.integer("an element's number");
         std::size_t place = in_.place();
-        const ElementType type = checkedType(in_.integer("an element's type"));
+        const GmshType type = checkedType(in_.integer("an element's type"));
         const std::int64_t run = in_.isBinary() ? in_.integer("the number of elements in a run") : 1;
         if (run < 1 || static_cast<std::size_t>(run) > count - i)
             in_.failHere("the number of elements in a run must be in [1, ", count - i, "], got ", run);
@@ -374,7 +363,7 @@ void GmshReader::readElements4()
         in_.integer("an element block's dimension");
         const int entity = labelIn(in_.integer("an element block's entity"), "an entity's number");
         const auto group = groupOf_.find(entity);
-        const ElementType type = checkedType(in_.integer("an element block's type"));
+        const GmshType type = checkedType(in_.integer("an element block's type"));
         const std::size_t here = in_.count("the number of elements in a block", 2, 16, 8);
         for (std::size_t i = 0; i < here; ++i) {
             const std::int64_t number = in_.integer("an element's number", 8);

@@ -12,6 +12,10 @@ namespace {
 /// [-] A surface is flat if its volume is less than this fraction of the cube of its size; rounding errors are smaller.
 constexpr double kFlat = 1e-12;
 
+/// What a user can do about a surface that is not closed or does not face outwards.
+constexpr std::string_view kRemedy =
+    "; 'filasofia mesh FILE -o NAME.msh --parts FOLDER' repairs it, as FOLDER/NAME_collision.obj";
+
 /// Integrals of 1, p and p p^T over the inside, with p relative to `origin`. The divergence theorem turns them into
 /// integrals over the triangles (Mirtich 1996), which for polynomials are those over the signed tetrahedra between
 /// origin and triangle.
@@ -64,10 +68,10 @@ void checkClosed(const TriangleMesh& mesh, std::string_view name)
         const auto [low, high, rising] = edges[begin];
         if (there + back == 1)
             fail(name, ": must be a closed surface; the edge between vertices ", low, " and ", high,
-                 " has one triangle only");
+                 " has one triangle only", kRemedy);
         if (there != back)
             fail(name, ": must be a closed surface; the triangles at the edge between vertices ", low, " and ", high,
-                 " are not oriented alike");
+                 " are not oriented alike", kRemedy);
     }
 }
 
@@ -92,7 +96,7 @@ MassProperties massProperties(const TriangleMesh& mesh, std::string_view name)
     const Integrals about = integrate(mesh, origin);
     if (about.volume < -kFlat * size * size * size)
         fail(name, ": must not be inside out; its volume is ", about.volume,
-             " m^3; triangles must be counter-clockwise seen from outside");
+             " m^3; triangles must be counter-clockwise seen from outside", kRemedy);
     if (!(about.volume > kFlat * size * size * size))
         fail(name, ": must not be flat; its volume must be > 0 m^3, got ", about.volume);
     const Vec3 centre = origin + about.first / about.volume;
@@ -101,7 +105,7 @@ MassProperties massProperties(const TriangleMesh& mesh, std::string_view name)
     // large numbers.
     const Mat3 second = integrate(mesh, centre).second;
     if (!positiveDefinite(second))
-        fail(name, ": must be the surface of one body; a part of it is inside out and lies outside the rest");
+        fail(name, ": must be the surface of one body; a part of it is inside out and lies outside the rest", kRemedy);
     return {about.volume, centre, trace(second) * Mat3::identity() - second};
 }
 

@@ -6,8 +6,10 @@
 #include "filasofia/geometry/announced_size.h"
 #include "filasofia/geometry/assimp_reader.h"
 #include "filasofia/geometry/gmsh_reader.h"
+#include "filasofia/geometry/medit_reader.h"
 #include "filasofia/geometry/number_source.h"
 #include "filasofia/geometry/obj_text.h"
+#include "filasofia/geometry/off_reader.h"
 #include "filasofia/geometry/tetgen_reader.h"
 #include "filasofia/geometry/vtk_reader.h"
 #include "filasofia/geometry/vtu_reader.h"
@@ -46,8 +48,10 @@ TetMesh readTetMesh(const std::filesystem::path& file, const std::string& labels
         fail(file.string(), ": labels names a list of a .vtk or .vtu file, got ", shownWord(labels), " for a '",
              extension, "' file");
     if (extension == ".msh") return parseGmsh(bytesOf(file), file.string());
+    if (extension == ".mesh") return parseMedit(bytesOf(file), file.string());
     if (extension == ".node" || extension == ".ele") return loadTetGen(file);
-    fail(file.string(), ": a tetrahedral mesh must be a .msh, .vtk, .vtu, .node or .ele file, got '", extension, "'");
+    fail(file.string(), ": a tetrahedral mesh must be a .msh, .mesh, .vtk, .vtu, .node or .ele file, got '", extension,
+         "'");
 }
 
 TriangleMesh readTriangleMesh(const std::filesystem::path& file)
@@ -55,9 +59,13 @@ TriangleMesh readTriangleMesh(const std::filesystem::path& file)
     static constexpr std::string_view kExtensions[] = {".obj", ".stl", ".ply", ".gltf", ".glb"};
     const std::string extension = extensionOf(file);
     if (extension == ".vtk") return parseVtkSurface(bytesOf(file), file.string());
+    if (extension == ".vtp" || extension == ".vtu") return parseVtuSurface(bytesOf(file), file.string());
+    if (extension == ".off") return parseOff(bytesOf(file), file.string());
+    if (extension == ".mesh") return parseMeditSurface(bytesOf(file), file.string());
     if (std::ranges::find(kExtensions, extension) == std::end(kExtensions))
-        fail(file.string(), ": a triangle mesh must be an .obj, .stl, .ply, .gltf, .glb or .vtk file, got '", extension,
-             "'");
+        fail(file.string(),
+             ": a triangle mesh must be an .obj, .stl, .ply, .gltf, .glb, .off, .vtk, .vtp, .vtu or .mesh file, got '",
+             extension, "'");
     const std::string bytes = bytesOf(file);
     if (extension == ".obj") return readWithAssimp(file, checkedObj(bytes, file.string()));
     checkAnnouncedSizes(file, extension, bytes);

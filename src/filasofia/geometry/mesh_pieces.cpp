@@ -1,6 +1,7 @@
 #include "filasofia/geometry/mesh_pieces.h"
 
 #include "filasofia/core/disjoint_sets.h"
+#include "filasofia/geometry/adjacency.h"
 
 #include <algorithm>
 #include <cmath>
@@ -127,6 +128,40 @@ TetMesh withJoinedNodes(const TetMesh& mesh, std::string_view name)
         for (int& node : t) node = numbers[node];
     check(joined, name);
     return joined;
+}
+
+TetMesh withSplitNodes(const TetMesh& mesh)
+{
+    // Corners of tetrahedra, four of each, are one if a face joins them.
+    const std::vector<std::array<int, 4>> neighbours = faceNeighbours(mesh);
+    DisjointSets corners(4 * mesh.tetrahedra.size());
+    for (int t = 0; t < static_cast<int>(mesh.tetrahedra.size()); ++t)
+        for (int face = 0; face < 4; ++face) {
+            const int other = neighbours[t][face];
+            if (other < t) continue; // none, or seen from there
+            const Tetrahedron& there = mesh.tetrahedra[other];
+            for (int k = 0; k < 4; ++k) {
+                const auto found = std::ranges::find(there, mesh.tetrahedra[t][k]);
+                if (found != there.end()) corners.join(4 * t + k, 4 * other + static_cast<int>(found - there.begin()));
+            }
+        }
+    TetMesh out = mesh;
+    std::vector<bool> taken(mesh.nodes.size());
+    std::vector<int> nodeOf(4 * mesh.tetrahedra.size(), -1); // by the corner that represents a set
+    for (int i = 0; i < static_cast<int>(nodeOf.size()); ++i) {
+        int& node = nodeOf[corners.find(i)];
+        int& corner = out.tetrahedra[i / 4][i % 4];
+        if (node < 0) {
+            node = corner;
+            if (taken[corner]) {
+                node = static_cast<int>(out.nodes.size());
+                out.nodes.push_back(mesh.nodes[corner]);
+            }
+            taken[corner] = true;
+        }
+        corner = node;
+    }
+    return out;
 }
 
 } // namespace filasofia::geometry

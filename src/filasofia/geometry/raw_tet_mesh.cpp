@@ -31,18 +31,54 @@ std::string solidName(const RawTetMesh::Element& element)
     return text(whole ? "" : "a tetrahedron of ", nameOf(element.partOf), " ", element.number);
 }
 
-TetMesh dropUnusedNodes(TetMesh mesh, std::string_view name)
+// Warns of the nodes in the middle of edges that no element has for a corner. The order of the edges differs between
+// formats, so such a node is compared with the middle of the edge that is nearest.
+void warnOfMiddles(const RawTetMesh& raw, const TetMesh& mesh, const std::vector<int>& middles, std::string_view name)
 {
-    std::vector<int> renumbered(mesh.nodes.size(), -1);
+    constexpr double kStraight = 1e-3; // relative to the edge; less is rounding
+    std::vector<bool> left(mesh.nodes.size()), bent(mesh.nodes.size());
+    std::size_t solids = 0;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < middles.size(); ++i) {
+        const std::size_t element = raw.middles[i].element;
+        if (i == 0 || raw.middles[i - 1].element != element) ++solids;
+        const Tetrahedron& t = mesh.tetrahedra[element];
+        double nearest = std::numeric_limits<double>::infinity(), edge = 0.0;
+        for (const auto [a, b] : kTetrahedronEdges) {
+            const double off = distance(mesh.nodes[middles[i]], 0.5 * (mesh.nodes[t[a]] + mesh.nodes[t[b]]));
+            if (off < nearest) nearest = off, edge = distance(mesh.nodes[t[a]], mesh.nodes[t[b]]);
+        }
+        left[middles[i]] = true;
+        if (!(nearest > kStraight * edge)) continue;
+        bent[middles[i]] = true;
+        largest = std::max(largest, nearest / edge);
+    }
+    const auto curved = std::ranges::count(bent, true);
+    logWarning(name, ": ", solids,
+               " tetrahedra of second order were read with their corners only: ", std::ranges::count(left, true),
+               " nodes in the middle of edges were left out",
+               curved == 0
+                   ? ""
+                   : text("; ", curved, " of them bend their edge, by up to ", std::round(1000.0 * largest) / 10.0,
+                          " % of its length: the mesh is straight there now"));
+}
+
+TetMesh dropUnusedNodes(TetMesh mesh, const std::vector<int>& middles, std::string_view name)
+{
+    std::vector<bool> used(mesh.nodes.size()), explained(mesh.nodes.size());
     for (const Tetrahedron& t : mesh.tetrahedra)
-        for (int node : t) renumbered[node] = 0;
-    int kept = 0;
+        for (int node : t) used[node] = true;
+    for (const int node : middles) explained[node] = true;
+    std::vector<int> renumbered(mesh.nodes.size(), -1);
+    int kept = 0, dropped = 0;
     for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
-        if (renumbered[i] < 0) continue;
+        if (!used[i]) {
+            dropped += explained[i] ? 0 : 1;
+            continue;
+        }
         mesh.nodes[kept] = mesh.nodes[i];
         renumbered[i] = kept++;
     }
-    const std::size_t dropped = mesh.nodes.size() - static_cast<std::size_t>(kept);
     if (dropped > 0) logInfo(name, ": ", dropped, " nodes that no tetrahedron uses were dropped");
     mesh.nodes.resize(kept);
     for (Tetrahedron& t : mesh.tetrahedra)
@@ -71,6 +107,8 @@ void addSolid(std::span<const std::int64_t> nodes, const RawTetMesh::Element& ab
         if (std::ranges::find(nodes.first(i), nodes[i]) != nodes.first(i).end())
             file.failAt(about.place, nameOf(about.partOf), " ", about.number, " names node ", nodes[i],
                         " twice; its nodes must differ");
+    if (about.partOf == Solid::Simplex)
+        for (const std::int64_t node : nodes.subspan(4)) mesh.middles.push_back({node, mesh.elements.size()});
     splitSolid(about.partOf, nodes,
                [&](const std::array<std::int64_t, 4>& part) { mesh.elements.emplace_back(about).nodes = part; });
     mesh.split += about.partOf != Solid::Simplex ? 1 : 0;
@@ -88,19 +126,22 @@ TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const Numbe
     for (const RawTetMesh::Node& node : raw.nodes) mesh.nodes.push_back(node.position);
     mesh.tetrahedra.reserve(raw.elements.size());
     std::size_t faulty = raw.elements.size(); // the first one
+    const auto find = [&](const RawTetMesh::Element& element, std::int64_t node) {
+        const auto found = std::ranges::lower_bound(order, node, {}, numberOf);
+        if (found == order.end() || numberOf(*found) != node)
+            elementFile.failAt(element.place, nameOf(element.partOf), " ", element.number, " names node ", node,
+                               ", which the file does not define; ", raw.nodes.size(), " nodes are defined, from ",
+                               order.empty() ? 0 : numberOf(order.front()), " to ",
+                               order.empty() ? 0 : numberOf(order.back()));
+        return *found;
+    };
     for (const RawTetMesh::Element& element : raw.elements) {
         Tetrahedron& t = mesh.tetrahedra.emplace_back();
-        for (int i = 0; i < 4; ++i) {
-            const auto found = std::ranges::lower_bound(order, element.nodes[i], {}, numberOf);
-            if (found == order.end() || numberOf(*found) != element.nodes[i])
-                elementFile.failAt(element.place, nameOf(element.partOf), " ", element.number, " names node ",
-                                   element.nodes[i], ", which the file does not define; ", raw.nodes.size(),
-                                   " nodes are defined, from ", order.empty() ? 0 : numberOf(order.front()), " to ",
-                                   order.empty() ? 0 : numberOf(order.back()));
-            t[i] = *found;
-        }
+        for (int i = 0; i < 4; ++i) t[i] = find(element, element.nodes[i]);
         if (faulty == raw.elements.size() && !elementFault(mesh, t).empty()) faulty = mesh.tetrahedra.size() - 1;
     }
+    std::vector<int> middles;
+    for (const RawTetMesh::Middle& each : raw.middles) middles.push_back(find(raw.elements[each.element], each.node));
     if (faulty < raw.elements.size())
         elementFile.failAt(raw.elements[faulty].place, solidName(raw.elements[faulty]),
                            elementFault(mesh, mesh.tetrahedra[faulty]), furtherFaults(mesh, faulty + 1));
@@ -114,7 +155,8 @@ TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const Numbe
         elementFile.failAt(b.place, whole ? "tetrahedra " : "elements ", a.number, " and ", b.number,
                            " lie on the same side of their common face; they must lie on opposite sides");
     }
-    return dropUnusedNodes(std::move(mesh), name);
+    if (!middles.empty()) warnOfMiddles(raw, mesh, middles, name);
+    return dropUnusedNodes(std::move(mesh), middles, name);
 }
 
 } // namespace filasofia::geometry

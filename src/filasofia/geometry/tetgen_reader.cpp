@@ -74,18 +74,18 @@ void readElements(NumberSource& in, RawTetMesh& mesh)
 {
     const std::size_t count = in.count("the number of tetrahedra", 5, 1, 4);
     const std::int64_t corners = integerOnLine(in, "the number of nodes per tetrahedron");
-    if (corners == 10) in.failHere("the number of nodes per tetrahedron must be 4, got 10 (second order)");
-    if (corners != 4) in.failHere("the number of nodes per tetrahedron must be 4, got ", corners);
+    if (corners != 4 && corners != 10)
+        in.failHere("the number of nodes per tetrahedron must be 4 or 10, got ", corners);
     const std::int64_t extra = announced(in, "the number of attributes", kMaxAttributes);
     endLine(in, "the first line");
     mesh.elements.reserve(count);
     mesh.labelled = extra > 0;
+    std::vector<std::int64_t> nodes(static_cast<std::size_t>(corners));
     for (std::size_t i = 0; i < count; ++i) {
         RawTetMesh::Element element;
         element.number = in.integer("a tetrahedron's number");
         element.place = in.place();
-        std::array<std::int64_t, 4> nodes{};
-        for (std::int64_t& node : nodes) node = integerOnLine(in, "a tetrahedron's four nodes");
+        for (std::int64_t& node : nodes) node = integerOnLine(in, "a tetrahedron's nodes");
         if (extra > 0) { // the first attribute is the region, a whole number; any other makes no labels
             const std::optional<int> label = labelOf(attribute(in));
             mesh.labelled = mesh.labelled && label;

@@ -16,11 +16,26 @@ bool isFlat(std::int64_t type)
     return (type >= 1 && type <= 9) || (type >= 21 && type <= 23) || type == 28 || type == 30 || type == 34;
 }
 
+bool isSolid(std::int64_t type)
+{
+    return (type >= 10 && type <= 16) || (type >= 24 && type <= 27) || type == 29 || (type >= 31 && type <= 33) ||
+           type == 37 || type == 42;
+}
+
+/// Surface cells of a fixed number of nodes, of which the corners come first.
+struct FlatShape {
+    std::int64_t type = 0;
+    std::size_t nodes = 0, corners = 0;
+};
+constexpr FlatShape kFlatShapes[] = {{5, 3, 3},  {8, 4, 4},  {9, 4, 4},  {22, 6, 3},
+                                     {23, 8, 4}, {28, 9, 4}, {30, 6, 4}, {34, 7, 3}};
+constexpr std::int64_t kPolygon = 7, kPixel = 8, kSecondOrderLine = 21;
+
 /// The solid of a type of cells, with its nodes in the order of Gmsh; none if it cannot be split.
 std::optional<Solid> toSolid(std::int64_t type, std::vector<std::int64_t>& nodes, const RawTetMesh& mesh)
 {
     const auto have = [&](std::size_t count) { return nodes.size() == count; };
-    if (type == 10 && have(4)) return Solid::Simplex;
+    if ((type == 10 && have(4)) || (type == 24 && have(10))) return Solid::Simplex; // 24: second order
     if (type == 12 && have(8)) return Solid::Hexahedron;
     if (type == 14 && have(5)) return Solid::Pyramid;
     if (type == 11 && have(8)) { // a voxel counts in x, then y, then z
@@ -117,8 +132,8 @@ void addCells(const VtkCells& cells, const CellNumbers* labels, const NumberSour
         const std::optional<Solid> solid = toSolid(cells.types[cell], nodes, mesh);
         if (!solid)
             file.failAt(cells.places[cell], "cell ", cell,
-                        " must be a tetrahedron, hexahedron, voxel, wedge or pyramid of 4, 8, "
-                        "8, 6 or 5 nodes, got VTK's type ",
+                        " must be a tetrahedron of 4 or 10 nodes, or a hexahedron, voxel, wedge or pyramid of "
+                        "8, 8, 6 or 5 nodes, got VTK's type ",
                         cells.types[cell], " with ", nodes.size(), " nodes");
         addSolid(nodes,
                  {.number = static_cast<std::int64_t>(cell),
@@ -126,6 +141,32 @@ void addCells(const VtkCells& cells, const CellNumbers* labels, const NumberSour
                   .label = labels ? labels->whole[cell] : 0,
                   .partOf = *solid},
                  file, mesh);
+    }
+}
+
+void addPolygons(const VtkCells& cells, const NumberSource& file, RawSurface& surface)
+{
+    std::vector<std::int64_t> nodes;
+    for (std::size_t cell = 0; cell + 1 < cells.offsets.size(); ++cell) {
+        nodes.assign(cells.connectivity.begin() + cells.offsets[cell],
+                     cells.connectivity.begin() + cells.offsets[cell + 1]);
+        const std::int64_t type = cells.types.empty() ? kPolygon : cells.types[cell];
+        if ((type >= 1 && type <= 4) || type == kSecondOrderLine) continue;
+        if (isSolid(type)) {
+            ++surface.solids;
+            continue;
+        }
+        const auto* shape = std::ranges::find(kFlatShapes, type, &FlatShape::type);
+        if (type != kPolygon && (shape == std::end(kFlatShapes) || nodes.size() != shape->nodes))
+            file.failAt(cells.places[cell], "cell ", cell,
+                        " must be a triangle, quad, pixel or polygon (type 5, 9, 8 or 7), got VTK's type ", type,
+                        " with ", nodes.size(), " nodes");
+        if (type == kPixel) std::swap(nodes[2], nodes[3]); // it counts in x, then y
+        if (type != kPolygon && shape->corners < shape->nodes) {
+            nodes.resize(shape->corners);
+            ++surface.secondOrder;
+        }
+        surface.add(nodes, static_cast<std::int64_t>(cell), cells.places[cell]);
     }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/geometry/raw_surface.h"
 #include "filasofia/geometry/raw_tet_mesh.h"
 
 #include <algorithm>
@@ -38,5 +39,9 @@ const CellNumbers* labelsAmong(const VtkCells& cells, const std::string& asked, 
 /// Adds the tetrahedra of the cells, with these labels, if there are any. Points, lines and surfaces have no volume and
 /// are left out; throws an Error for any other cell that cannot be split.
 void addCells(const VtkCells& cells, const CellNumbers* labels, const NumberSource& file, RawTetMesh& mesh);
+
+/// Adds the polygons of a grid's cells. Points and lines bound no surface and are left out, solids are counted; throws
+/// an Error for any other cell. Polydata has no types of cells: each is a polygon.
+void addPolygons(const VtkCells& cells, const NumberSource& file, RawSurface& surface);
 
 } // namespace filasofia::geometry

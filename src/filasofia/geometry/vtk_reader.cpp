@@ -16,14 +16,14 @@ namespace {
 /// A type of numbers in the file, whose name may be in any case.
 struct NumberType {
     std::string_view name;
-    int bytes = 0;
+    int bytes = 0; ///< 0: no numbers, or less than a byte each; they are passed over
     bool real = false;
 };
 constexpr NumberType kNumberTypes[] = {
-    {"char", 1},          {"unsigned_char", 1}, {"short", 2},         {"unsigned_short", 2},
-    {"int", 4},           {"unsigned_int", 4},  {"long", 8},          {"vtkidtype", 4}, // written as int
-    {"unsigned_long", 8}, {"vtktypeint64", 8},  {"vtktypeuint64", 8}, {"vtktypeint32", 4},
-    {"vtktypeuint32", 4}, {"float", 4, true},   {"double", 8, true},
+    {"char", 1},          {"unsigned_char", 1}, {"short", 2},         {"unsigned_short", 2}, {"int", 4},
+    {"unsigned_int", 4},  {"long", 8},          {"vtkidtype", 4}, // written as int
+    {"unsigned_long", 8}, {"vtktypeint64", 8},  {"vtktypeuint64", 8}, {"vtktypeint32", 4},   {"vtktypeuint32", 4},
+    {"float", 4, true},   {"double", 8, true},  {"signed_char", 1},   {"string", 0},         {"bit", 0},
 };
 
 class VtkReader {
@@ -32,7 +32,7 @@ public:
 
     TetMesh read(const std::string& labels)
     {
-        readSections("UNSTRUCTURED_GRID");
+        readSections();
         if (cells_.types.empty()) fail(name_, ": must have CELLS and CELL_TYPES sections, found none");
         addCells(cells_, labelsAmong(cells_, labels, name_), in_, mesh_);
         return resolve(mesh_, in_, in_, name_);
@@ -40,26 +40,32 @@ public:
     TriangleMesh readSurface()
     {
         surface_ = true;
-        readSections("POLYDATA");
-        if (cells_.places.empty()) fail(name_, ": must have a POLYGONS section with polygons, found none");
-        return triangles();
+        readSections();
+        if (cells_.places.empty())
+            fail(name_, ": must have a ", polydata_ ? "POLYGONS section with polygons" : "CELLS section with cells",
+                 ", found none");
+        if (!polydata_ && cells_.types.empty()) fail(name_, ": must have a CELL_TYPES section, found none");
+        RawSurface raw{.uv = uv_, .keepsUnused = polydata_};
+        for (const RawTetMesh::Node& each : mesh_.nodes) raw.points.push_back(each.position);
+        addPolygons(cells_, in_, raw);
+        return resolve(raw, in_, name_);
     }
 
 private:
-    void readSections(std::string_view dataset);
-    void readHeader(std::string_view dataset);
+    void readSections();
+    void readHeader();
     void readSection(const std::string& keyword);
     void readPoints();
     void readCells(std::string_view section, VtkCells& cells);
     void readTypes();
     void readTextureCoordinates();
-    [[nodiscard]] TriangleMesh triangles() const;
-    [[nodiscard]] int corner(std::size_t polygon, std::int64_t at) const;
     void readAttribute(const std::string& keyword);
     void readArray(std::string_view name, std::int64_t components, std::int64_t tuples, const NumberType& type);
     void passOver(std::size_t count, const NumberType& type);
     void readNumbers(std::string_view name, const NumberType& type);
     [[nodiscard]] NumberType type();
+    [[nodiscard]] NumberType anyType();
+    void passOverOdd(std::int64_t components, std::int64_t tuples, bool bits);
     std::int64_t textCount(std::string_view what, std::size_t numbers, std::size_t rawBytes);
     std::vector<std::int64_t> readIntegers(std::size_t count, std::string_view what, int bytes);
     void beginRaw();
@@ -71,18 +77,19 @@ private:
     VtkCells cells_;
     std::int64_t attributes_ = 0; ///< number of values that the attributes now have
     bool ofCells_ = false;        ///< they are those of cells
-    bool surface_ = false;        ///< polydata: the cells are its polygons
+    bool surface_ = false;        ///< the polygons are asked for
+    bool polydata_ = false;       ///< the cells are its polygons
     std::vector<std::array<double, 2>> uv_;
 };
 
-void VtkReader::readSections(std::string_view dataset)
+void VtkReader::readSections()
 {
-    readHeader(dataset);
+    readHeader();
     for (std::string word = lowered(in_.word()); !word.empty(); word = lowered(in_.word())) readSection(word);
     if (mesh_.nodes.empty()) fail(name_, ": must have a POINTS section with points, found none");
 }
 
-void VtkReader::readHeader(std::string_view dataset)
+void VtkReader::readHeader()
 {
     const std::string_view first = in_.restOfLine();
     constexpr std::string_view kBegin = "# vtk DataFile Version ";
@@ -91,19 +98,21 @@ void VtkReader::readHeader(std::string_view dataset)
     in_.restOfLine(); // the title
     const std::string form = lowered(in_.word());
     if (form != "ascii" && form != "binary") in_.failHere("the third line must be ASCII or BINARY");
-    if (lowered(in_.word()) != "dataset" || lowered(in_.word()) != lowered(dataset))
-        in_.failHere("the file must hold a DATASET ", dataset);
+    const std::string keyword = lowered(in_.word()), dataset = lowered(in_.word());
+    polydata_ = surface_ && dataset == "polydata";
+    if (keyword != "dataset" || (!polydata_ && dataset != "unstructured_grid"))
+        in_.failHere("the file must hold a DATASET ", surface_ ? "POLYDATA or " : "", "UNSTRUCTURED_GRID");
     if (form == "binary") in_.becomeBinary(std::endian::native == std::endian::little); // the file is big-endian
 }
 
 void VtkReader::readSection(const std::string& keyword)
 {
     if (keyword == "points") return readPoints();
-    if (keyword == (surface_ ? "polygons" : "cells")) return readCells(surface_ ? "POLYGONS" : "CELLS", cells_);
-    if (!surface_ && keyword == "cell_types") return readTypes();
-    if (surface_ && keyword == "triangle_strips")
+    if (keyword == (polydata_ ? "polygons" : "cells")) return readCells(polydata_ ? "POLYGONS" : "CELLS", cells_);
+    if (!polydata_ && keyword == "cell_types") return readTypes();
+    if (polydata_ && keyword == "triangle_strips")
         in_.failHere("a surface must consist of POLYGONS, got TRIANGLE_STRIPS");
-    if (surface_ && (keyword == "lines" || keyword == "vertices")) { // they bound no surface
+    if (polydata_ && (keyword == "lines" || keyword == "vertices")) { // they bound no surface
         VtkCells passed;
         return readCells(keyword == "lines" ? "LINES" : "VERTICES", passed);
     }
@@ -111,7 +120,7 @@ void VtkReader::readSection(const std::string& keyword)
         attributes_ = in_.integerIn(in_.word(), "a number of values");
         ofCells_ = keyword == "cell_data";
         if (attributes_ < 0) in_.failHere("a number of values must be >= 0, got ", attributes_);
-        if (ofCells_ && !surface_ && attributes_ != static_cast<std::int64_t>(cells_.types.size()))
+        if (ofCells_ && !polydata_ && attributes_ != static_cast<std::int64_t>(cells_.types.size()))
             in_.failHere("CELL_DATA must have one value per cell (", cells_.types.size(), "), got ", attributes_);
         return;
     }
@@ -124,12 +133,19 @@ void VtkReader::readSection(const std::string& keyword)
     readAttribute(keyword);
 }
 
-NumberType VtkReader::type()
+NumberType VtkReader::anyType()
 {
     const std::string_view word = in_.word();
     const auto* found = std::ranges::find(kNumberTypes, lowered(word), &NumberType::name);
     if (found == std::end(kNumberTypes)) in_.failHere("a type of numbers must be char to double, got ", quoted(word));
     return *found;
+}
+
+NumberType VtkReader::type()
+{
+    const NumberType of = anyType();
+    if (of.bytes == 0) in_.failHere("a type of numbers must be char to double, got ", quoted(of.name));
+    return of;
 }
 
 // Counts are text even in a binary file.
@@ -226,28 +242,28 @@ void VtkReader::readAttribute(const std::string& keyword)
             if (name.empty()) in_.failHere("the file ends before an array");
             const std::int64_t components = in_.integerIn(in_.word(), "a number of components");
             const std::int64_t tuples = in_.integerIn(in_.word(), "a number of values");
-            readArray(name, components, tuples, type());
+            readArray(name, components, tuples, anyType());
         }
         return;
     }
     const std::string_view name = in_.word();
     if (name.empty()) in_.failHere("the file ends after ", quoted(keyword));
     if (keyword == "scalars") {
-        const NumberType of = type();
+        const NumberType of = anyType();
         const std::string_view components = in_.wordOnThisLine();
         if (lowered(in_.word()) != "lookup_table") in_.failHere("SCALARS must have a LOOKUP_TABLE");
         in_.word();
         return readArray(name, components.empty() ? 1 : in_.integerIn(components, "a number of components"),
                          attributes_, of);
     }
-    if (keyword == "vectors" || keyword == "normals") return readArray(name, 3, attributes_, type());
-    if (keyword == "tensors") return readArray(name, 9, attributes_, type());
-    if (keyword == "global_ids" || keyword == "pedigree_ids") return readArray(name, 1, attributes_, type());
+    if (keyword == "vectors" || keyword == "normals") return readArray(name, 3, attributes_, anyType());
+    if (keyword == "tensors") return readArray(name, 9, attributes_, anyType());
+    if (keyword == "global_ids" || keyword == "pedigree_ids") return readArray(name, 1, attributes_, anyType());
     const NumberType colour = in_.isBinary() ? NumberType{"unsigned_char", 1} : NumberType{"float", 4, true};
     if (keyword == "texture_coordinates") {
         if (surface_ && !ofCells_ && uv_.empty()) return readTextureCoordinates();
         const std::int64_t dimension = in_.integerIn(in_.word(), "a dimension");
-        return readArray(name, dimension, attributes_, type());
+        return readArray(name, dimension, attributes_, anyType());
     }
     if (keyword == "color_scalars")
         return readArray(name, in_.integerIn(in_.word(), "a number of components"), attributes_, colour);
@@ -257,6 +273,7 @@ void VtkReader::readAttribute(const std::string& keyword)
 
 void VtkReader::readArray(std::string_view name, std::int64_t components, std::int64_t tuples, const NumberType& of)
 {
+    if (of.bytes == 0) return passOverOdd(components, tuples, of.name == "bit");
     in_.boundCount(components, "a number of components", 1, 1);
     in_.boundCount(tuples, "a number of values", 1, 1);
     if (components > 0 && tuples > std::numeric_limits<std::int64_t>::max() / components / 8)
@@ -268,6 +285,33 @@ void VtkReader::readArray(std::string_view name, std::int64_t components, std::i
         readNumbers(name, of);
     else
         passOver(count, of);
+}
+
+// Strings are a line each or, if binary, the number of their bytes and these; the two upper bits of the first byte tell
+// how many further bytes the number has (vtkDataWriter). Bits are words or, if binary, eight in a byte.
+void VtkReader::passOverOdd(std::int64_t components, std::int64_t tuples, bool bits)
+{
+    const auto most = static_cast<std::int64_t>(8 * (in_.remaining() + 1));
+    if (components < 0 || tuples < 0 || (components > 0 && tuples > most / components))
+        in_.failHere("an array of ", components, " by ", tuples, " values must fit into the rest of the file");
+    const auto count = static_cast<std::size_t>(components * tuples);
+    if (bits) {
+        beginRaw();
+        return in_.isBinary() ? in_.skipBytes((count + 7) / 8, "values") : passOver(count, {});
+    }
+    in_.restOfLine();
+    for (std::size_t i = 0; i < count; ++i) {
+        if (in_.remaining() == 0) in_.failHere("the file ends before a value");
+        if (!in_.isBinary()) {
+            in_.restOfLine();
+            continue;
+        }
+        const auto first = static_cast<unsigned char>(in_.byte());
+        constexpr int kFurther[] = {7, 3, 1, 0};
+        std::uint64_t length = first & 63u;
+        for (int k = 0; k < kFurther[first >> 6u]; ++k) length = length << 8u | static_cast<unsigned char>(in_.byte());
+        in_.skipBytes(length, "a string");
+    }
 }
 
 void VtkReader::passOver(std::size_t count, const NumberType& of)
@@ -290,37 +334,6 @@ void VtkReader::readTextureCoordinates()
         const double u = in_.real("a texture coordinate", of.bytes);
         uv_.push_back({u, in_.real("a texture coordinate", of.bytes)});
     }
-}
-
-int VtkReader::corner(std::size_t polygon, std::int64_t at) const
-{
-    const std::int64_t point = cells_.connectivity[static_cast<std::size_t>(at)];
-    if (point < 0 || point >= static_cast<std::int64_t>(mesh_.nodes.size()))
-        in_.failAt(cells_.places[polygon], "polygon ", polygon, " must name points in [0, ", mesh_.nodes.size(),
-                   "), got ", point);
-    return static_cast<int>(point);
-}
-
-// Polygons become fans around their first corner.
-TriangleMesh VtkReader::triangles() const
-{
-    TriangleMesh mesh;
-    for (const auto& node : mesh_.nodes) mesh.vertices.push_back(node.position);
-    mesh.uv = uv_;
-    std::size_t dropped = 0;
-    for (std::size_t i = 0; i + 1 < cells_.offsets.size(); ++i) {
-        const std::int64_t first = cells_.offsets[i], end = cells_.offsets[i + 1];
-        if (end - first < 3)
-            in_.failAt(cells_.places[i], "polygon ", i, " must have at least 3 corners, got ", end - first);
-        const int a = corner(i, first);
-        for (std::int64_t k = first + 1; k + 1 < end; ++k) {
-            const int b = corner(i, k), c = corner(i, k + 1);
-            a == b || b == c || c == a ? static_cast<void>(++dropped) : mesh.triangles.push_back({a, b, c});
-        }
-    }
-    if (mesh.triangles.empty()) fail(name_, ": must have at least 1 triangle, got 0");
-    if (dropped > 0) logWarning(name_, ": dropped ", dropped, " triangles that name a vertex twice");
-    return mesh;
 }
 
 // Values that are no whole numbers make no labels: the rest of such a list is passed over.

@@ -12,7 +12,7 @@ namespace filasofia::geometry {
 /// loadTetMesh() promises for .vtk; `name` is the file's name for Errors.
 TetMesh parseVtk(std::string_view bytes, std::string_view name, const std::string& labels = {});
 
-/// Reads the polygons of legacy VTK polydata, as loadTriangleMesh() promises for .vtk.
+/// Reads the polygons of legacy VTK polydata or of an unstructured grid, as loadTriangleMesh() promises for .vtk.
 TriangleMesh parseVtkSurface(std::string_view bytes, std::string_view name);
 
 } // namespace filasofia::geometry

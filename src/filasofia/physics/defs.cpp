@@ -1,9 +1,11 @@
 #include "filasofia/physics/defs.h"
 
 #include "filasofia/core/check_name.h"
+#include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/geometry/mass_properties.h"
 #include "filasofia/geometry/mesh_file.h"
+#include "filasofia/geometry/mesh_pieces.h"
 #include "filasofia/math/world_inertia.h"
 #include "filasofia/physics/articulation.h"
 #include "filasofia/physics/check_field.h"
@@ -31,6 +33,20 @@ std::string_view kindOf(const BodyDef& def)
 {
     if (std::holds_alternative<SoftBodyDef>(def)) return "soft body";
     return std::holds_alternative<RodBodyDef>(def) ? "rod" : "rigid body";
+}
+
+/// Cuts need a surface that is a manifold. Parts that touch in an edge or a node, an accident of meshers, carry no
+/// moment.
+std::shared_ptr<const geometry::TetMesh> apart(std::shared_ptr<const geometry::TetMesh> mesh, std::string_view object)
+{
+    auto split = std::make_shared<geometry::TetMesh>(geometry::withSplitNodes(*mesh));
+    const std::size_t copies = split->nodes.size() - mesh->nodes.size();
+    if (copies == 0) return mesh;
+    logWarning(
+        object, ": ", copies, copies == 1 ? " node was" : " nodes were",
+        " added where parts of the mesh touch in an edge or a node only: they come apart there, so that the body "
+        "can be cut (dynamicTopology)");
+    return split;
 }
 
 /// Lighter bodies hardly fall. What is not positive is refused as such.
@@ -311,7 +327,8 @@ SoftBodyDef loaded(SoftBodyDef def)
         load(def.collision, text("soft body '", def.name, "'"));
         return def;
     }
-    const std::shared_ptr<const geometry::TetMesh> mesh = loadMesh(def);
+    std::shared_ptr<const geometry::TetMesh> mesh = loadMesh(def);
+    if (def.dynamicTopology) mesh = apart(std::move(mesh), text("soft body '", def.name, "'"));
     def.mesh = mesh;
     if (auto* fem = std::get_if<FemMaterial>(&def.material))
         resolveNames(*mesh, text("soft body '", def.name, "': material"), *fem);

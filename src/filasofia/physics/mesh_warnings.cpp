@@ -1,5 +1,6 @@
 #include "filasofia/physics/mesh_warnings.h"
 
+#include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/geometry/box.h"
 #include "filasofia/geometry/mesh_pieces.h"
@@ -31,10 +32,22 @@ std::string scaleOf(const char* type, const char* cpp, const char* python)
                 "(file, 1e-3))");
 }
 
-/// Nothing fails either if tetrahedra do not share their nodes: each falls for itself, or a seam gapes.
-void warnOfPieces(const std::string& object, const geometry::TetMesh& mesh)
+/// Whether nodes that lie on each other are those which loaded() has split: joined, the mesh would be split there
+/// again.
+bool onlyTouches(const geometry::TetMesh& mesh)
 {
-    const geometry::MeshPieces found = geometry::piecesOf(mesh);
+    try {
+        return geometry::withSplitNodes(geometry::withJoinedNodes(mesh, "")).nodes.size() == mesh.nodes.size();
+    } catch (const Error&) { // joined, tetrahedra overlap
+        return false;
+    }
+}
+
+/// Nothing fails either if tetrahedra do not share their nodes: each falls for itself, or a seam gapes.
+void warnOfPieces(const std::string& object, const geometry::TetMesh& mesh, bool split)
+{
+    geometry::MeshPieces found = geometry::piecesOf(mesh);
+    if (split && found.doubled > 0 && onlyTouches(mesh)) found.doubled = 0;
     if (found.pieces == 1 && found.doubled == 0) return;
     const std::string pieces =
         found.pieces > 1 ? text(" has ", found.pieces, " pieces that share no node, and move apart") : std::string();
@@ -92,7 +105,7 @@ void warnOfMesh(const BodyDef& def)
         warnOfSize(object, (*sheet)->vertices, scaleOf("surface", "loadTriangleMesh", "load_triangle_mesh"));
     if (const auto* solid = std::get_if<std::shared_ptr<const geometry::TetMesh>>(&soft->mesh)) {
         warnOfSize(object, (*solid)->nodes, scaleOf("tetrahedra", "loadTetMesh", "load_tet_mesh"));
-        warnOfPieces(object, **solid);
+        warnOfPieces(object, **solid, soft->dynamicTopology);
         warnOfThinElements(object, **solid);
     }
 }

@@ -4,6 +4,7 @@
 #include "filasofia/core/suggestion.h"
 #include "filasofia/core/word.h"
 #include "filasofia/geometry/mesh_file.h"
+#include "filasofia/math/convex_hull.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,7 +21,7 @@ const std::map<std::string_view, std::vector<std::string_view>> kCarried = {
       "fromto", "mass",  "density", "friction", "rgba", "material", "mesh",      "contype", "conaffinity", "group"}},
     {"joint",
      {"name", "class", "type", "pos", "axis", "range", "limited", "ref", "damping", "frictionloss", "armature"}},
-    {"mesh", {"name", "class", "file", "scale"}},
+    {"mesh", {"name", "class", "file", "scale", "vertex", "face"}},
     {"material", {"name", "class", "rgba"}},
     {"camera", {"name", "class", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fovy", "mode"}},
     {"light", {"name", "class", "pos", "dir", "directional", "type", "castshadow", "mode"}},
@@ -260,6 +261,38 @@ Pose MjcfSource::poseOf(const Attributes& says) const
     return {reader.vector(says, "pos", {}, closed(-kFarthestShape, kFarthestShape)), orientationOf(says)};
 }
 
+// A mesh without faces is the hull of its vertices.
+geometry::TriangleMesh MjcfSource::givenMesh(const Attributes& says) const
+{
+    constexpr std::size_t kMost = 1'000'000, kMostWithoutFaces = 5000; // a hull takes the square of its points in time
+    const auto vertex = says.find("vertex"), face = says.find("face");
+    if (!vertex) reader.refuse(says.element(), "must say its file or its vertices: other meshes are not read");
+    geometry::TriangleMesh mesh;
+    const std::vector<double> v = reader.numbers(*vertex, 12, 3 * (face ? kMost : kMostWithoutFaces));
+    if (v.size() % 3 != 0) reader.refuse(*vertex, "must be three numbers per vertex");
+    for (std::size_t i = 0; i < v.size(); i += 3) mesh.vertices.push_back({v[i], v[i + 1], v[i + 2]});
+    if (!face) {
+        geometry::TriangleMesh hull;
+        std::map<int, int> numbers; // those points that are corners of the hull
+        for (const auto& each : convexHull(mesh.vertices)) {
+            geometry::Triangle& triangle = hull.triangles.emplace_back();
+            for (std::size_t k = 0; k < 3; ++k) {
+                const auto [at, added] = numbers.emplace(each[k], static_cast<int>(numbers.size()));
+                if (added) hull.vertices.push_back(mesh.vertices[static_cast<std::size_t>(each[k])]);
+                triangle[k] = at->second;
+            }
+        }
+        if (hull.triangles.empty()) reader.refuse(*vertex, "must not lie in a plane");
+        return hull;
+    }
+    const std::vector<int> corners = reader.wholes(*face, closed(0, static_cast<double>(mesh.vertices.size()) - 1.0));
+    if (corners.empty() || corners.size() % 3 != 0) reader.refuse(*face, "must be three vertices per face");
+    for (std::size_t i = 0; i < corners.size(); i += 3)
+        mesh.triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+    geometry::check(mesh, text(face->at.place(), ": ", face->at.path()));
+    return mesh;
+}
+
 std::shared_ptr<const geometry::TriangleMesh> MjcfSource::meshOf(const Attribute& name)
 {
     if (const auto known = meshes_.find(name.words); known != meshes_.end()) return known->second;
@@ -271,9 +304,10 @@ std::shared_ptr<const geometry::TriangleMesh> MjcfSource::meshOf(const Attribute
     }
     const Attributes says = attributesOf(found->second, {});
     const auto file = says.find("file");
-    if (!file) reader.refuse(found->second, "must say its file: other meshes are not read");
     const Vec3 scale = reader.vector(says, "scale", {1, 1, 1}, closed(-1e6, 1e6));
     if (scale.x * scale.y * scale.z == 0.0) reader.refuse(*says.find("scale"), "must not be 0");
+    if (!file) return meshes_[std::string(name.words)] = scaled(givenMesh(says), scale);
+    reader.refuseSecond(file->at, {"file", "vertex"});
     const std::filesystem::path path = reader.fileNamed(*file, reader.folder() / compiler.meshFolder);
     try {
         return meshes_[std::string(name.words)] = scaled(geometry::loadTriangleMesh(path), scale);

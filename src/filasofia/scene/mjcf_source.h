@@ -59,6 +59,8 @@ private:
     void readClass(const Element& element, const std::string& parent, int depth);
     void readAssets(const Element& assets);
     [[nodiscard]] const Class& classNamed(const Attribute& name) const;
+    /// A mesh that the file itself has, by its vertices and perhaps its faces.
+    [[nodiscard]] geometry::TriangleMesh givenMesh(const Attributes& says) const;
     [[nodiscard]] Quat turnOf(const Attribute& found) const;
     [[nodiscard]] Quat eulerOf(const std::vector<double>& angles) const;
 

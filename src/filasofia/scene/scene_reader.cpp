@@ -18,6 +18,16 @@ std::string hintFor(std::string_view word, const std::vector<std::string>& known
     return word.size() <= kMaxHinted ? didYouMean(word, known) : std::string();
 }
 
+/// A number that the field takes, and the same one with its unit, if it has one.
+std::string exampleOf(const Bound& bound)
+{
+    constexpr double kCandidates[] = {0.01, 1.0, 100.0, -1.0, 0.0};
+    const auto* taken = std::ranges::find_if(kCandidates, [&](double each) { return bound.range.contains(each); });
+    const double value = taken == std::end(kCandidates) ? bound.range.low : *taken;
+    const bool bare = bound.unit.empty() || bound.unit == "-";
+    return bare ? text(value) : text(value, " or \"", value, " ", bound.unit, "\"");
+}
+
 std::string shown(const Json& json)
 {
     if (json.is_object()) return "an object";
@@ -46,7 +56,8 @@ void SceneReader::refuseUnknown(const Json& object, const Place& place, const st
         const std::string& name = item.key();
         if (std::ranges::find(known, name) != known.end()) continue;
         fail(sources_.placeOf(item.value()), ": unknown field '", shortened(name), "' in ", place.path(),
-             type.empty() ? "" : text(", a ", type), hintFor(name, known));
+             type.empty() ? "" : text(", a ", type),
+             name.size() <= kMaxHinted ? didYouMeanOneOf(name, known) : std::string());
     }
 }
 
@@ -183,7 +194,7 @@ double SceneReader::number(const Json& json, const Place& place, const Bound& bo
         else if (quantity && quantity->values.size() == 1)
             value = inUnit(json, place, bound, quantity->values[0], quantity->unit);
         else
-            refuse(json, place, "must be a number, such as 0.01 or \"10 mm\"");
+            refuse(json, place, text("must be a number, such as ", exampleOf(bound)));
     } else {
         refuse(json, place, "must be a number");
     }

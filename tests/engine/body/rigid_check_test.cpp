@@ -69,7 +69,8 @@ TEST_CASE("a rigid body whose numbers allow no step is refused when built")
     mesh.triangles.pop_back();
     def.mesh = std::make_shared<const geometry::TriangleMesh>(mesh);
     CHECK_THAT(refusalOf(def),
-               Catch::Contains("rigid body 'box': mesh: must be a closed surface; the edge between vertices"));
+               Catch::Contains("rigid body 'box': mesh: must be a closed surface; the edge between vertices") &&
+                   Catch::Contains("'filasofia mesh FILE -o NAME.msh --parts FOLDER' repairs it"));
     def.dynamic = false; // nobody asks for its inertia
     CHECK(refusalOf(def) == "accepted");
     def = boxBody();

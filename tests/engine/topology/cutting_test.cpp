@@ -1,6 +1,8 @@
 #include "filasofia/engine/rupture/check_topology.h"
 #include "filasofia/engine/scene/check_scene.h"
 
+#include "filasofia/core/log.h"
+
 #include "effort.h"
 #include "engine/elastic/laws.h"
 #include "engine/stage.h"
@@ -350,23 +352,68 @@ TEST_CASE("two jaws of scissors that close on a strip cut it through")
     CHECK(tissue.value == 1);
 }
 
+/// Two boxes that share the nodes at which both have a corner.
+geometry::TetMesh touchingBoxes(Vec3 shift)
+{
+    geometry::TetMesh mesh = boxMesh({1, 1, 1}, {1, 1, 1});
+    const geometry::TetMesh other = mesh;
+    std::vector<int> numbers;
+    for (const Vec3& node : other.nodes) {
+        const auto same = std::ranges::find_if(other.nodes, [&](Vec3 p) { return distance(p, node + shift) < 1e-9; });
+        numbers.push_back(static_cast<int>(same - other.nodes.begin()));
+        if (same != other.nodes.end()) continue;
+        numbers.back() = static_cast<int>(mesh.nodes.size());
+        mesh.nodes.push_back(node + shift);
+    }
+    for (geometry::Tetrahedron t : other.tetrahedra) {
+        for (int& node : t) node = numbers[node];
+        mesh.tetrahedra.push_back(t);
+    }
+    return mesh;
+}
+
+TEST_CASE("parts that touch in an edge or a node only come apart in a body that may be cut, and keep their mass")
+{
+    for (const auto& [shift, common] : {std::pair{Vec3{1, 1, 0}, 2}, {Vec3{1, 1, 1}, 1}}) {
+        const geometry::TetMesh touching = touchingBoxes(shift);
+        const auto count = static_cast<int>(touching.nodes.size());
+        REQUIRE(count == 16 - common);
+        std::string warnings;
+        setLogSink([&](LogLevel, std::string_view line) { warnings += text(line, "\n"); });
+        Stage stage;
+        SoftBodyDef def{.name = "twins", .mesh = shared(touching), .mass = Density{1000.0}};
+        stage.add(loaded(def));
+        stage.step(1e-3);
+        CHECK(stage.model().rest.size() == touching.nodes.size()); // nobody cuts it: it stays as it is
+        def.dynamicTopology = true;
+        Stage cut;
+        cut.add(loaded(def));
+        cut.step(1e-3);
+        setLogSink({});
+        CHECK_THAT(warnings,
+                   Catch::Contains(text("soft body 'twins': ", common)) && Catch::Contains("touch in an edge"));
+        const SoftModel& model = cut.model();
+        CHECK(model.rest.size() == 16);
+        CHECK(std::equal(touching.nodes.begin(), touching.nodes.end(), model.rest.begin())); // copies come last
+        CHECK(std::accumulate(model.masses.begin(), model.masses.end(), 0.0) == Approx(2000.0));
+    }
+}
+
 TEST_CASE("a body that may be cut needs a manifold surface, and a tune cannot change its mesh")
 {
+    // A block of 3 cells along each edge without two of them that touch in an edge inside: their hollows meet there.
+    geometry::TetMesh hollow = boxMesh({3, 3, 3}, {3, 3, 3});
+    const auto in = [&](const geometry::Tetrahedron& t, Vec3 low) {
+        Vec3 centre;
+        for (const int node : t) centre += 0.25 * hollow.nodes[node];
+        const Vec3 p = centre - hollow.nodes[0] - low;
+        return p.x > 0 && p.x < 1 && p.y > 0 && p.y < 1 && p.z > 0 && p.z < 1;
+    };
+    std::erase_if(hollow.tetrahedra, [&](const auto& t) { return in(t, {0, 1, 1}) || in(t, {1, 2, 1}); });
     Stage stage;
-    geometry::TetMesh touching = boxMesh({1, 1, 1}, {1, 1, 1});
-    const geometry::TetMesh other = touching; // a second box that is connected to the first by one corner
-    const auto count = static_cast<int>(touching.nodes.size());
-    for (const Vec3& node : other.nodes) touching.nodes.push_back(node + Vec3{1, 1, 1});
-    for (geometry::Tetrahedron t : other.tetrahedra) {
-        for (int& node : t) node = node == 0 ? count - 1 : node + count;
-        touching.tetrahedra.push_back(t);
-    }
-    touching.nodes.erase(touching.nodes.begin() + count); // its corner is the first one's
-    for (std::size_t t = other.tetrahedra.size(); t < touching.tetrahedra.size(); ++t)
-        for (int& node : touching.tetrahedra[t])
-            if (node >= count) --node;
-    SoftBodyDef def{.name = "twins", .mesh = shared(touching), .dynamicTopology = true};
-    CHECK_THROWS_WITH(stage.add(def), Catch::Contains("twins") && Catch::Contains("manifold"));
+    SoftBodyDef def{.name = "hollow", .mesh = shared(hollow), .dynamicTopology = true};
+    CHECK_THROWS_WITH(stage.add(def), Catch::Contains("hollow") && Catch::Contains("manifold") &&
+                                          Catch::Contains("'filasofia mesh FILE -o FILE.msh --size 4mm' meshes it"));
     def.dynamicTopology = false;
     CHECK_NOTHROW(stage.add(def));
 

@@ -17,9 +17,9 @@ from ._read import read_bytes, read_labels
 from ._solids import mesh_surfaces
 from ._types import Array, Tell, silent
 
-SURFACES = (".stl", ".ply", ".obj", ".gltf", ".glb", ".vtp")
+SURFACES = (".stl", ".ply", ".obj", ".gltf", ".glb", ".off", ".vtp")
 TETRAHEDRA = (".msh", ".vtu", ".node", ".ele", ".inp", ".xdmf", ".med", ".mesh")
-_OURS = (".msh", ".vtk", ".vtu", ".node", ".ele")
+_OURS = (".msh", ".mesh", ".vtk", ".vtu", ".node", ".ele")
 
 
 def _ending(file: str) -> str:
@@ -37,15 +37,8 @@ def is_tetrahedra(file: str) -> bool:
 def read_surface(file: str) -> tuple[Array, Array]:
     """Vertices and triangles in the file's own unit."""
     read_bytes(file)  # says what is wrong with the file, before others do
-    if _ending(file) != ".vtp":
-        mesh = _fs.load_triangle_mesh(file)
-        return mesh.vertices, mesh.triangles
-    vtk = need("pyvista", "pyvista", f"{file}: VTP")
-    try:
-        mesh = vtk.read(file).triangulate()
-        return np.array(mesh.points, float), np.array(mesh.faces).reshape(-1, 4)[:, 1:]
-    except (RuntimeError, ValueError, AttributeError) as problem:
-        raise _fs.Error(f"{file}: VTK cannot read it: {str(problem).strip()[:200]}") from None
+    mesh = _fs.load_triangle_mesh(file)
+    return mesh.vertices, mesh.triangles
 
 
 def read_tetrahedra(file: str, scale: _typing.Optional[float] = None) -> Anatomy:

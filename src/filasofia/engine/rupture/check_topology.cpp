@@ -308,7 +308,7 @@ void checkForCuts(const std::string& object, const EditableMesh& mesh)
         fail(object,
              ": dynamicTopology needs a mesh whose surface is a manifold (each edge between two triangles, one "
              "fan of triangles around each node), got: ",
-             faults.front().where);
+             faults.front().where, "; 'filasofia mesh FILE -o FILE.msh --size 4mm' meshes it anew");
     constexpr double kPoor = 0.05;
     double worst = 1.0;
     for (int t = 0; t < mesh.tetrahedra(); ++t) worst = std::min(worst, restQuality(mesh.data(), t));
