@@ -2,6 +2,7 @@
 #include "filasofia/engine/scene/check_scene.h"
 
 #include "filasofia/core/log.h"
+#include "filasofia/geometry/shapes.h"
 
 #include "effort.h"
 #include "engine/elastic/laws.h"
