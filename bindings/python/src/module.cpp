@@ -8,6 +8,9 @@
 
 #include "filasofia/core/error.h"
 
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
 namespace filasofia::python {
 namespace {
 
