@@ -15,6 +15,18 @@ namespace {
 constexpr int kCrossingsPerPart = 512; // pairs of elements
 constexpr double kOpposite = -0.5; // cosine between the faces by which an edge enters and leaves a wall, not a corner
 
+/// Whether a triangle's plane has all of the other element, a triangle, a line or a point, on one side.
+bool planeSeparates(const CollisionSurface& a, const std::array<int, 3>& triangle, const CollisionSurface& b,
+                    const std::array<int, 3>& other)
+{
+    const Vec3 at = a.x[triangle[0]];
+    const Vec3 normal = cross(a.x[triangle[1]] - at, a.x[triangle[2]] - at);
+    const auto height = [&](int vertex) { return dot(normal, b.x[vertex] - at); };
+    const double h0 = height(other[0]), h1 = other[1] < 0 ? h0 : height(other[1]),
+                 h2 = other[2] < 0 ? h1 : height(other[2]);
+    return std::min(h0, std::min(h1, h2)) > 0.0 || std::max(h0, std::max(h1, h2)) < 0.0;
+}
+
 bool sharesVertex(const std::array<int, 2>& edge, const geometry::Triangle& triangle)
 {
     return std::ranges::any_of(edge, [&](int v) { return std::ranges::find(triangle, v) != triangle.end(); });
@@ -57,8 +69,8 @@ void crossElements(const SurfacePair& meeting, std::array<int, 2> pair, std::vec
     const CollisionShape::Element &a = one.shape->elements[pair[0]], &b = two.shape->elements[pair[1]];
     const bool faceA = a.triangle >= 0 && one.shape->triangleFaces, faceB = b.triangle >= 0 && two.shape->triangleFaces;
     // Two triangles meet only if each crosses the plane of the other.
-    if ((faceA && planeSeparates(one, a.vertices, two, b.vertices, 0.0)) ||
-        (faceB && planeSeparates(two, b.vertices, one, a.vertices, 0.0)))
+    if ((faceA && planeSeparates(one, a.vertices, two, b.vertices)) ||
+        (faceB && planeSeparates(two, b.vertices, one, a.vertices)))
         return;
     if (faceB) crossTriangle(meeting, 0, a, b.vertices, found);
     // A surface against itself: both elements are of the first side, and so are their edges.

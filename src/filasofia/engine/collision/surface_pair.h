@@ -2,7 +2,6 @@
 
 #include "filasofia/engine/collision/find_proximities.h"
 
-#include <algorithm>
 #include <cstdint>
 
 namespace filasofia::engine {
@@ -43,21 +42,6 @@ inline Vec3 velocityAt(const CollisionSurface& surface, const Feature& feature)
     for (int k = 0; k < 3; ++k)
         if (feature.vertices[k] >= 0) v += feature.weights[k] * surface.v[feature.vertices[k]];
     return v;
-}
-
-/// Whether a triangle's plane has all of the other element, a triangle, a line or a point, on one side and farther away
-/// than `far` [m].
-inline bool planeSeparates(const CollisionSurface& a, const std::array<int, 3>& triangle, const CollisionSurface& b,
-                           const std::array<int, 3>& other, double far)
-{
-    const Vec3 at = a.x[triangle[0]];
-    const Vec3 normal = cross(a.x[triangle[1]] - at, a.x[triangle[2]] - at);
-    const auto height = [&](int vertex) { return dot(normal, b.x[vertex] - at); };
-    const double h0 = height(other[0]), h1 = other[1] < 0 ? h0 : height(other[1]),
-                 h2 = other[2] < 0 ? h1 : height(other[2]);
-    const double low = std::min(h0, std::min(h1, h2)), high = std::max(h0, std::max(h1, h2));
-    const double gap = std::max(low, -high);
-    return gap > 0.0 && gap * gap > far * far * lengthSquared(normal);
 }
 
 /// Whether two features of one surface are already near each other at rest.

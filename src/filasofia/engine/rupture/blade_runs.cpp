@@ -52,7 +52,6 @@ void BladeRuns::join(std::span<const BladeSegment> blade, int pass, double meanE
         if (rings_[i] > 0.0 && widthOf(i, blade) < kNarrow * meanEdge) separate(i);
     if (directions_.size() != blade.size()) directions_.assign(blade.size(), {});
     if (!same) sides_.assign(blade.size(), 0);
-    findRuns(blade);
 }
 
 /// Places the segments one after the other, along each chain.
