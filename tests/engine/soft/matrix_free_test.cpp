@@ -1,5 +1,6 @@
 #include "filasofia/engine/body/usable.h"
 #include "filasofia/engine/build/build_body.h"
+#include "filasofia/engine/step/assemble.h"
 #include "filasofia/math/polar.h"
 
 #include "effort.h"
@@ -103,6 +104,27 @@ TEST_CASE("the default solver matches Cholesky's steps for every body")
         def.pose.position = {900, -900, 900};
         CHECK(distanceToCholesky(def, 0.005, 40) < 1e-5);
     }
+}
+
+TEST_CASE("a step whose right-hand side was kept is solved again with the same result")
+{
+    Stage stage;
+    stage.add(pinnedBox(boxMesh({12, 3, 3}, {0.4, 0.1, 0.1}, 0.2)));
+    stage.step(0.0);
+    SoftBody& body = stage.world.scene().soft[0];
+    WorkerPool pool(1);
+    assembleBody({{0, -9.81, 0}, 1e-3, 1.0}, body, pool);
+    MatrixFreeSystem& system = *body.system.matrixFree;
+    const auto solved = [&] {
+        std::vector<Vec3> dv(body.state.x.size()), residual = dv;
+        system.solve({.tolerance = 1e-4, .maxIterations = 100}, dv, residual, pool);
+        return dv;
+    };
+    system.keepImpulses();
+    const std::vector<Vec3> once = solved(), usedUp = solved();
+    system.restoreImpulses();
+    CHECK(solved() == once);
+    CHECK(relativeDistance(usedUp, once, 9.81e-3) > 0.5);
 }
 
 TEST_CASE("a material that varies a thousandfold between elements is solved within the limit of iterations")

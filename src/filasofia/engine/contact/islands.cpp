@@ -27,15 +27,18 @@ std::optional<std::size_t> unitOf(std::size_t softBodies, const RigidPlan& plan,
     return std::nullopt;
 }
 
-std::vector<Island> findIslands(std::size_t softBodies, const RigidPlan& plan, std::span<const Constraint> constraints)
+std::vector<Island> findIslands(std::size_t softBodies, const RigidPlan& plan, std::span<const Constraint> constraints,
+                                std::span<const char> apart)
 {
     const std::size_t soft = softBodies;
     const auto unitAt = [&](const BodyPoint& point) { return unitOf(soft, plan, point).value_or(kNoIsland); };
     DisjointSets sets(soft + plan.size());
     const auto setOf = [&](std::size_t unit) { return static_cast<std::size_t>(sets.find(static_cast<int>(unit))); };
     std::vector<bool> constrained(soft + plan.size());
-    for (const Constraint& each : constraints) {
-        const std::size_t a = unitAt(each.sides[0]), b = unitAt(each.sides[1]);
+    const auto isApart = [&](std::size_t c) { return !apart.empty() && apart[c] != 0; };
+    for (std::size_t c = 0; c < constraints.size(); ++c) {
+        if (isApart(c)) continue;
+        const std::size_t a = unitAt(constraints[c].sides[0]), b = unitAt(constraints[c].sides[1]);
         for (std::size_t unit : {a, b})
             if (unit != kNoIsland) constrained[unit] = true;
         if (a != kNoIsland && b != kNoIsland) sets.join(static_cast<int>(a), static_cast<int>(b));
@@ -58,7 +61,7 @@ std::vector<Island> findIslands(std::size_t softBodies, const RigidPlan& plan, s
     for (std::size_t c = 0; c < constraints.size(); ++c) {
         std::size_t unit = unitAt(constraints[c].sides[0]);
         if (unit == kNoIsland) unit = unitAt(constraints[c].sides[1]);
-        if (unit != kNoIsland) islands[islandOf[setOf(unit)]].constraints.push_back(c);
+        if (unit != kNoIsland && !isApart(c)) islands[islandOf[setOf(unit)]].constraints.push_back(c);
     }
     return islands;
 }

@@ -24,7 +24,9 @@ std::optional<std::size_t> planPlace(const RigidPlan& plan, const BodyPoint& poi
 std::optional<std::size_t> unitOf(std::size_t softBodies, const RigidPlan& plan, const BodyPoint& point);
 
 /// The islands, in the order of their first bodies. Bodies without a constraint are in none. Space and
-/// kinematic elements connect nothing, and a constraint between two of them is in no island.
-std::vector<Island> findIslands(std::size_t softBodies, const RigidPlan& plan, std::span<const Constraint> constraints);
+/// kinematic elements connect nothing, and a constraint between two of them is in no island. `apart`: per constraint,
+/// whether it is to be left out; empty: none is.
+std::vector<Island> findIslands(std::size_t softBodies, const RigidPlan& plan, std::span<const Constraint> constraints,
+                                std::span<const char> apart = {});
 
 } // namespace filasofia::engine

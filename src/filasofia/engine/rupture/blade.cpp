@@ -256,7 +256,7 @@ bool CrossingFinder::follows(const EditableMesh& mesh, std::span<const BladeSegm
 CrossingFinder::Normals CrossingFinder::normalsAt(std::span<const BladeSegment> blade, int segment,
                                                   std::array<double, 2> when, Vec3 tissue, double meanEdge) const
 {
-    const auto [t, u] = when;
+    const double t = when[0], u = when[1];
     const auto of = [&](int which, double along) {
         return runs_.along(which) * normalOf(blade[which], runs_.direction(which), t, along, tissue, meanEdge);
     };

@@ -228,16 +228,13 @@ bool MatrixFreeSystem::findStressed(const SoftModel& model, const SoftState& sta
     return std::ranges::any_of(stressed, [](std::uint16_t bits) { return bits != 0; });
 }
 
-Vec3 MatrixFreeSystem::solved(int node) const
+Vec3 MatrixFreeSystem::takeImpulse(int node)
 {
     const int slot = slotOf_[static_cast<std::size_t>(node)];
-    return slot < freeNodes_ ? vectorAt(dv_, slot) : Vec3{};
-}
-
-Vec3 MatrixFreeSystem::residualImpulse(int node) const
-{
-    const int slot = slotOf_[static_cast<std::size_t>(node)];
-    return slot < freeNodes_ ? 1.0 / scale_ * vectorAt(residual_, slot) : Vec3{};
+    const Vec3 impulse = 1.0 / scale_ * vectorAt(residual_, slot);
+    store({}, residual_[slot]);
+    if (free_) store(massLoss_ * static_cast<double>(masses_[slot]) * vectorAt(v_, slot), outer_[slot]);
+    return impulse;
 }
 
 RigidMotion MatrixFreeSystem::rigidMotion() const

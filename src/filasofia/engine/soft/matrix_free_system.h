@@ -70,11 +70,12 @@ public:
     /// [-] One per element, if FemMaterial::validStrain is finite: by how much a principal stretch differed from 1, or
     /// a bound of that which is at most validStrain.
     [[nodiscard]] std::span<const float> strains() const { return strains_; }
-    /// [m/s] The solution of the last solve at a node, before finish() corrected the motion of the whole body; zero if
-    /// the node is pinned.
-    [[nodiscard]] Vec3 solved(int node) const;
-    /// [N s] The residual impulse of the last solve at a node; zero if the node is pinned.
-    [[nodiscard]] Vec3 residualImpulse(int node) const;
+    /// [N s] Takes a free node's part of the right-hand side out of the step that was assembled, external impulses
+    /// included: it is solved elsewhere.
+    Vec3 takeImpulse(int node);
+    /// Keeps the right-hand side, which a solve uses up; the next solves may begin with it again.
+    void keepImpulses() { kept_ = residual_; }
+    void restoreImpulses() { residual_ = kept_; }
     /// To be called after assemble(): keeps what elements, springs and triangles push on hard-pinned nodes.
     void keepHeld(const SoftModel& model, const PinnedParts& held);
     /// Adds to `forces` [N], per node of the model, what elements, springs and triangles did in the step of dt [s] to
@@ -211,6 +212,7 @@ private:
     double elasticLoss_ = 0.5; ///< [-] (h^2 / 2 + h b) / (h^2 + h b)
     linalg::NodeArray outer_;  ///< scaled external impulses; only if the body is not pinned
     linalg::NodeArray x_, v_, residual_, handedOn_, dv_, scratch_, product_, zeros_;
+    linalg::NodeArray kept_; ///< see keepImpulses()
     /// A corner of an element, spring or triangle at a pinned node.
     struct HeldCorner {
         int corner = 0; ///< where it begins among the floats of corners_

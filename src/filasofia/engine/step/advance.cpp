@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/body/usable.h"
 #include "filasofia/engine/contact/find_contacts.h"
+#include "filasofia/engine/contact/fragment_solves.h"
 #include "filasofia/engine/contact/solve_island.h"
 #include "filasofia/engine/scene/each_body.h"
 #include "filasofia/engine/step/assemble.h"
@@ -67,35 +68,6 @@ bool moveBody(double dt, SoftBody& body, WorkerPool& pool)
     return good && (!system.rod || system.rod->move(dt, body.model, state, system.x, system.v));
 }
 
-/// Per node, whether a constraint acts on it.
-std::vector<char> constrainedNodes(std::size_t body, std::size_t nodes, const std::vector<Constraint>& constraints)
-{
-    std::vector<char> constrained(nodes);
-    for (const Constraint& each : constraints)
-        for (const BodyPoint& point : each.sides)
-            if (point.of == BodyPoint::Of::Soft && point.body == body)
-                for (int k = 0; k < point.count; ++k) constrained[static_cast<std::size_t>(point.nodes[k])] = 1;
-    return constrained;
-}
-
-/// Continues the solve of small fragments from their known residuals. A fragment that touches something is left as the
-/// coupled solve found it.
-void finishPieces(std::size_t index, double dt, const std::vector<Constraint>& constraints, SoftBody& body)
-{
-    const SoftModel& model = body.model;
-    SoftSystem& system = body.system;
-    const auto isFragment = [](const BodyPiece& piece) { return !piece.elements.empty(); };
-    if (std::ranges::none_of(model.pieces, isFragment) || !system.matrixFree || !model.springs.empty() ||
-        !std::holds_alternative<physics::ImplicitEuler>(model.integrator))
-        return;
-    const ImplicitWeights weights = implicitWeights(dt, {model.rayleigh.mass, model.rayleigh.stiffness},
-                                                    relaxationTangent(model.material.relaxation, dt));
-    const auto solved = [&](int node) {
-        return NodeSolve{system.matrixFree->solved(node), system.matrixFree->residualImpulse(node)};
-    };
-    finishFragments(body, weights, constrainedNodes(index, model.rest.size(), constraints), solved);
-}
-
 /// Clears the warm start of the constraints on a body that was rolled back.
 void clearWarmStart(std::size_t body, std::vector<Constraint>& constraints)
 {
@@ -154,14 +126,6 @@ BodyOutcome outcomeOf(BodyId id, BodyId together, const linalg::NodeSolveReport&
     return outcome;
 }
 
-/// Sets the first guess of a body's solve.
-void prepareBody(SoftBody& body)
-{
-    body.system.dv = body.state.dv;
-    auto& residual = body.system.residual;
-    std::fill(residual.begin(), residual.end(), Vec3{}); // only the default solver writes residuals
-}
-
 // Solves of a step that are repeated because rods would pass through something. If lines still would, their rods end
 // the step with half of their velocity, again and again, and at last with none.
 constexpr int kRepeats = 40;
@@ -180,17 +144,15 @@ public:
     {
         const bool mayPass = std::ranges::any_of(
             scene_.soft, [](const SoftBody& body) { return isRod(body.model) && !body.model.collision.empty(); });
-        if (mayPass) plan_ = {coupling_.rigid, coupling_.articulations};
+        if (mayPass) keepStart();
         solveAll(context_);
         if (mayPass) keepLinesApart();
     }
 
     void settle()
     {
-        forEachBody(scene_, context_.pool, [&](SoftBody& body, std::size_t b) {
-            finishPieces(b, context_.dt, coupling_.constraints, body);
-            settleBody(context_, scene_.gravity, body, outcomes_[b]);
-        });
+        forEachBody(scene_, context_.pool,
+                    [&](SoftBody& body, std::size_t b) { settleBody(context_, scene_.gravity, body, outcomes_[b]); });
         for (std::size_t b = 0; b < outcomes_.size(); ++b)
             if (outcomes_[b].has(StepFlag::Undone)) clearWarmStart(b, coupling_.constraints);
     }
@@ -205,28 +167,64 @@ public:
     }
 
 private:
+    /// What a solve changes, and a new one begins with.
+    void keepStart()
+    {
+        plan_ = {coupling_.rigid, coupling_.articulations};
+        for (const SoftBody& body : scene_.soft)
+            if (body.system.matrixFree) body.system.matrixFree->keepImpulses();
+    }
+
     void solveAll(const StepContext& context)
     {
-        const std::vector<Island> islands = findIslands(scene_.soft.size(), coupling_.rigid, coupling_.constraints);
+        fragments_ = findFragmentSolves(scene_, coupling_.rigid, coupling_.constraints);
+        const std::vector<Island> islands =
+            findIslands(scene_.soft.size(), coupling_.rigid, coupling_.constraints, fragments_.apart);
         const StepLimits limits = limitsOf(context, scene_, islands);
+        solved_.assign(scene_.soft.size(), 0);
         for (std::size_t i = 0; i < islands.size(); ++i) solveIsland(islands[i], limits.islands[i]);
         if (repeats_ == 0) solveOthers(limits);
+        for (const FragmentSolve& each : fragments_.list)
+            if (solved_[each.body] != 0) solveFragment(each);
+    }
+
+    /// Sets the first guess of a body's solve, and sets its fragments aside.
+    void prepareBody(std::size_t b)
+    {
+        SoftBody& body = scene_.soft[b];
+        body.system.dv = body.state.dv;
+        std::ranges::fill(body.system.residual, Vec3{}); // only the default solver writes residuals
+        if (repeats_ > 0 && body.system.matrixFree) body.system.matrixFree->restoreImpulses();
+        for (FragmentSolve& each : fragments_.list)
+            if (each.body == b) setAside(each, body);
+        solved_[b] = 1;
     }
 
     void solveOthers(const StepLimits& limits)
     {
         forEachBody(scene_, context_.pool, [&](SoftBody& body, std::size_t b) {
             if (coupled_[b]) return;
-            prepareBody(body);
+            prepareBody(b);
             const linalg::NodeSolveReport solve = solveBody(context_.dt, 1.0, limits.bodies[b], body, context_.pool);
             outcomes_[b] = outcomeOf(body.model.id, body.model.id, solve);
         });
     }
 
+    void solveFragment(const FragmentSolve& fragment)
+    {
+        SoftBody& body = scene_.soft[fragment.body];
+        const Island alone{.soft = {fragment.body}, .rigid = {}, .constraints = {}};
+        const CoupledReport solve =
+            engine::solveFragment(context_.dt, coupledLimitsOf(context_, scene_, alone, limitsOf(body.model)), fragment,
+                                  body, coupling_.constraints, coupling_.scratch.solver);
+        if (!solve.converged) outcomes_[fragment.body].set(StepFlag::NotConverged);
+        noteContacts(solve);
+    }
+
     void solveIsland(const Island& island, const linalg::SolveLimits& limits)
     {
         for (std::size_t b : island.soft) {
-            prepareBody(scene_.soft[b]);
+            prepareBody(b);
             coupled_[b] = true;
         }
         const CoupledReport solve =
@@ -240,6 +238,11 @@ private:
             const BodyId first = scene_.rigid[coupling_.rigid[island.rigid[0]].body].model.id;
             rigidOutcomes_.push_back(outcomeOf(first, first, solve));
         }
+        noteContacts(solve);
+    }
+
+    void noteContacts(const CoupledReport& solve)
+    {
         physics::ContactReport& contacts = context_.report.contacts;
         contacts.rounds = std::max(contacts.rounds, solve.rounds);
         contacts.mismatch = std::max(repeats_ > 0 ? 0.0 : contacts.mismatch, solve.mismatch);
@@ -288,6 +291,8 @@ private:
     Coupling& coupling_;
     std::pair<RigidPlan, ArticulationPlans> plan_; ///< before the solve, which changes it
     int repeats_ = 0;
+    FragmentSolves fragments_;               ///< of the present solve
+    std::vector<char> solved_;               ///< per soft body: whether the present solve is of it
     std::vector<BodyOutcome> outcomes_;      ///< per soft body
     std::vector<BodyOutcome> rigidOutcomes_; ///< per island without a soft body
     std::vector<char> coupled_;              ///< per soft body: 1 if it is in an island
