@@ -34,6 +34,7 @@ struct ContactInfo {
     double proximity = 0.0; ///< [m] sum of both surfaces' proximities
     double skin = 0.0;      ///< [m] the gap that the contact keeps
     double turning = 0.0;   ///< [m] change of the gap in the step beyond that by the velocity at its start
+    Vec3 sliding = {};      ///< [m/s] the same of the first side's place on the second, as a velocity; world axes
     bool passing = false;   ///< of this step alone, as what keeps lines from passing: the next starts without it
     bool parting = false;   ///< leads surfaces out of each other: its gap is no distance
 };

@@ -149,6 +149,7 @@ void setLaw(const physics::ContactMethod& method, double dt, Constraint& constra
     const double resting = constraint.impulse.x > 0.0 ? contact.skin : 0.0;
     const double shallow = std::clamp(gap, -contact.skin, resting), deep = std::min(0.0, gap + contact.skin);
     const double recovery = std::max(kSkinRecovery * shallow + kRecovery * deep, -kRecoverySpeed * dt);
+    constraint.bias = inFrame(constraint.frame, contact.sliding);
     constraint.bias.x = (recovery + std::max(0.0, gap - resting) + contact.turning) / dt;
     const double soft = anySoft ? kSoftTolerance * contact.proximity : 0.0;
     constraint.tolerance =

@@ -11,8 +11,10 @@ namespace filasofia::engine {
 /// A ball that rolls at 100 rad/s was borne at 1 kHz by what came down a tenth of a radian ahead of its centre, and
 /// lost half its speed in a second; now 7 %. Both sides are shifted alike, as momentum asks for it: by the one that
 /// turns more.
-/// `arms`: of each side, from the part of its core that is in contact to the surface of a ball or capsule around it,
-/// which turning does not move [m].
+/// Along the surface, what sticks must go along the arc, too: by the velocity at the start alone, it would leave it
+/// along the tangent. A block between plates that turned about an axis beside them crept outwards by r w^2 h / 2,
+/// however hard they pressed. `arms`: of each side, from the part of its core that is in contact to the surface of a
+/// ball or capsule around it, which turning does not move [m].
 void turnContact(double dt, const RigidPlan& plan, const std::array<Vec3, 2>& arms, Constraint& contact);
 
 } // namespace filasofia::engine

@@ -35,6 +35,25 @@ Pose baseEnd(const Scene& scene, const ArticulationPlans& plans, std::size_t bod
     return own.targets[0].value_or(own.poses[0]);
 }
 
+/// Finds how far the origins of the links that free joints move get beside their velocities' lines, without
+/// constraints.
+void foreseeArcs(const LinkTree& tree, double dt, std::vector<DrivenJoint> joints, const ArticulationPlan& planned,
+                 RigidPlan& plan)
+{
+    const auto link = [&](std::size_t e) -> RigidPlanElement& { return plan[planned.first + e]; };
+    const RigidPlanElement& base = link(0);
+    std::vector<Pose> ends(tree.jointOf.size(), planned.baseEnd);
+    if (planned.joints.freeBase)
+        ends[0] =
+            moved(base.start, {}, base.velocity + base.change.linear, base.angularVelocity + base.change.angular, dt);
+    if (!moveJoints(tree, planned.joints, planned.joints.step.change, dt, joints)) return;
+    placeLinks(tree, positionsOf(joints), ends);
+    for (std::size_t e = 0; e < ends.size(); ++e)
+        if (link(e).dynamic)
+            link(e).beyond =
+                1.0 / dt * (ends[e].position - link(e).start.position) - link(e).velocity - link(e).change.linear;
+}
+
 /// Plans the step of one body. `plans`: those of the bodies before it.
 ArticulationPlan planBody(const Scene& scene, double dt, std::size_t body, std::size_t first,
                           const ArticulationPlans& plans, RigidPlan& plan)
@@ -80,6 +99,7 @@ ArticulationPlan planBody(const Scene& scene, double dt, std::size_t body, std::
               .angularDamping = rigid.angularDamping},
              {plan[first].velocity, plan[first].angularVelocity}, dt, out.joints);
     setChange(tree, std::vector<double>(out.joints.step.change), out, plan);
+    foreseeArcs(tree, dt, joints, out, plan);
     return out;
 }
 

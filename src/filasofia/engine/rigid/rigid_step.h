@@ -14,14 +14,16 @@ struct RigidPlanElement {
     std::size_t body = 0; ///< index in Scene::rigid
     std::size_t element = 0;
     bool dynamic = false;
-    Pose start;                ///< pose at the start of the step
-    double mass = 0.0;         ///< [kg]
-    Mat3 inertia;              ///< [kg m^2] in world axes, at the start of the step
-    Vec3 centre;               ///< [m] in the world, at the start: centre of mass; the origin if the element is a link
-                               ///< or kinematic
-    Vec3 velocity;             ///< [m/s] velocity of `centre` at the start; throughout the step if kinematic
-    Vec3 angularVelocity;      ///< [rad/s] the same
-    double couplingMass = 0.0; ///< [kg] mass that an implicit virtual coupling adds against impulses
+    Pose start;           ///< pose at the start of the step
+    double mass = 0.0;    ///< [kg]
+    Mat3 inertia;         ///< [kg m^2] in world axes, at the start of the step
+    Vec3 centre;          ///< [m] in the world, at the start: centre of mass; the origin if the element is a link
+                          ///< or kinematic
+    Vec3 velocity;        ///< [m/s] velocity of `centre` at the start; throughout the step if kinematic
+    Vec3 angularVelocity; ///< [rad/s] the same
+    Vec3 beyond; ///< [m/s] links that joints carry along an arc: mean velocity of `centre` in the step, less the
+                 ///< velocity that it has at the start
+    double couplingMass = 0.0;    ///< [kg] mass that an implicit virtual coupling adds against impulses
     double couplingInertia = 0.0; ///< [kg m^2] the same about any axis
     RigidChange change;           ///< the element moves with velocity + change through the step; constraints add theirs
     int articulation = -1;        ///< links: index of the body's ArticulationPlan (articulation_step.h); -1: not a link
