@@ -35,23 +35,21 @@ Pose baseEnd(const Scene& scene, const ArticulationPlans& plans, std::size_t bod
     return own.targets[0].value_or(own.poses[0]);
 }
 
-/// Finds how far the origins of the links that free joints move get beside their velocities' lines, without
-/// constraints.
+/// Finds how far the origins of the links that free joints move get beside their velocities' lines. With the velocities
+/// at the start, as what holds a joint is not known yet: the torque of a jaw that a needle stalls would close it at 100
+/// rad/s.
 void foreseeArcs(const LinkTree& tree, double dt, std::vector<DrivenJoint> joints, const ArticulationPlan& planned,
                  RigidPlan& plan)
 {
     const auto link = [&](std::size_t e) -> RigidPlanElement& { return plan[planned.first + e]; };
     const RigidPlanElement& base = link(0);
     std::vector<Pose> ends(tree.jointOf.size(), planned.baseEnd);
-    if (planned.joints.freeBase)
-        ends[0] =
-            moved(base.start, {}, base.velocity + base.change.linear, base.angularVelocity + base.change.angular, dt);
-    if (!moveJoints(tree, planned.joints, planned.joints.step.change, dt, joints)) return;
+    if (planned.joints.freeBase) ends[0] = moved(base.start, {}, base.velocity, base.angularVelocity, dt);
+    if (!moveJoints(tree, planned.joints, std::vector<double>(planned.joints.free.size()), dt, joints)) return;
     placeLinks(tree, positionsOf(joints), ends);
     for (std::size_t e = 0; e < ends.size(); ++e)
         if (link(e).dynamic)
-            link(e).beyond =
-                1.0 / dt * (ends[e].position - link(e).start.position) - link(e).velocity - link(e).change.linear;
+            link(e).beyond = 1.0 / dt * (ends[e].position - link(e).start.position) - link(e).velocity;
 }
 
 /// Plans the step of one body. `plans`: those of the bodies before it.
