@@ -77,30 +77,6 @@ TEST_CASE("two blocks of tissue whose corners start in each other part, slowly, 
     }
 }
 
-TEST_CASE("two pieces of one body whose corners are in each other part, slowly, and keep their momentum")
-{
-    geometry::TetMesh mesh = boxMesh({3, 3, 3}, {0.02, 0.02, 0.02});
-    const geometry::TetMesh one = mesh;
-    const Pose other{{0.017, 0.016, 0.015}, axisAngle({1, 2, 3}, 0.2)};
-    const auto first = static_cast<int>(mesh.nodes.size());
-    for (Vec3 node : one.nodes) mesh.nodes.push_back(transform(other, node));
-    for (const geometry::Tetrahedron& t : one.tetrahedra)
-        mesh.tetrahedra.push_back({first + t[0], first + t[1], first + t[2], first + t[3]});
-    SoftBodyDef def = block({});
-    def.mesh = shared(std::move(mesh));
-    def.collision = {{.self = true}};
-    def.dynamicTopology = true;
-    Stage stage;
-    stage.add(def);
-    stage.step(0.0);
-    REQUIRE(stage.model().pieces.size() == 2);
-    const Course course = run(stage, 600);
-    CHECK(course.crossing > 20);
-    CHECK_FALSE(course.crosses);
-    CHECK(course.fastest < 0.5);
-    CHECK(course.drift < 1e-5);
-}
-
 TEST_CASE("two bars of tissue that cross each other without a vertex inside part")
 {
     Stage stage;

@@ -58,30 +58,12 @@ public:
         const SurfacePair meeting{{&detection_.surfaces[first], &detection_.surfaces[second]}, pair, 0.0};
         findCrossings(context_, pair, detection_, crossings_);
         eraseHeld(scene_, owners_[first], owners_[second], pair, crossings_);
-        if (meeting.ownSolid()) eraseWithinPieces(*meeting.sides[0], owners_[first]);
         if (crossings_.empty()) return;
         dropAtCrossings(meeting);
         for (const SurfaceCrossing& each : crossings_) add(meeting, each);
     }
 
 private:
-    /// Leaves those between two large pieces of a solid that has fallen into pieces: they part as two bodies do. Crumbs
-    /// may be stuck in it from several sides, with no way out: they were thrown.
-    void eraseWithinPieces(const CollisionSurface& surface, const SurfaceOwner& owner)
-    {
-        const std::vector<BodyPiece>& pieces = scene_.soft[owner.body].model.pieces;
-        const auto isLarge = [&](int number) {
-            const auto found = std::ranges::find(pieces, number, &BodyPiece::number);
-            return found != pieces.end() && found->elements.empty();
-        };
-        std::erase_if(crossings_, [&](const SurfaceCrossing& each) {
-            if (surface.pieceOf.empty()) return true;
-            const int edge = surface.pieceOf[static_cast<std::size_t>(each.edge[0])],
-                      triangle = surface.pieceOf[static_cast<std::size_t>(each.triangle[0])];
-            return edge == triangle || !isLarge(edge) || !isLarge(triangle);
-        });
-    }
-
     /// Surfaces that have passed through each other push where they are near, from whatever side.
     void dropAtCrossings(const SurfacePair& meeting)
     {
@@ -159,7 +141,9 @@ void partCrossings(const StepContext& context, const Scene& scene, const std::ve
         if (!partsFrom(one, two)) continue;
         const auto found =
             std::ranges::find(lost, std::array{one.name, two.name}, &IntersectionWatch::Unseen::surfaces);
-        if (found != lost.end() && scene.time - found->since <= kPartFor) parting.part(pair);
+        if (found == lost.end() || scene.time - found->since > kPartFor) continue;
+        // Crumbs of a torn solid may be stuck in it from several sides, with no way out: they were thrown.
+        if (pair[0] != pair[1] || !one.collision->shape->closed) parting.part(pair);
     }
 }
 

@@ -5,11 +5,10 @@
 
 namespace filasofia::engine {
 
-/// Where two surfaces of tissue that contact has lost pass through each other, or a sheet through itself, or two large
-/// pieces of a solid through each other, replaces the proximities there by ways out: edge and triangle move in the
-/// direction in which the line where the surfaces meet becomes shorter (Volino and Magnenat-Thalmann, Resolving surface
-/// collisions through intersection contour minimization, 2006). That needs neither an inside nor a history. With the
-/// unit vectors
+/// Where two surfaces of tissue that contact has lost pass through each other, or a sheet through itself, replaces the
+/// proximities there by ways out: edge and triangle move in the direction in which the line where the surfaces meet
+/// becomes shorter (Volino and Magnenat-Thalmann, Resolving surface collisions through intersection contour
+/// minimization, 2006). That needs neither an inside nor a history. With the unit vectors
 ///
 ///     E    along the edge                N    normal of the triangle
 ///     R_i  along the line of intersection, from the edge into its adjacent triangle i
