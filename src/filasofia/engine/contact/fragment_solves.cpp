@@ -64,12 +64,24 @@ bool mayPart(const SoftModel& model, const BodyPiece& piece)
 /// then ends too early, it is not.
 bool isSound(const SoftModel& model, const SoftState& state, const BodyPiece& piece)
 {
-    constexpr double leastVolume = 0.2, mostStretch = 3.0; // [-]
+    constexpr double leastVolume = 0.2, mostStretched = 9.0; // [-] the sum of the squared principal stretches
     return isShell(model) || std::ranges::all_of(piece.elements, [&](int e) {
                const FemElement& element = model.elements[static_cast<std::size_t>(e)];
                const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
-               return determinant(f) > leastVolume && trace(transpose(f) * f) < mostStretch * mostStretch;
+               return determinant(f) > leastVolume && trace(transpose(f) * f) < mostStretched;
            });
+}
+
+/// Per node of a body, whether it is one of a cavity's wall; empty without cavities.
+std::vector<char> wallNodes(const SoftModel& model)
+{
+    std::vector<char> nodes;
+    if (model.wallOf.empty()) return nodes;
+    nodes.resize(model.rest.size());
+    for (std::size_t t = 0; t < model.surface.size(); ++t)
+        for (int node : model.surface[t])
+            if (model.wallOf[t] >= 0) nodes[static_cast<std::size_t>(node)] = 1;
+    return nodes;
 }
 
 /// Per node of a body, the place of its fragment in `list`; -1: none. Empty if the body has none.
@@ -81,21 +93,24 @@ std::vector<FragmentOfNode> listFragments(const Scene& scene, std::vector<Fragme
     for (std::size_t b = 0; b < scene.soft.size(); ++b) {
         const SoftModel& model = scene.soft[b].model;
         if (!mayPart(scene.soft[b])) continue;
+        const std::vector<char> walls = wallNodes(model);
+        const auto isWall = [&](int node) { return !walls.empty() && walls[static_cast<std::size_t>(node)] != 0; };
         for (std::size_t p = 0; p < model.pieces.size(); ++p) {
-            if (!mayPart(model, model.pieces[p])) continue;
+            const BodyPiece& piece = model.pieces[p];
+            if (!mayPart(model, piece) || std::ranges::any_of(piece.nodes, isWall)) continue;
             ofNodes[b].resize(model.rest.size(), -1);
-            for (int node : model.pieces[p].nodes)
-                ofNodes[b][static_cast<std::size_t>(node)] = static_cast<int>(list.size());
+            for (int node : piece.nodes) ofNodes[b][static_cast<std::size_t>(node)] = static_cast<int>(list.size());
             list.push_back({b, p, {}});
         }
     }
     return ofNodes;
 }
 
-/// The rows of the constraints over the nodes of the fragment.
+/// The rows of the fragment's constraints over the nodes that they act on.
 void listRows(const FragmentSolve& fragment, const BodyPiece& piece, std::span<Constraint> constraints,
-              ConstraintRows& rows)
+              std::vector<ContactPoint>& points, ConstraintRows& rows)
 {
+    std::vector<int> pointOf(piece.nodes.size(), -1);
     for (std::size_t c : fragment.constraints) {
         Constraint& each = constraints[c];
         ConstraintRow& row = rows.list.emplace_back(ConstraintRow{&each, static_cast<int>(rows.points.size()), 0, {}});
@@ -104,7 +119,12 @@ void listRows(const FragmentSolve& fragment, const BodyPiece& piece, std::span<C
             if (at.of != BodyPoint::Of::Soft) continue;
             for (std::size_t k = 0; k < static_cast<std::size_t>(at.count); ++k) {
                 const auto place = std::ranges::lower_bound(piece.nodes, at.nodes[k]) - piece.nodes.begin();
-                rows.points.push_back({static_cast<int>(place), side == 0 ? at.weights[k] : -at.weights[k]});
+                int& point = pointOf[static_cast<std::size_t>(place)];
+                if (point < 0) {
+                    point = static_cast<int>(points.size());
+                    points.push_back({.node = static_cast<int>(place)});
+                }
+                rows.points.push_back({point, side == 0 ? at.weights[k] : -at.weights[k]});
                 ++row.count;
             }
         }
@@ -124,11 +144,16 @@ FragmentSolves findFragmentSolves(const Scene& scene, const RigidPlan& plan, std
         for (std::size_t side = 0; side < 2; ++side) {
             const BodyPoint& at = constraints[c].sides[side];
             if (at.of != BodyPoint::Of::Soft || at.count == 0 || ofNodes[at.body].empty()) continue;
-            const int of = ofNodes[at.body][static_cast<std::size_t>(at.nodes[0])];
-            if (of < 0) continue;
-            const auto fragment = static_cast<std::size_t>(of);
-            if (unitOf(scene.soft.size(), plan, constraints[c].sides[1 - side])) bound[fragment] = 1;
-            all[fragment].constraints.push_back(c);
+            const auto nodes = std::span(at.nodes).first(static_cast<std::size_t>(at.count));
+            const auto fragmentAt = [&](int node) { return ofNodes[at.body][static_cast<std::size_t>(node)]; };
+            const int only = fragmentAt(nodes[0]);
+            // A point of a collision mesh that does not open may be on several pieces.
+            const bool shared = std::ranges::any_of(nodes, [&](int node) { return fragmentAt(node) != only; });
+            const bool moves = unitOf(scene.soft.size(), plan, constraints[c].sides[1 - side]).has_value();
+            for (int node : nodes)
+                if (const int of = fragmentAt(node); of >= 0 && (shared || moves))
+                    bound[static_cast<std::size_t>(of)] = 1;
+            if (only >= 0) all[static_cast<std::size_t>(only)].constraints.push_back(c);
         }
     solves.apart.resize(constraints.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -155,21 +180,20 @@ CoupledReport solveFragment(double dt, const CoupledLimits& limits, const Fragme
 {
     const SoftModel& model = body.model;
     const BodyPiece& piece = model.pieces[fragment.piece];
-    const ImplicitWeights weights = implicitWeights(dt, {model.rayleigh.mass, model.rayleigh.stiffness},
-                                                    relaxationTangent(model.material.relaxation, dt));
     std::vector<Vec3> guess;
-    std::vector<ContactPoint> points;
-    for (std::size_t k = 0; k < piece.nodes.size(); ++k) {
-        guess.push_back(body.state.dv[static_cast<std::size_t>(piece.nodes[k])]);
-        points.push_back({.node = static_cast<int>(k)});
-    }
-    FragmentOperator matrix(FragmentMatrix(model, piece, weights, body.state), fragment.impulses, guess);
+    for (int node : piece.nodes) guess.push_back(body.state.dv[static_cast<std::size_t>(node)]);
+    FragmentOperator matrix(FragmentMatrix(model, piece, dt, body.state), fragment.impulses, guess);
     CoupledReport report;
+    report.converged = matrix.usable();
     if (matrix.usable()) {
+        std::vector<ContactPoint> points;
         ConstraintRows rows;
-        listRows(fragment, piece, constraints, rows);
+        listRows(fragment, piece, constraints, points, rows);
         report = solver.solve(limits, {coupled(matrix)}, {points}, rows);
     }
+    for (std::size_t c : fragment.constraints)
+        for (Vec3* each : {&constraints[c].impulse, &constraints[c].multiplier})
+            if (!matrix.usable() || !isFinite(*each)) *each = {};
     for (std::size_t k = 0; k < piece.nodes.size(); ++k) {
         const auto node = static_cast<std::size_t>(piece.nodes[k]);
         body.system.dv[node] = matrix.usable() ? matrix.answer()[k] : 1.0 / model.masses[node] * fragment.impulses[k];

@@ -43,13 +43,11 @@ void foreseeArcs(const LinkTree& tree, double dt, std::vector<DrivenJoint> joint
 {
     const auto link = [&](std::size_t e) -> RigidPlanElement& { return plan[planned.first + e]; };
     const RigidPlanElement& base = link(0);
-    std::vector<Pose> ends(tree.jointOf.size(), planned.baseEnd);
-    if (planned.joints.freeBase) ends[0] = moved(base.start, {}, base.velocity, base.angularVelocity, dt);
+    std::vector<Pose> ends(tree.jointOf.size(), moved(base.start, {}, base.velocity, base.angularVelocity, dt));
     if (!moveJoints(tree, planned.joints, std::vector<double>(planned.joints.free.size()), dt, joints)) return;
     placeLinks(tree, positionsOf(joints), ends);
     for (std::size_t e = 0; e < ends.size(); ++e)
-        if (link(e).dynamic)
-            link(e).beyond = 1.0 / dt * (ends[e].position - link(e).start.position) - link(e).velocity;
+        if (link(e).dynamic) link(e).beyond = 1.0 / dt * (ends[e].position - link(e).start.position) - link(e).velocity;
 }
 
 /// Plans the step of one body. `plans`: those of the bodies before it.

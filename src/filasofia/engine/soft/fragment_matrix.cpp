@@ -1,6 +1,7 @@
 #include "filasofia/engine/soft/fragment_matrix.h"
 
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/elastic/relaxation.h"
 
 #include <algorithm>
 #include <numeric>
@@ -35,10 +36,11 @@ template <std::size_t n, class Product> void addElement(const std::array<std::si
 
 } // namespace
 
-FragmentMatrix::FragmentMatrix(const SoftModel& model, const BodyPiece& piece, ImplicitWeights weights,
-                               const SoftState& state)
-    : stiffness_(weights.stiffness)
+FragmentMatrix::FragmentMatrix(const SoftModel& model, const BodyPiece& piece, double dt, const SoftState& state)
 {
+    const ImplicitWeights weights = implicitWeights(dt, {model.rayleigh.mass, model.rayleigh.stiffness},
+                                                    relaxationTangent(model.material.relaxation, dt));
+    stiffness_ = weights.stiffness;
     for (int node : piece.nodes) masses_.push_back(weights.mass * model.masses[static_cast<std::size_t>(node)]);
     for (int each : piece.elements) {
         const auto e = static_cast<std::size_t>(each);

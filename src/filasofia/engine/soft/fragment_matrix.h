@@ -14,7 +14,8 @@ namespace filasofia::engine {
 /// list.
 class FragmentMatrix {
 public:
-    FragmentMatrix(const SoftModel& model, const BodyPiece& piece, ImplicitWeights weights, const SoftState& state);
+    /// dt > 0 [s].
+    FragmentMatrix(const SoftModel& model, const BodyPiece& piece, double dt, const SoftState& state);
 
     [[nodiscard]] std::size_t nodes() const { return masses_.size(); }
     [[nodiscard]] std::vector<double> entries() const; ///< [kg] three rows and columns per node, row by row
@@ -29,7 +30,7 @@ private:
     void addTriangle(const Shell& shell, std::size_t e, const BodyPiece& piece, ImplicitWeights weights,
                      const SoftState& state);
 
-    double stiffness_;
+    double stiffness_ = 0.0; ///< weight of the stiffness
     std::vector<double> masses_;
     std::vector<Part> parts_;
     std::vector<std::pair<std::array<std::size_t, 3>, MembraneTangent>> membranes_;

@@ -233,6 +233,7 @@ Vec3 MatrixFreeSystem::takeImpulse(int node)
     const int slot = slotOf_[static_cast<std::size_t>(node)];
     const Vec3 impulse = 1.0 / scale_ * vectorAt(residual_, slot);
     store({}, residual_[slot]);
+    store({}, handedOn_[slot]);
     if (free_) store(massLoss_ * static_cast<double>(masses_[slot]) * vectorAt(v_, slot), outer_[slot]);
     return impulse;
 }

@@ -15,6 +15,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <tuple>
+#include <utility>
 
 namespace filasofia {
 class BackgroundThread;
@@ -74,8 +76,8 @@ public:
     /// included: it is solved elsewhere.
     Vec3 takeImpulse(int node);
     /// Keeps the right-hand side, which a solve uses up; the next solves may begin with it again.
-    void keepImpulses() { kept_ = residual_; }
-    void restoreImpulses() { residual_ = kept_; }
+    void keepImpulses() { kept_ = {residual_, handedOn_}; }
+    void restoreImpulses() { std::tie(residual_, handedOn_) = kept_; }
     /// To be called after assemble(): keeps what elements, springs and triangles push on hard-pinned nodes.
     void keepHeld(const SoftModel& model, const PinnedParts& held);
     /// Adds to `forces` [N], per node of the model, what elements, springs and triangles did in the step of dt [s] to
@@ -212,7 +214,7 @@ private:
     double elasticLoss_ = 0.5; ///< [-] (h^2 / 2 + h b) / (h^2 + h b)
     linalg::NodeArray outer_;  ///< scaled external impulses; only if the body is not pinned
     linalg::NodeArray x_, v_, residual_, handedOn_, dv_, scratch_, product_, zeros_;
-    linalg::NodeArray kept_; ///< see keepImpulses()
+    std::pair<linalg::NodeArray, linalg::NodeArray> kept_; ///< residual_ and handedOn_, see keepImpulses()
     /// A corner of an element, spring or triangle at a pinned node.
     struct HeldCorner {
         int corner = 0; ///< where it begins among the floats of corners_

@@ -181,11 +181,10 @@ private:
         const std::vector<Island> islands =
             findIslands(scene_.soft.size(), coupling_.rigid, coupling_.constraints, fragments_.apart);
         const StepLimits limits = limitsOf(context, scene_, islands);
-        solved_.assign(scene_.soft.size(), 0);
+        if (repeats_ > 0) context_.report.contacts.mismatch = 0.0;
         for (std::size_t i = 0; i < islands.size(); ++i) solveIsland(islands[i], limits.islands[i]);
-        if (repeats_ == 0) solveOthers(limits);
-        for (const FragmentSolve& each : fragments_.list)
-            if (solved_[each.body] != 0) solveFragment(each);
+        solveOthers(limits);
+        for (const FragmentSolve& each : fragments_.list) solveFragment(each);
     }
 
     /// Sets the first guess of a body's solve, and sets its fragments aside.
@@ -194,16 +193,22 @@ private:
         SoftBody& body = scene_.soft[b];
         body.system.dv = body.state.dv;
         std::ranges::fill(body.system.residual, Vec3{}); // only the default solver writes residuals
+        setFragmentsAside(b);
+    }
+
+    void setFragmentsAside(std::size_t b)
+    {
+        SoftBody& body = scene_.soft[b];
         if (repeats_ > 0 && body.system.matrixFree) body.system.matrixFree->restoreImpulses();
         for (FragmentSolve& each : fragments_.list)
             if (each.body == b) setAside(each, body);
-        solved_[b] = 1;
     }
 
     void solveOthers(const StepLimits& limits)
     {
         forEachBody(scene_, context_.pool, [&](SoftBody& body, std::size_t b) {
             if (coupled_[b]) return;
+            if (repeats_ > 0) return setFragmentsAside(b); // the rest of it is solved already
             prepareBody(b);
             const linalg::NodeSolveReport solve = solveBody(context_.dt, 1.0, limits.bodies[b], body, context_.pool);
             outcomes_[b] = outcomeOf(body.model.id, body.model.id, solve);
@@ -218,7 +223,7 @@ private:
             engine::solveFragment(context_.dt, coupledLimitsOf(context_, scene_, alone, limitsOf(body.model)), fragment,
                                   body, coupling_.constraints, coupling_.scratch.solver);
         if (!solve.converged) outcomes_[fragment.body].set(StepFlag::NotConverged);
-        noteContacts(solve);
+        if (!fragment.constraints.empty()) noteContacts(solve);
     }
 
     void solveIsland(const Island& island, const linalg::SolveLimits& limits)
@@ -245,7 +250,7 @@ private:
     {
         physics::ContactReport& contacts = context_.report.contacts;
         contacts.rounds = std::max(contacts.rounds, solve.rounds);
-        contacts.mismatch = std::max(repeats_ > 0 ? 0.0 : contacts.mismatch, solve.mismatch);
+        contacts.mismatch = std::max(contacts.mismatch, solve.mismatch);
     }
 
     /// If rods would pass through something, adds contacts that hinder them, and solves again.
@@ -292,7 +297,6 @@ private:
     std::pair<RigidPlan, ArticulationPlans> plan_; ///< before the solve, which changes it
     int repeats_ = 0;
     FragmentSolves fragments_;               ///< of the present solve
-    std::vector<char> solved_;               ///< per soft body: whether the present solve is of it
     std::vector<BodyOutcome> outcomes_;      ///< per soft body
     std::vector<BodyOutcome> rigidOutcomes_; ///< per island without a soft body
     std::vector<char> coupled_;              ///< per soft body: 1 if it is in an island
