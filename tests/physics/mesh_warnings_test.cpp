@@ -93,6 +93,15 @@ TEST_CASE("a body as large as a bridge is told how millimetres are read, whereve
                Contains("\"surface\"") && Contains("load_triangle_mesh(file, 1e-3)"));
     CHECK_THAT(logOf(RodBodyDef{.name = "r", .points = {{0, 0, 0}, {20, 0, 0}}, .spacing = 1.0, .radius = 0.1}),
                Contains("rod 'r': is 20 m large; if its coordinates are millimetres, use metres"));
+    for (const bool dynamic : {true, false})
+        CHECK_THAT(logOf(RigidBodyDef{.mesh = geometry::shapes::box({50, 50, 50}), .dynamic = dynamic}),
+                   Contains("rigid body 'rigid body': is 86.603 m large; if its coordinates are millimetres, give it a "
+                            "scale of 0.001 (in a scene \"mesh\": {\"type\": \"surface\"") &&
+                       Contains("load_triangle_mesh(file, 1e-3)"));
+    const auto floor = geometry::shapes::box({20.0, 0.5, 20.0}); // as large as its name says
+    CHECK(logOf(RigidBodyDef{.mesh = floor}).empty());
+    CHECK_THAT(logOf(RigidBodyDef{.mesh = floor, .dynamic = true}), Contains("is 28.289 m large"));
+    CHECK(logOf(RigidBodyDef{.mesh = geometry::shapes::box({1.0, 1.0, 1.0})}).empty());
 }
 
 TEST_CASE("a body so light that it would not fall, and a name that cannot be read, are refused")

@@ -197,7 +197,7 @@ def test_nodal_forces_may_be_arrays():
     hashes = []
     forces = np.random.default_rng(0).normal(0, 1e-3, (5, 3))
     nodes = [3, 50, 7, 80, 100]
-    for how in ("list", "arrays", "lists", "first"):
+    for how in ("list", "arrays", "lists", "first", "mask"):
         sim, tissue, _ = poke()
         if how == "list":
             sim.set_forces(tissue, [fs.NodalForce(node=i, force=f) for i, f in zip(nodes, forces)])
@@ -205,6 +205,10 @@ def test_nodal_forces_may_be_arrays():
             sim.set_forces(tissue, forces, np.array(nodes))
         elif how == "lists":
             sim.set_forces(tissue, forces.tolist(), nodes=nodes)
+        elif how == "mask":
+            mask = np.zeros(144, bool)
+            mask[nodes] = True
+            sim.set_forces(tissue, forces[np.argsort(nodes)], mask)
         else:
             all_ = np.zeros((101, 3))
             all_[nodes] = forces
@@ -215,11 +219,63 @@ def test_nodal_forces_may_be_arrays():
         sim.set_forces(tissue, np.zeros((0, 3)))
         sim.step()
         assert not np.array_equal(sim.frame[tissue].positions, positions)
-    assert hashes[0] == hashes[1] == hashes[2]
+    assert hashes[0] == hashes[1] == hashes[2] == hashes[4]
     with pytest.raises(fs.Error, match="set_forces: nodes must be as many as the rows of forces, 5, got 4"):
         sim.set_forces(tissue, forces, nodes[:4])
     with pytest.raises(fs.Error, match="set_forces: forces"):
         sim.set_forces(tissue, forces[:, :2])
+    for wrong in (mask[:-1], mask.reshape(12, 12)):
+        with pytest.raises(fs.Error, match="a mask with a truth value for each of the body's 144 nodes, got a mask of the shape"):
+            sim.set_forces(tissue, forces, wrong)
+    with pytest.raises(fs.Error, match="nodes must be as many as the rows of forces, 5, got 144"):
+        sim.set_forces(tissue, forces, np.ones(144, bool))
+    with pytest.raises(TypeError, match=r"nodes.* must be a whole number \(numpy.flatnonzero\(\) makes indices of a mask\), got False"):
+        fs.AttachmentDef(nodes=mask)
+
+
+def test_the_mechanical_energy_of_a_body():
+    sim = fs.Simulation(rate=1000)
+    body = sim.add(fs.SoftBodyDef(mesh=fs.shapes.block((0.02, 0.03, 0.04)), rayleigh=fs.Rayleigh(mass=0), pose=(0, 0.5, 0)))
+    with pytest.raises(fs.Error, match="mechanical_energy: body 1 is there only after the next step"):
+        sim.mechanical_energy(body)
+    with pytest.raises(fs.Error, match="9"):
+        sim.mechanical_energy(fs.BodyId(9))
+    sim.step(200)
+    energy, mass = sim.mechanical_energy(body), 1000 * 0.02 * 0.03 * 0.04
+    assert energy.kinetic == pytest.approx(0.5 * mass * (9.81 * 0.2) ** 2, rel=1e-5)
+    assert energy.gravitational == pytest.approx(mass * 9.81 * sim.frame[body].positions[:, 1].mean(), rel=1e-2)
+    assert abs(energy.elastic) < 1e-6 * energy.kinetic
+    assert repr(energy).startswith("MechanicalEnergy(kinetic=")
+    with pytest.raises(fs.Error, match="mechanical_energy"):  # a callback of a step asks
+        sim.every_step(lambda time: sim.mechanical_energy(body))
+        sim.step()
+
+
+def test_bodies_and_joints_start_with_velocities(tmp_path):
+    def scene():
+        sim = fs.Simulation(rate=1000, gravity=(0, 0, 0))
+        free = dict(rayleigh=fs.Rayleigh(mass=0, stiffness=0), velocity=(0.3, 0, -0.1))
+        sim.add(fs.SoftBodyDef(mesh=fs.shapes.block((0.02, 0.02, 0.02)), **free))
+        sim.add(fs.SoftBodyDef(mesh=fs.shapes.sheet(0.04, 0.04, (4, 4)), material=fs.ShellMaterial(), **free))
+        sim.add(fs.RodBodyDef(points=[(0, 1, 0), (0.1, 1, 0)], spacing=0.01, **free))
+        link = fs.JointDef(command=fs.JointForce(), velocity=2.0, mass=fs.GivenInertia())
+        sim.add(fs.RigidBodyDef(articulation=fs.ArticulationDef(joints=[link])))
+        return sim
+
+    sim = scene()
+    sim.record(tmp_path / "run.rec")
+    for _ in range(2):
+        sim.step()
+        for body in sim.bodies[:3]:
+            assert np.allclose(sim.frame[body].velocities, (0.3, 0, -0.1), atol=1e-6)
+        assert sim.frame[sim.bodies[3]].joints["velocity"][0] == pytest.approx(2.0)
+        sim.step(50)
+        sim.set_forces(sim.bodies[0], [fs.NodalForce(node=0, force=(1, 0, 0))])
+        sim.step(5)
+        sim.set_forces(sim.bodies[0], [])
+        sim.reset()
+    sim.close()
+    assert fs.replay(file=tmp_path / "run.rec", check=True).different_step is None
 
 
 def test_lines_of_the_log_go_where_they_are_sent(capfd, caplog):

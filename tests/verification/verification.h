@@ -74,7 +74,7 @@ inline void solveStatic(const SoftModel& model, std::span<const Vec3> loads, std
     still.solver = physics::Cholesky{};
     still.rayleigh = {.mass = 0.0, .stiffness = 0.0};
     AssembledSystem system(still);
-    SoftState state = stateAtRest(still);
+    SoftState state = stateAtStart(still);
     state.x = x;
     std::vector<Vec3> dx(x.size());
     double first = 0.0;

@@ -52,15 +52,45 @@ template <class... T> nb::object applyAs(HeldSimulation& held, nb::handle comman
     throw nb::type_error(text("apply: the command must be one of ", all, ", got ", shown(command)).c_str());
 }
 
-/// Nodal forces as Python gives them: a list of NodalForce, or rows of an array with the indices of their nodes.
-std::vector<NodalForce> readForces(nb::handle forces, nb::handle nodes)
+/// How many nodes a body has now, with those that cuts have made; 0 for a rigid one.
+std::size_t nodeCount(PhysicsServer& physics, BodyId id)
+{
+    const auto def = physics.def(id);
+    if (const auto frame = physics.latest())
+        if (const frame::SoftBodyFrame* now = frame->softBody(id)) return now->positions.size();
+    if (const auto* rod = std::get_if<RodBodyDef>(&*def)) return centreLine(*rod).size();
+    const auto* soft = std::get_if<SoftBodyDef>(&*def);
+    if (!soft) return 0;
+    return isShell(*soft) ? loadShell(*soft)->vertices.size() : loadMesh(*soft)->nodes.size();
+}
+
+/// Indices of nodes, or a mask with a truth value per node.
+std::vector<int> readNodes(nb::handle nodes, PhysicsServer& physics, BodyId id)
+{
+    const nb::module_ numpy = nb::module_::import_("numpy");
+    nb::object array;
+    try {
+        array = numpy.attr("asarray")(nodes);
+    } catch (nb::python_error&) { // no array at all: readRows() says so
+    }
+    const bool isMask = array.is_valid() && nb::cast<std::string>(array.attr("dtype").attr("kind")) == "b";
+    if (!isMask) return readRows<int, int, 1>(nodes, "set_forces: nodes");
+    const std::size_t count = nodeCount(physics, id);
+    if (nb::cast<std::size_t>(array.attr("ndim")) != 1 || nb::cast<std::size_t>(array.attr("size")) != count)
+        fail("set_forces: nodes must be indices, or a mask with a truth value for each of the body's ", count,
+             " nodes, got a mask of the shape ", nb::cast<std::string>(nb::str(nb::object(array.attr("shape")))));
+    return readRows<int, int, 1>(nb::object(numpy.attr("flatnonzero")(array)), "set_forces: nodes");
+}
+
+/// Nodal forces as Python gives them: a list of NodalForce, or rows of an array with their nodes.
+std::vector<NodalForce> readForces(nb::handle forces, nb::handle nodes, PhysicsServer& physics, BodyId id)
 {
     if (nodes.is_none() && !nb::hasattr(forces, "__array__"))
         return readArgument<std::vector<NodalForce>>(forces, "set_forces", "forces");
     const auto rows = readRows<Vec3, double, 3>(forces, "set_forces: forces");
     std::vector<int> at(rows.size());
     std::iota(at.begin(), at.end(), 0);
-    if (!nodes.is_none()) at = readRows<int, int, 1>(nodes, "set_forces: nodes");
+    if (!nodes.is_none()) at = readNodes(nodes, physics, id);
     if (at.size() != rows.size())
         fail("set_forces: nodes must be as many as the rows of forces, ", rows.size(), ", got ", at.size());
     std::vector<NodalForce> out(rows.size());
@@ -148,7 +178,7 @@ void addSoft(nb::class_<HeldSimulation>& sim)
         },
         nb::arg("body").none(), nb::arg("material").none(),
         nb::sig("def set_material(self, body: filasofia.BodyId, material: filasofia.FemMaterial | "
-                "filasofia.MassSpringMaterial) -> None"),
+                "filasofia.MassSpringMaterial | filasofia.ShellMaterial) -> None"),
         "A material of the kind that the body was made with.");
     sim.def(
         "set_tissue",
@@ -191,14 +221,16 @@ void addLoads(nb::class_<HeldSimulation>& sim)
     sim.def(
         "set_forces",
         [](HeldSimulation& self, nb::handle id, nb::handle forces, nb::handle nodes) {
-            server(self, "set_forces").setForces(body(id, "set_forces"), readForces(forces, nodes));
+            PhysicsServer& physics = server(self, "set_forces");
+            const BodyId soft = body(id, "set_forces");
+            physics.setForces(soft, readForces(forces, nodes, physics, soft));
         },
         nb::arg("body").none(), nb::arg("forces").none(), nb::arg("nodes") = nb::none(),
         nb::sig("def set_forces(self, body: filasofia.BodyId, forces: collections.abc.Sequence[filasofia.NodalForce] | "
                 "numpy.typing.NDArray[typing.Any], nodes: collections.abc.Sequence[int] | "
                 "numpy.typing.NDArray[typing.Any] | None = None) -> None"),
         "Replaces all nodal forces of a soft body: a list of NodalForce, or an array (n, 3) [N] of the forces on "
-        "`nodes`, n indices; without them on the first n nodes.");
+        "`nodes`, n indices or a mask with n of all nodes; without them on the first n nodes.");
     sim.def(
         "set_pressure",
         [](HeldSimulation& self, nb::handle id, nb::handle pressure) {

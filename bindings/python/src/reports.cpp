@@ -86,6 +86,15 @@ void bindParts(nb::module_& module)
     addId(strained, "body", &StrainedElements::body);
     addVector(strained, "place", &StrainedElements::place, "[m]");
 
+    nb::class_<MechanicalEnergy>(module, "MechanicalEnergy", "The mechanical energy of a body.")
+        .def_ro("kinetic", &MechanicalEnergy::kinetic, "[J]; what is told its motion has none")
+        .def_ro("elastic", &MechanicalEnergy::elastic, "[J], what strain stores by the law of the tissue")
+        .def_ro("gravitational", &MechanicalEnergy::gravitational, "[J], zero with all mass at the world's origin")
+        .def("__repr__", [](const MechanicalEnergy& self) {
+            return text("MechanicalEnergy(kinetic=", self.kinetic, ", elastic=", self.elastic,
+                        ", gravitational=", self.gravitational, ")");
+        });
+
     nb::class_<Unrest> unrest(module, "Unrest", "Bodies that go on moving though nothing drives them.");
     unrest.def_ro("bodies", &Unrest::bodies).def_ro("speed", &Unrest::speed).def_ro("undriven", &Unrest::undriven);
     addId(unrest, "body", &Unrest::body);

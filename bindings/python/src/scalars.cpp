@@ -66,6 +66,7 @@ double readNumber(nb::handle value, const Where& where)
 
 std::int64_t readWhole(nb::handle value, const Where& where, std::int64_t low, std::int64_t high)
 {
+    if (isFlag(value)) failType(where, "must be a whole number (numpy.flatnonzero() makes indices of a mask)", value);
     if (!isWhole(value)) failType(where, "must be a whole number", value);
     const nb::object whole = nb::steal(PyNumber_Index(value.ptr()));
     if (!whole.is_valid()) {

@@ -133,6 +133,13 @@ std::uint64_t hashOf(HeldSimulation& self)
     return self.session->hash();
 }
 
+physics::MechanicalEnergy energyOf(HeldSimulation& self, nb::handle body)
+{
+    const auto id = readArgument<BodyId>(body, "mechanical_energy", "body");
+    const Session::Turn turn(*self.session, "mechanical_energy");
+    return self.session->physics().mechanicalEnergy(id);
+}
+
 void noteScripts(HeldSimulation& self)
 {
     self.scripted =
@@ -279,6 +286,10 @@ void addRecords(nb::class_<HeldSimulation>& sim)
     sim.def_prop_ro("state_hash", &hashOf,
                     "A hash of the state: the same scene gives the same one at every step. After close() it is that of "
                     "the last state.");
+    sim.def("mechanical_energy", &energyOf, nb::arg("body").none(),
+            nb::sig("def mechanical_energy(self, body: filasofia.BodyId) -> filasofia.MechanicalEnergy"),
+            "The mechanical energy [J] of a body after the last step, computed when it is asked for. What relaxing "
+            "terms of tissue, attachments, contacts and pressures store is not in it.");
     sim.def("report", &report,
             "How the run went until now. Before the first step all its numbers but the hash are 0; to ask for it does "
             "not begin the run.");

@@ -48,6 +48,7 @@ struct JointDef {
     double lower = -std::numeric_limits<double>::infinity(); ///< [rad] or [m], may be infinite: lower limit
     double upper = std::numeric_limits<double>::infinity();  ///< [rad] or [m], >= lower: upper limit
     double start = 0.0;                                      ///< [rad] or [m], within the limits: initial position
+    double velocity = 0.0; ///< [rad/s] or [m/s], initial, of a joint under a force command
     std::optional<JointCommand> command =
         {};                ///< valid until changed by a command; none: the joint keeps its initial position
     double speed = 3.0;    ///< [rad/s] or [m/s], > 0, largest speed on the way to a commanded position
@@ -91,6 +92,7 @@ constexpr auto fields(const JointDef*)
         field("lower", &T::lower, "rad or m", closed(-infinity, infinity), "lower limit"),
         field("upper", &T::upper, "rad or m", closed(-infinity, infinity), "upper limit"),
         field("start", &T::start, "rad or m", finite(), "initial position"),
+        field("velocity", &T::velocity, "rad/s or m/s", finite(), "initial velocity, of a joint under a force command"),
         field("command", &T::command, "initial command; none: it keeps its initial position"),
         field("speed", &T::speed, "rad/s or m/s", positive(), "largest speed on the way to a commanded position"),
         field("damping", &T::damping, "N m s or N s/m", nonNegative(), "viscous damping"),

@@ -64,6 +64,7 @@ struct SoftBodyDef {
     SoftMaterial material = FemMaterial{};
     Mass mass = Density{};
     Rayleigh rayleigh = {};
+    Vec3 velocity = {};  ///< [m/s], initial, of all nodes that are not pinned
     bool gravity = true; ///< whether gravity acts on it
     Integrator integrator = ImplicitEuler{};
     Solver solver = ConjugateGradient{};
@@ -122,6 +123,7 @@ constexpr auto fields(const SoftBodyDef*)
                     field("pose", &T::pose, "from the mesh's coordinates to the world"),
                     field("material", &T::material, "elastic law"), field("mass", &T::mass, "density or total mass"),
                     field("rayleigh", &T::rayleigh, "Rayleigh damping"),
+                    field("velocity", &T::velocity, "m/s", finite(), "initial velocity of all nodes"),
                     field("gravity", &T::gravity, "whether gravity acts on it"),
                     field("integrator", &T::integrator, "time integration"),
                     field("solver", &T::solver, "solver of the step's linear system"),

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "filasofia/core/error.h"
+#include "filasofia/physics/mechanical_energy.h"
 #include "filasofia/physics/step_record.h"
 
 #include "filasofia/frame/frame.h"
@@ -53,6 +55,12 @@ public:
     virtual void capture(frame::Frame& out) const = 0;
     /// Writes what the log keeps in addition to the report.
     virtual void record(StepRecord& out) const = 0;
+    /// The mechanical energy of a body as it is now. Throws an Error if there is no such body, or if the engine cannot
+    /// tell.
+    [[nodiscard]] virtual MechanicalEnergy energyOf(BodyId /*body*/) const
+    {
+        fail("mechanicalEnergy is not available with the engine '", info().name, "'");
+    }
     /// A hash of the state: the same input gives the same hash at every step. For a soft body it covers positions,
     /// velocities and every edit of its mesh; any other state of a solver affects these a step later, or never.
     [[nodiscard]] virtual std::uint64_t hash() const = 0;

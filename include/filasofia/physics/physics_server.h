@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/physics/mechanical_energy.h"
 #include "filasofia/physics/step_record.h"
 
 #include "filasofia/frame/frame_pool.h"
@@ -151,6 +152,10 @@ public:
     /// Replaces step() in a replay: uses exactly the commands set by expect(). dt >= 0 [s]; with 0 nothing moves.
     StepReport replayStep(double dt, const StepBudget& budget = {});
     [[nodiscard]] std::uint64_t hash() const;
+    /// The mechanical energy of a body after the last step, computed when it is asked for: about 1 us per element of a
+    /// soft body. Error if there is no such body, if it is there only from the next step on, or if the engine cannot
+    /// tell.
+    [[nodiscard]] MechanicalEnergy mechanicalEnergy(BodyId id) const;
     /// Computes the state's hash after every step, for the log.
     void hashEveryStep(bool on);
     [[nodiscard]] bool paused() const;

@@ -44,6 +44,7 @@ struct RodBodyDef {
     double yieldStrain = kNever;
     double hardening = 0.0; ///< [-], in [0, 1): stiffness of bending beyond yield over that before
     Rayleigh rayleigh = {}; ///< Rayleigh damping
+    Vec3 velocity = {};     ///< [m/s], initial, of all nodes that are not pinned
     bool gravity = true;    ///< whether gravity acts on it
     /// attachments of its nodes. An edge whose two nodes are pinned, such as the first one, does not turn about itself
     /// either: that clamps a rod
@@ -86,6 +87,7 @@ constexpr auto fields(const RodBodyDef*)
         field("yieldStrain", &T::yieldStrain, "-", positiveOrInfinite(), "strain of the outermost fibre that stays"),
         field("hardening", &T::hardening, "-", closedOpen(0.0, 1.0), "stiffness of bending beyond yield over before"),
         field("rayleigh", &T::rayleigh, "Rayleigh damping"),
+        field("velocity", &T::velocity, "m/s", finite(), "initial velocity of all nodes"),
         field("gravity", &T::gravity, "whether gravity acts on it"),
         field("attachments", &T::attachments, "attachments of its nodes"),
         field("forces", &T::forces, "prescribed nodal forces"),

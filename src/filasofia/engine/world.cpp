@@ -9,6 +9,8 @@
 #include "filasofia/engine/contact/sheathed_blades.h"
 #include "filasofia/engine/contact/tie_bodies.h"
 #include "filasofia/engine/piercing/channels.h"
+#include "filasofia/engine/scene/find_body.h"
+#include "filasofia/engine/scene/mechanical_energy.h"
 #include "filasofia/engine/scene/state_hash.h"
 #include "filasofia/engine/step/advance.h"
 #include "filasofia/engine/step/apply_commands.h"
@@ -159,6 +161,14 @@ void World::record(physics::StepRecord& out) const
 }
 
 std::uint64_t World::hash() const { return hashOf(scene_); }
+
+physics::MechanicalEnergy World::energyOf(BodyId body) const
+{
+    const std::optional<BodyPlace> place = findBody(scene_, body);
+    if (!place) fail("mechanicalEnergy: body ", body.value, " is there only after the next step");
+    return place->soft ? mechanicalEnergy(scene_.soft[place->index], scene_.gravity)
+                       : mechanicalEnergy(scene_.rigid[place->index], scene_.gravity);
+}
 
 std::shared_ptr<const physics::EngineState> World::save() const
 {

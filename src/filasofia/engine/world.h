@@ -19,6 +19,7 @@ public:
     void capture(frame::Frame& out) const override;
     void record(physics::StepRecord& out) const override;
     [[nodiscard]] std::uint64_t hash() const override;
+    [[nodiscard]] physics::MechanicalEnergy energyOf(BodyId body) const override;
     [[nodiscard]] std::shared_ptr<const physics::EngineState> save() const override;
     void restore(const physics::EngineState& state) override;
 

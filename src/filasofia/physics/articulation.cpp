@@ -5,6 +5,7 @@
 #include "filasofia/physics/check_field.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace filasofia::physics {
 namespace {
@@ -52,6 +53,11 @@ void checkJoint(const JointDef& joint, std::size_t links, const std::string& fie
     static_cast<void>(unitPose(joint.childOffset, field + ".childOffset"));
     if (!(joint.upper >= joint.lower)) fail(field, ".upper must be >= lower (", joint.lower, "), got ", joint.upper);
     checkPosition(joint, joint.start, field + ".start");
+    if (!(std::abs(joint.velocity) < kFarthest))
+        fail(field, ".velocity must be < ", kFarthest, unitOf(joint), "/s, got ", joint.velocity);
+    if (joint.velocity != 0.0 && !(joint.command && std::holds_alternative<JointForce>(*joint.command)))
+        fail(field, ".velocity must be 0", unitOf(joint),
+             "/s unless the joint's command is a JointForce (0 lets it move freely), got ", joint.velocity);
     if (!joint.command) return;
     if (const auto* position = std::get_if<JointPosition>(&*joint.command))
         checkPosition(joint, position->value, field + ".command");

@@ -49,6 +49,12 @@ std::shared_ptr<const geometry::TetMesh> apart(std::shared_ptr<const geometry::T
     return split;
 }
 
+/// Faster than this, a state counts as a blow-up.
+void checkVelocity(Vec3 v, const std::string& field)
+{
+    if (!(length(v) < kFarthest)) fail(field, " must have a length < ", kFarthest, ", got ", v.x, " ", v.y, " ", v.z);
+}
+
 /// Lighter bodies hardly fall. What is not positive is refused as such.
 void checkDensity(double density, const std::string& field)
 {
@@ -151,6 +157,7 @@ void check(const SoftBodyDef& def)
 {
     const std::string object = text("soft body '", def.name, "'");
     checkKind(def, object);
+    checkVelocity(def.velocity, object + ": velocity");
     if (const auto* density = std::get_if<Density>(&def.mass)) checkDensity(density->value, object + ": mass.value");
     if (def.puncture) check(*def.puncture, def, object);
     checkCavities(def, object);
@@ -190,8 +197,7 @@ void check(const RigidBodyDef& def)
         fail(object,
              ": mass of a dynamic body without a mesh must be GivenInertia; density and total mass need a mesh");
     for (const auto& [field, v] : {std::pair{"velocity", def.velocity}, {"angularVelocity", def.angularVelocity}})
-        if (!(length(v) < kFarthest))
-            fail(object, ": ", field, " must have a length < ", kFarthest, ", got ", v.x, " ", v.y, " ", v.z);
+        checkVelocity(v, text(object, ": ", field));
     for (std::size_t i = 0; i < def.collision.size(); ++i) {
         const std::string field = text(object, ": collision[", i, "]");
         checkElement(def.collision[i].element, elementCount(def), field + ".element");
@@ -215,6 +221,7 @@ void check(const RodBodyDef& def)
     const std::string object = text("rod '", def.name, "'");
     validate(def, object);
     checkDensity(def.density, object + ": density");
+    checkVelocity(def.velocity, object + ": velocity");
     if (def.breakForce < kNever && !def.dynamicTopology)
         fail(object, ": breakForce must be infinite without dynamicTopology, got ", def.breakForce, " N");
     if (def.needle && def.closed) fail(object, ": needle must be false if closed: a ring has no tip");

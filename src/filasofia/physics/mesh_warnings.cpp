@@ -24,6 +24,14 @@ void warnOfSize(const std::string& object, const std::vector<Vec3>& nodes, const
                    remedy);
 }
 
+/// Whether it is thinner than a millimetre that is read as a metre: a floor or a wall.
+bool isPlate(const std::vector<Vec3>& nodes)
+{
+    constexpr double kThinnest = 1.0; // [m]
+    const Vec3 size = geometry::boxAround(nodes).high - geometry::boxAround(nodes).low;
+    return std::min({size.x, size.y, size.z}) < kThinnest;
+}
+
 /// How a file in millimetres is read, by a scene, in C++ and in Python.
 std::string scaleOf(const char* type, const char* cpp, const char* python)
 {
@@ -99,6 +107,11 @@ void warnOfMesh(const BodyDef& def)
 {
     const std::string object = describeBody(def);
     if (const auto* rod = std::get_if<RodBodyDef>(&def)) return warnOfSize(object, rod->points, "use metres");
+    if (const auto* rigid = std::get_if<RigidBodyDef>(&def)) {
+        const auto* surface = std::get_if<std::shared_ptr<const geometry::TriangleMesh>>(&rigid->mesh);
+        if (surface && *surface && !(isPlate((*surface)->vertices) && !rigid->dynamic)) // a floor may be that large
+            warnOfSize(object, (*surface)->vertices, scaleOf("surface", "loadTriangleMesh", "load_triangle_mesh"));
+    }
     const auto* soft = std::get_if<SoftBodyDef>(&def);
     if (!soft) return;
     if (const auto* sheet = std::get_if<std::shared_ptr<const geometry::TriangleMesh>>(&soft->mesh))

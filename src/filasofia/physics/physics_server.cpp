@@ -588,6 +588,14 @@ void PhysicsServer::restore(const SavedState& state)
 }
 
 std::uint64_t PhysicsServer::hash() const { return impl_->engine->hash(); }
+
+MechanicalEnergy PhysicsServer::mechanicalEnergy(BodyId id) const
+{
+    const std::shared_ptr<const BodyDef> known = def(id); // throws if there is none
+    const SoleStep sole(impl_->stepping);
+    return impl_->engine->energyOf(id);
+}
+
 void PhysicsServer::hashEveryStep(bool on) { impl_->hashing = on; }
 bool PhysicsServer::paused() const { return impl_->paused; }
 frame::FrameRef PhysicsServer::latest() { return impl_->frames.latest(); }

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/assert.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/math/rounded.h"
 #include "filasofia/physics/articulation.h"
 #include "filasofia/physics/check_attachment.h"
 #include "filasofia/physics/check_clip.h"
@@ -189,8 +190,8 @@ struct Registry::Check {
             if (std::isfinite(section.end) && section.end > (1.0 + kRounding) * body.length)
                 fail(name, ".end must be at most ", body.length, " m, the rod's length, got ", section.end);
             const double size = std::hypot(section.curvature[0], section.curvature[1]);
-            if (!(size * body.longestBend <= kMostTurnPerNode))
-                fail(name, ".curvature must be at most ", kMostTurnPerNode / body.longestBend, " 1/m, ",
+            if (!(size * body.longestBend <= (1.0 + kRounding) * kMostTurnPerNode))
+                fail(name, ".curvature must be at most ", advised(kMostTurnPerNode / body.longestBend), " 1/m, ",
                      kMostTurnPerNode, " rad per node, got ", size);
         }
     }

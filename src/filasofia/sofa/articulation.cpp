@@ -48,7 +48,8 @@ void Articulation::setCommand(int joint, const physics::JointCommand& command) {
 void Articulation::rewind()
 {
     state_ = {.commands = starts_};
-    for (const engine::LinkJoint& joint : tree_.joints) state_.joints.push_back({.position = joint.start});
+    for (const engine::LinkJoint& joint : tree_.joints)
+        state_.joints.push_back({.position = joint.start, .velocity = joint.startVelocity});
 }
 
 void Articulation::rest()

@@ -51,6 +51,7 @@ void checkBody(const SoftBodyDef& def, const std::string& object)
     if (std::holds_alternative<physics::ShellMaterial>(def.material)) fail(object, ": material: a shell", kLacks);
     if (def.puncture) fail(object, ": puncture", kLacks);
     if (!def.cavities.empty()) fail(object, ": cavities", kLacks);
+    if (!(def.velocity == Vec3{})) fail(object, ": velocity", kLacks);
 }
 
 double densityOf(const SoftBodyDef& def, const geometry::TetMesh& mesh)

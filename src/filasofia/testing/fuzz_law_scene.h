@@ -29,7 +29,7 @@ struct LawScene {
     int acting = 0;         ///< [-] steps after which all tools are removed
     int calm = 0;           ///< [-] steps that follow
     bool contracts = false; ///< muscle in tissue that flows: it shortens on and on, which is work
-    bool relaxes = false;   ///< tissue holds energy that storedEnergy() does not know
+    bool relaxes = false;   ///< tissue holds energy that mechanicalEnergy() does not know
     double validStrain = std::numeric_limits<double>::infinity(); ///< [-] the same in all bodies
 };
 

@@ -2,12 +2,13 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/text.h"
+#include "filasofia/engine/scene/mechanical_energy.h"
 #include "filasofia/engine/world.h"
 #include "filasofia/record/recording.h"
 #include "filasofia/record/replay.h"
 #include "filasofia/testing/fuzz_law_scene.h"
 #include "filasofia/testing/fuzz_stage.h"
-#include "filasofia/testing/tissue_energy.h"
+#include "filasofia/testing/tissue_strain.h"
 
 #include <unistd.h>
 
@@ -136,8 +137,9 @@ private:
         if (scene_.contracts || (step_ % kLookEvery != 0 && step_ != scene_.acting)) return;
         double stored = 0.0, motion = 0.0;
         for (const engine::SoftBody& each : soft()) {
-            stored += storedEnergy(each);
-            motion += energyOfMotion(each, world_->scene().gravity);
+            const physics::MechanicalEnergy energy = mechanicalEnergy(each, world_->scene().gravity);
+            stored += energy.elastic;
+            motion += energy.kinetic + energy.gravitational;
         }
         if (step_ <= scene_.acting) {
             mostStored_ = std::max(mostStored_, std::abs(stored));

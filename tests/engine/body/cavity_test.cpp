@@ -1,5 +1,6 @@
 #include "filasofia/engine/body/cavity.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/engine/step/fill_cavities.h"
 #include "filasofia/geometry/shapes.h"
 
@@ -447,6 +448,24 @@ TEST_CASE("a bladder that is filled, pressed and cut has the same bits for any n
     const std::uint64_t one = run(1, false);
     CHECK(run(2, false) == one);
     CHECK(run(3, true) == one);
+}
+
+TEST_CASE("a cavity that is emptied is told of, unless its walls collide with each other")
+{
+    for (const bool self : {false, true}) {
+        Stage stage;
+        SoftBodyDef def = bladder({.fill = CavityFill::Gas});
+        def.collision = {{.self = self}};
+        stage.add(def);
+        stage.step(0.0);
+        for (Vec3& x : stage.soft().x) x = 0.2 * x; // less than a hundredth of its volume
+        std::string logged;
+        setLogSink([&](LogLevel, std::string_view line) { logged += line; });
+        stage.step(1e-6);
+        setLogSink({});
+        REQUIRE(report(stage).volume < 0.02 * stage.model().cavities[0].restVolume);
+        CHECK((logged.find("cavities[0] is empty: without self-collision its walls") != std::string::npos) == !self);
+    }
 }
 
 } // namespace cavity_test

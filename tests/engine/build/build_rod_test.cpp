@@ -132,6 +132,14 @@ TEST_CASE("commands that a rod cannot follow are refused, and those for nodes ar
     refuse({{.end = 0.05}, {.begin = 0.04}}, 1.0,
            "sections[1].begin must be >= 0.05 m, where sections[0] ends, got 0.04");
     refuse({{.curvature = {0.0, 300.0}}}, 1.0, "sections[0].curvature must be at most ");
+    try { // the bound is one that a person can type, and is within it
+        server.setCurvature(rod, {{.curvature = {0.0, 300.0}}});
+    } catch (const Error& error) {
+        const std::string what = error.what(), before = "at most ";
+        const std::string bound = what.substr(what.find(before) + before.size());
+        CHECK(bound.find(' ') <= 5);
+        CHECK_NOTHROW(server.setCurvature(rod, {{.curvature = {0.0, std::stod(bound)}}}));
+    }
     refuse({{.curvature = {std::nan(""), 0.0}}}, 1.0, "sections[0].curvature[0] must be finite");
     refuse({}, 0.0, "rate must be > 0 1/(m s), got 0");
     CHECK_THROWS_WITH(server.removePiece(rod, 1), Catch::Contains("rod 'silk': piece 1 cannot be removed"));

@@ -17,6 +17,7 @@ LinkTree treeOf(const physics::ArticulationDef& def)
                           .lower = joint.lower,
                           .upper = joint.upper,
                           .start = joint.start,
+                          .startVelocity = joint.velocity,
                           .speed = joint.speed,
                           .damping = joint.damping,
                           .friction = joint.friction,

@@ -18,10 +18,11 @@ struct LinkJoint {
     double lower = -std::numeric_limits<double>::infinity(); ///< [rad] or [m]
     double upper = std::numeric_limits<double>::infinity();
     double start = 0.0;
-    double speed = 1.0;    ///< [rad/s] or [m/s] maximum on the way to a commanded position
-    double damping = 0.0;  ///< [N m s] or [N s/m]
-    double friction = 0.0; ///< [N m] or [N]
-    double inertia = 0.0;  ///< [kg m^2] or [kg] inertia of the drive
+    double startVelocity = 0.0; ///< [rad/s] or [m/s]
+    double speed = 1.0;         ///< [rad/s] or [m/s] maximum on the way to a commanded position
+    double damping = 0.0;       ///< [N m s] or [N s/m]
+    double friction = 0.0;      ///< [N m] or [N]
+    double inertia = 0.0;       ///< [kg m^2] or [kg] inertia of the drive
 };
 
 /// A tree of links. Link 0 is the base.

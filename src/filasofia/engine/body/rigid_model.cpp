@@ -97,20 +97,40 @@ void checkCouplings(const std::string& object, const RigidModel& model, const Ri
 
 } // namespace
 
+namespace {
+
+/// Gives links the velocities that follow from those of the base and of the joints.
+void moveLinks(const LinkTree& tree, RigidState& state)
+{
+    std::vector<double> velocities;
+    for (const JointState& joint : state.joints) velocities.push_back(joint.now.velocity);
+    std::vector<LinkMotion> motion(state.poses.size(), {state.velocities[0], state.angularVelocities[0]});
+    moveLinks(tree, jointAxes(tree, state.poses), state.poses, velocities, motion);
+    for (std::size_t e = 0; e < motion.size(); ++e) {
+        state.velocities[e] = motion[e].linear;
+        state.angularVelocities[e] = motion[e].angular;
+    }
+}
+
+} // namespace
+
 RigidState stateAtStart(const RigidModel& model)
 {
     const std::size_t count = model.rest.size();
     std::vector<JointState> joints;
     for (std::size_t j = 0; j < model.articulation.tree.joints.size(); ++j)
-        joints.push_back(
-            {.command = model.articulation.commands[j], .now = {.position = model.articulation.tree.joints[j].start}});
+        joints.push_back({.command = model.articulation.commands[j],
+                          .now = {.position = model.articulation.tree.joints[j].start,
+                                  .velocity = model.articulation.tree.joints[j].startVelocity}});
     const auto start = [&](Vec3 v) { return std::vector<Vec3>(count, model.dynamic ? v : Vec3{}); };
-    return {.poses = model.rest,
-            .velocities = start(model.startVelocity),
-            .angularVelocities = start(model.startAngularVelocity),
-            .wrenches = std::vector<Wrench>(count),
-            .targets = std::vector<std::optional<Pose>>(count),
-            .joints = std::move(joints)};
+    RigidState state{.poses = model.rest,
+                     .velocities = start(model.startVelocity),
+                     .angularVelocities = start(model.startAngularVelocity),
+                     .wrenches = std::vector<Wrench>(count),
+                     .targets = std::vector<std::optional<Pose>>(count),
+                     .joints = std::move(joints)};
+    if (!state.joints.empty()) moveLinks(model.articulation.tree, state);
+    return state;
 }
 
 void check(const RigidModel& model, const RigidState& state)

@@ -111,11 +111,13 @@ void setFibres(SoftModel& model)
 
 } // namespace
 
-SoftState stateAtRest(const SoftModel& model)
+SoftState stateAtStart(const SoftModel& model)
 {
     SoftState state;
     state.x = model.rest;
-    state.v.resize(model.rest.size());
+    state.v.assign(model.rest.size(), model.startVelocity);
+    for (std::size_t i = 0; i < model.pins.hard.size(); ++i)
+        if (model.pins.hard[i]) state.v[i] = {};
     state.dv.resize(model.rest.size());
     state.residual.resize(model.rest.size());
     state.forces.resize(model.rest.size());

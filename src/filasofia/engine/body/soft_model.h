@@ -38,6 +38,7 @@ struct SoftModel {
     BodyId id;
     std::string name;
     std::vector<Vec3> rest;           ///< [m] nodes at the start, in world coordinates
+    Vec3 startVelocity;               ///< [m/s] of all nodes that are not pinned hard
     std::vector<double> masses;       ///< [kg] lumped: equal parts of each tetrahedron or triangle
     std::vector<double> filling;      ///< [kg] the part of these without weight: of liquids in cavities; empty: none
     physics::FemMaterial material;    ///< FEM bodies only; what it says of parts is in the elements
@@ -116,8 +117,8 @@ struct SoftState {
 Quat rotationOf(const std::vector<ElementRotations>& rotations, std::size_t element);
 void setRotation(std::vector<ElementRotations>& rotations, std::size_t element, Quat q);
 
-/// The state at the start: at rest, without forces and pressure.
-SoftState stateAtRest(const SoftModel& model);
+/// The state at the start: its shape at rest, with the velocity of the start, without forces and pressure.
+SoftState stateAtStart(const SoftModel& model);
 
 /// Throws an Error that names the body if a size, an index or a number is invalid.
 void check(const SoftModel& model, const SoftState& state);

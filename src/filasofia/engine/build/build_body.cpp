@@ -160,7 +160,8 @@ template <class Def> void finish(const Def& def, const std::string& object, Soft
     for (std::size_t i = 0; i < def.forces.size(); ++i)
         if (const int node = def.forces[i].node; node >= nodes)
             fail(object, ": forces[", i, "].node must be in [0, ", nodes, "), got ", node);
-    body.state = stateAtRest(model);
+    model.startVelocity = def.velocity;
+    body.state = stateAtStart(model);
     setForces(def.forces, body.state);
 }
 

@@ -1,12 +1,11 @@
 #include "filasofia/engine/contact/find_contacts.h"
 
-#include "filasofia/core/log.h"
-#include "filasofia/engine/collision/deep_points.h"
 #include "filasofia/engine/contact/contact_surfaces.h"
 #include "filasofia/engine/contact/everted_tissue.h"
 #include "filasofia/engine/contact/intersections.h"
 #include "filasofia/engine/contact/islands.h"
 #include "filasofia/engine/contact/part_crossings.h"
+#include "filasofia/engine/contact/starts_inside.h"
 #include "filasofia/engine/contact/turned_contact.h"
 #include "filasofia/engine/contact/warm_start.h"
 
@@ -166,62 +165,6 @@ bool movable(const BodyPoint& point, const RigidPlan& plan)
     return (point.of == BodyPoint::Of::Soft && point.count > 0) || planPlace(plan, point).has_value();
 }
 
-/// Points of either surface that are deeper in the other one than contacts are followed. A rigid surface determines the
-/// way out at any depth, tissue does not: points in tissue are only counted.
-struct DeepPoints {
-    std::vector<Proximity> inRigid, inTissue;
-};
-DeepPoints deepPointsOf(const std::vector<SurfaceOwner>& owners, const ContactDetection& detection,
-                        std::array<int, 2> pair)
-{
-    const auto i = static_cast<std::size_t>(pair[0]), k = static_cast<std::size_t>(pair[1]);
-    const SurfacePair meeting{{&detection.surfaces[i], &detection.surfaces[k]}, pair, 0.0};
-    DeepPoints deep;
-    findDeepPoints(meeting, 0, owners[k].soft ? deep.inTissue : deep.inRigid);
-    findDeepPoints(meeting, 1, owners[i].soft ? deep.inTissue : deep.inRigid);
-    return deep;
-}
-
-/// If a body starts inside another, deeper than contacts are followed, logs a warning; from then on the pair is tested
-/// at any depth. `added`: per surface, whether it is new.
-void noteStartsInside(const Scene& scene, const std::vector<SurfaceOwner>& owners, const std::vector<bool>& added,
-                      Coupling& coupling)
-{
-    ContactDetection& detection = coupling.detection;
-    for (const std::array<int, 2>& pair : detection.scratch.surfacePairs) {
-        const auto i = static_cast<std::size_t>(pair[0]), k = static_cast<std::size_t>(pair[1]);
-        const SurfaceOwner &one = owners[i], &two = owners[k];
-        if (i == k || !(added[i] || added[k])) continue;
-        if (!movable(one, coupling.rigid) && !movable(two, coupling.rigid)) continue;
-        const DeepPoints deep = deepPointsOf(owners, detection, pair);
-        if (deep.inRigid.empty() && deep.inTissue.empty()) continue;
-        detection.startedInside.push_back({one.name, two.name});
-        const bool tissue = partsFrom(one, two);
-        logWarning("body '", nameOf(scene, one), "' and body '", nameOf(scene, two), "' start inside each other: ",
-                   tissue                 ? "they part where their surfaces cross"
-                   : deep.inRigid.empty() ? "points inside tissue stay there"
-                                          : "they are pushed apart");
-    }
-}
-
-void addDeepPoints(const std::vector<SurfaceOwner>& owners, ContactDetection& detection)
-{
-    const std::vector<std::array<SurfaceName, 2>>& started = detection.startedInside;
-    const std::vector<IntersectionWatch::Unseen>& lost = detection.intersections.lost;
-    if (started.empty() && lost.empty()) return;
-    for (const std::array<int, 2>& pair : detection.scratch.surfacePairs) {
-        const std::array names{owners[static_cast<std::size_t>(pair[0])].name,
-                               owners[static_cast<std::size_t>(pair[1])].name};
-        const SurfaceOwner &one = owners[static_cast<std::size_t>(pair[0])],
-                           &two = owners[static_cast<std::size_t>(pair[1])];
-        const bool isLost =
-            one.soft != two.soft && std::ranges::find(lost, names, &IntersectionWatch::Unseen::surfaces) != lost.end();
-        if (!isLost && std::ranges::find(started, names) == started.end()) continue;
-        const DeepPoints deep = deepPointsOf(owners, detection, pair);
-        detection.proximities.insert(detection.proximities.end(), deep.inRigid.begin(), deep.inRigid.end());
-    }
-}
-
 /// Writes the contact at a proximity whose gap is known: in place, as it is large.
 void writeContact(const Proximity& found, double gap, const std::array<const SurfaceOwner*, 2>& sides,
                   const StepContext& context, const Scene& scene, const Coupling& coupling, Constraint& contact)
@@ -291,7 +234,7 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
     const std::vector<bool> added = placeSurfaces(dt, scene, owners, coupling);
     detection.sides = scene.sides;
     findProximities(detection.surfaces, dt, context.pool, detection.sides, detection.scratch, detection.proximities);
-    if (!added.empty()) noteStartsInside(scene, owners, added, coupling);
+    if (!added.empty()) noteStartsInside(owners, added, coupling);
     addDeepPoints(owners, detection);
     partCrossings(context, scene, owners, detection);
 
@@ -303,7 +246,8 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
         addContact(found, sides, context, scene, coupling);
         detection.followed.push_back(coupling.constraints.size() > before ? 1 : 0);
     }
-    reportIntersections(context, scene, owners, !added.empty(), coupling);
+    const std::vector<std::array<int, 2>> crossing = reportIntersections(context, scene, owners, added, coupling);
+    if (!added.empty()) warnOfStartsInside(scene, owners, added, crossing, coupling);
     coupling.contactCount = coupling.constraints.size();
     inheritForces(dt, scene.contacts, coupling.contacts());
     for (Constraint& contact : coupling.contacts()) setLaw(context.method, dt, contact);

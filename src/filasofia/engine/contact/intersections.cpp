@@ -111,9 +111,11 @@ public:
         : context_(context), scene_(scene), owners_(owners), plan_(coupling.rigid), detection_(coupling.detection)
     {
     }
-    /// What was found of a body against itself stays until it is tested again; `all`: now.
-    void run(bool all)
+    /// What was found of a body against itself stays until it is tested again: now, if surfaces were added. Returns the
+    /// pairs of these that pass through something.
+    std::vector<std::array<int, 2>> run(const std::vector<bool>& added)
     {
+        const bool all = !added.empty();
         const bool cut = all || isDue(kCutInterval, scene_.time, context_.dt);
         const bool whole = all || isDue(kWholeInterval, scene_.time, context_.dt);
         std::vector<physics::Intersection>& folded = watch_.folded;
@@ -130,46 +132,56 @@ public:
         watch_.told = folded;
         lostBefore_ = std::exchange(watch_.lost, {});
         const std::vector<IntersectionWatch::Unseen> before = std::exchange(watch_.unseen, {});
-        for (const std::array<int, 2>& pair : detection_.scratch.surfacePairs) test(pair, before);
+        std::vector<std::array<int, 2>> starts;
+        for (const std::array<int, 2>& pair : detection_.scratch.surfacePairs)
+            if (const bool passes = test(pair, before); passes && all)
+                if (added[static_cast<std::size_t>(pair[0])] || added[static_cast<std::size_t>(pair[1])])
+                    starts.push_back(pair);
         std::ranges::sort(watch_.told, {},
                           [](const physics::Intersection& each) { return std::pair(each.first, each.second); });
+        return starts;
     }
 
 private:
-    void test(std::array<int, 2> pair, std::span<const IntersectionWatch::Unseen> before)
+    /// Whether the two pass through each other, deeper than contacts are followed. What may be over soon is not told
+    /// yet.
+    bool test(std::array<int, 2> pair, std::span<const IntersectionWatch::Unseen> before)
     {
         const SurfaceOwner &one = ownerOf(pair[0]), &two = ownerOf(pair[1]);
-        if (!movable(one, plan_) && !movable(two, plan_)) return; // scenery
-        if (isPierced(scene_, one.name.body, two.name.body)) return;
+        if (!movable(one, plan_) && !movable(two, plan_)) return false; // scenery
+        if (isPierced(scene_, one.name.body, two.name.body)) return false;
         const CollisionSurface &a = surfaceOf(pair[0]), &b = surfaceOf(pair[1]);
         const SurfacePair meeting{{&a, &b}, pair, 0.0};
         const auto between = attachmentsBetween(scene_, one.name.body, two.name.body);
         cross(pair);
         eraseHeld(scene_, one, two, pair, crossings_);
         const bool unseen = !meeting.self() && !crossings_.empty() && isUnseen(meeting, before);
+        bool passes = false;
         const auto tell = [&](const physics::Intersection& found) {
             add(one, two, found, watch_.told);
             keepLost(one, two, scene_.time);
+            passes = true;
         };
         for (const SurfaceCrossing& each : crossings_)
             if (unseen || isLost(each, meeting)) tell({.crossings = 1, .depth = each.depth, .place = each.place});
         if (!crossings_.empty() && one.soft && two.soft) keepLost(one, two, {});
-        if (!unseen && between.empty()) tellDeepInRound(meeting, one, two, before, tell);
-        if (!crossings_.empty() || meeting.self() || !between.empty()) return;
+        if (!unseen && between.empty()) passes = tellDeepInRound(meeting, one, two, before, tell) || passes;
+        if (!crossings_.empty() || meeting.self() || !between.empty()) return passes;
         if (const auto within = insideOf(a, b))
             tell(*within);
         else if (const auto around = insideOf(b, a))
             tell(*around);
+        return passes;
     }
 
     /// A ball has no edge that passes through a triangle, and a capsule one in its middle: what is deeper in them than
-    /// contacts follow a mesh counts as passing through.
-    template <class Tell> void tellDeepInRound(const SurfacePair& meeting, const SurfaceOwner& one,
+    /// contacts follow a mesh counts as passing through. Returns whether something is, also if that is not told yet.
+    template <class Tell> bool tellDeepInRound(const SurfacePair& meeting, const SurfaceOwner& one,
                                                const SurfaceOwner& two,
                                                std::span<const IntersectionWatch::Unseen> before, const Tell& tell)
     {
         const CollisionModel &a = *one.collision, &b = *two.collision;
-        if (one.soft || two.soft || a.round + b.round == 0.0) return;
+        if (one.soft || two.soft || a.round + b.round == 0.0) return false;
         const double followed = a.proximity + insetDepth(a.proximity) + b.proximity + insetDepth(b.proximity);
         physics::Intersection deep;
         for (const Proximity& each : detection_.proximities) {
@@ -185,7 +197,9 @@ private:
                 if (const int vertex = each.vertices[round][k]; vertex >= 0)
                     deep.place += each.weights[round][k] * meeting.sides[round]->x[static_cast<std::size_t>(vertex)];
         }
-        if (deep.crossings > 0 && hasLasted(meeting, before)) tell(deep);
+        if (deep.crossings == 0) return false;
+        if (hasLasted(meeting, before)) tell(deep);
+        return true;
     }
 
     /// Whether edges have been inside by more than the contacts between these surfaces know, for long enough.
@@ -308,13 +322,16 @@ void eraseHeld(const Scene& scene, const SurfaceOwner& one, const SurfaceOwner& 
     });
 }
 
-void reportIntersections(const StepContext& context, const Scene& scene, const std::vector<SurfaceOwner>& owners,
-                         bool changed, Coupling& coupling)
+std::vector<std::array<int, 2>> reportIntersections(const StepContext& context, const Scene& scene,
+                                                    const std::vector<SurfaceOwner>& owners,
+                                                    const std::vector<bool>& added, Coupling& coupling)
 {
-    if (changed || isDue(intervalNow(coupling.detection), scene.time, context.dt))
-        Finder(context, scene, owners, coupling).run(changed);
+    std::vector<std::array<int, 2>> starts;
+    if (!added.empty() || isDue(intervalNow(coupling.detection), scene.time, context.dt))
+        starts = Finder(context, scene, owners, coupling).run(added);
     context.report.intersections = coupling.detection.intersections.told;
     if (!context.report.intersections.empty()) context.report.set(physics::StepFlag::Intersecting);
+    return starts;
 }
 
 } // namespace filasofia::engine

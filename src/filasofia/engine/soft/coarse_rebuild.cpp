@@ -75,7 +75,7 @@ linalg::TwoLevelPreconditioner preconditionerAtRest(const SoftModel& model, cons
                                                     const CoarseChoice& choice)
 {
     AssembledSystem rest(model);
-    SoftState state = stateAtRest(model);
+    SoftState state = stateAtStart(model);
     assembleMatrix(model, std::vector<Vec3>(model.rest.size()), plan.period, 1.0, state, rest);
     const std::vector<std::array<int, 2>> edges = connections(model);
     const CoarseMesh mesh{model.rest, edges, plan.nodes, model.pins.hard, model.pins.springs, model.masses};

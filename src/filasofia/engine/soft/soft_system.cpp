@@ -1,6 +1,7 @@
 #include "filasofia/engine/soft/soft_system.h"
 
 #include "filasofia/core/log.h"
+#include "filasofia/math/rounded.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +37,7 @@ void warnOfStiffness(const SoftModel& model, double period)
     if (given > 0.0)
         logWarning("soft body '", model.name, "': a Young's modulus of ", given,
                    " Pa in elements so small is too stiff for ", std::round(1.0 / period),
-                   " steps per second: contact may throw the body. ", given * kStiffest / most,
+                   " steps per second: contact may throw the body. ", advised(given * kStiffest / most),
                    " Pa would do, or more steps per second, or a rigid body");
 }
 

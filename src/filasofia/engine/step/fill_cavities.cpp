@@ -114,9 +114,18 @@ double leak(double dt, const Cavity& cavity, double pressure, CavityState& state
 // other, and a wall that has grown so much is no tissue.
 constexpr double kEmpty = 0.02, kBursting = 20.0;
 
+/// Whether its own surface, which has the walls of its cavities, collides with itself.
+bool collidesWithItself(const SoftModel& model)
+{
+    return std::ranges::any_of(model.collision, [&](const CollisionModel& each) {
+        const bool cut = model.opened && each.shape->closed && each.selfOnceCut;
+        return each.own && (each.shape->self || cut);
+    });
+}
+
 void warn(const SoftModel& model, const frame::Cavity& now, double restVolume, CavityState& state)
 {
-    const bool empty = now.volume < kEmpty * restVolume;
+    const bool empty = now.volume < kEmpty * restVolume && !collidesWithItself(model);
     const bool bursting = now.volume > kBursting * restVolume;
     if ((empty || bursting) && !std::exchange(state.warned, true))
         logWarning(describe(model), ": cavities[", now.cavity, "] ",

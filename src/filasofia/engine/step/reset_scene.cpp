@@ -69,7 +69,7 @@ void resetScene(Scene& scene)
         outdate(body.system.tuned, body.system);
     }
     for (SoftBody& body : scene.soft) {
-        SoftState fresh = stateAtRest(body.model);
+        SoftState fresh = stateAtStart(body.model);
         fresh.forces = std::move(body.state.forces);
         fresh.pressure = body.state.pressure;
         for (std::size_t c = 0; c < fresh.cavities.size(); ++c) {

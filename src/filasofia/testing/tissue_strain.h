@@ -4,13 +4,6 @@
 
 namespace filasofia::testing {
 
-/// [J] What strain stores in a soft body of tetrahedra or triangles: by its law, its fibres, the volumes of its nodes,
-/// and bending. What terms that relax hold is not in it.
-double storedEnergy(const engine::SoftBody& body);
-
-/// [J] Kinetic energy, and weight times height above y = 0.
-double energyOfMotion(const engine::SoftBody& body, Vec3 gravity);
-
 /// Its tetrahedra whose volume is surely below zero, so that single precision cannot see it otherwise.
 int surelyInverted(const engine::SoftBody& body);
 
