@@ -54,7 +54,8 @@ void checkJoint(const JointDef& joint, std::size_t links, const std::string& fie
     if (!(joint.upper >= joint.lower)) fail(field, ".upper must be >= lower (", joint.lower, "), got ", joint.upper);
     checkPosition(joint, joint.start, field + ".start");
     if (!(std::abs(joint.velocity) < kFarthest))
-        fail(field, ".velocity must be < ", kFarthest, unitOf(joint), "/s, got ", joint.velocity);
+        fail(field, ".velocity must be in (", -kFarthest, ", ", kFarthest, ")", unitOf(joint), "/s, got ",
+             joint.velocity);
     if (joint.velocity != 0.0 && !(joint.command && std::holds_alternative<JointForce>(*joint.command)))
         fail(field, ".velocity must be 0", unitOf(joint),
              "/s unless the joint's command is a JointForce (0 lets it move freely), got ", joint.velocity);

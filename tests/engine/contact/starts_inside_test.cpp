@@ -114,7 +114,7 @@ TEST_CASE("bodies with several surfaces are named once")
     CHECK(toldOf({many, rigid(cube(0.02), {0.004, 0.003, 0.002})}).warnings == 1);
 }
 
-TEST_CASE("bodies that touch, rest on each other or are near are not named")
+TEST_CASE("bodies that touch, rest on each other, are near or welded are not named")
 {
     const Surface ball = shapes::sphere(0.02);
     for (const double in : {-1e-3, 0.0, 1e-4, 1e-3}) { // [m] what contacts follow
@@ -128,6 +128,9 @@ TEST_CASE("bodies that touch, rest on each other or are near are not named")
         if (in <= 0.0) CHECK(toldOf({sheet(), rigid(cube(0.04), {0, 0, 0.02 - in})}).warnings == 0);
     }
     CHECK(toldOf({rigid(cube(0.04), {}, false), rigid(cube(0.04), {0.03, 0, 0}, false)}).warnings == 0); // scenery
+    physics::RigidBodyDef welded = rigid(cube(0.04), {0.03, 0, 0});
+    welded.attachments = {{.to = {1}}};
+    CHECK(toldOf({rigid(cube(0.04), {}, false), welded}).warnings == 0);
 }
 
 } // namespace starts_inside_test

@@ -105,6 +105,13 @@ TEST_CASE("nodes that share their volume, and fibres, store what their formulas 
     const double tissue = mu / 2 * (i1 - 3) - mu * std::log(j) + lambda / 2 * (j - 1) * (j - 1);
     physics::FemMaterial material{.youngModulus = 20e3, .poissonRatio = 0.499};
     CHECK(storedBy(f, material) == Approx(volume(kBlock) * tissue).epsilon(1e-9));
+    material.relaxation = {{.share = 0.6, .time = 0.1}}; // what the term holds counts for nothing
+    material.poissonRatio = 0.4;
+    const auto [muAt, lambdaAt] = lame(20e3, 0.4);
+    const double lasting = 0.4 * (muAt / 2 * (i1 - 3) - muAt * std::log(j) + lambdaAt / 2 * (j - 1) * (j - 1));
+    CHECK(storedBy(f, material) == Approx(volume(kBlock) * lasting).epsilon(1e-9));
+    material.relaxation = {};
+    material.poissonRatio = 0.499;
     material.fibres = {{.stiffness = 30e3, .exponent = 2.0, .direction = physics::Along{{1, 0, 0}}}};
     const double e = 1.2 * 1.2 - 1.0, fibres = 30e3 / 4.0 * (std::exp(2.0 * e * e) - 1.0);
     CHECK(storedBy(f, material) == Approx(volume(kBlock) * (tissue + fibres)).epsilon(1e-9));
@@ -250,6 +257,24 @@ TEST_CASE("what is told its motion, and what gravity leaves alone, has no such e
     const MechanicalEnergy energy = energyNow(stage);
     CHECK(energy.kinetic == 0.0);
     CHECK(energy.gravitational == 0.0);
+
+    Stage joints;
+    joints.post(physics::SetGravity{{0, -9.81, 0}});
+    physics::RigidBodyDef jaw = jawBody(physics::JointPosition{0.5});
+    jaw.gravity = true;
+    joints.add(jaw);
+    joints.run(20, 1e-3);
+    REQUIRE(joint(joints).now.velocity != 0.0);
+    CHECK(energyNow(joints).kinetic == 0.0);
+    CHECK(energyNow(joints).gravitational == 0.0);
+
+    Stage floating;
+    floating.post(physics::SetGravity{{0, -9.81, 0}});
+    physics::SoftBodyDef weightless = freeBody(boxMesh({2, 2, 2}, kBlock, 0.2));
+    weightless.pose.position = {0, 1, 0};
+    floating.add(weightless);
+    floating.step(1e-3);
+    CHECK(energyNow(floating).gravitational == 0.0);
     CHECK_THROWS_WITH(stage.world.energyOf({2}), "mechanicalEnergy: body 2 is there only after the next step");
 }
 

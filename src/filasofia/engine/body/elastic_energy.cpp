@@ -3,6 +3,7 @@
 #include "filasofia/engine/body/nodal_volume.h"
 #include "filasofia/engine/elastic/fibre.h"
 #include "filasofia/engine/elastic/law.h"
+#include "filasofia/engine/elastic/relaxation.h"
 #include "filasofia/math/polar.h"
 
 namespace filasofia::engine {
@@ -25,15 +26,17 @@ double nodalEnergy(const SoftModel& model, const std::vector<Vec3>& x, const std
     return sum;
 }
 
+/// What relaxes is in the terms of the series, and counts for nothing: of the law only the share that never relaxes.
 double tetrahedraEnergy(const SoftModel& model, const std::vector<Vec3>& x, const std::vector<bool>& gone)
 {
+    const double lasting = relaxationStep(model.material.relaxation, 0.0, 0.0).present;
     double sum = 0.0;
     for (std::size_t e = 0; e < model.elements.size(); ++e) {
         const FemElement& element = model.elements[e];
         if (isGone(gone, element.nodes[0])) continue;
         const Mat3 f = gradient(element, vectorsAt(element.nodes, x));
         const Deformation at{f, toMat3(polarRotation(f, {}))};
-        double density = energyDensity(model.material.law, lameOf(element), at);
+        double density = lasting * energyDensity(model.material.law, lameOf(element), at);
         for (std::size_t k = 0; k < model.fibres.size(); ++k)
             density += fibreEnergy(model.material.fibres[k], model.fibres[k][e], f);
         sum += element.volume * density;

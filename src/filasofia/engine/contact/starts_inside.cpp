@@ -94,9 +94,12 @@ void warnOfStartsInside(const Scene& scene, const std::vector<SurfaceOwner>& own
         if (std::ranges::find(told, bodies) != told.end()) continue;
         const std::array names{one.name, two.name};
         const std::vector<std::array<SurfaceName, 2>>& noted = detection.startedInside;
-        if (std::ranges::find(noted, names) == noted.end() && std::ranges::find(crossing, pair) == crossing.end() &&
-            !overlapDeep(meetingOf(detection, pair)))
-            continue;
+        const bool meet =
+            std::ranges::find(crossing, pair) != crossing.end() || overlapDeep(meetingOf(detection, pair));
+        const bool tied = std::ranges::any_of(scene.attachments, [&](const Attachment& each) {
+            return std::array{std::min(each.body, each.to), std::max(each.body, each.to)} == bodies;
+        });
+        if (std::ranges::find(noted, names) == noted.end() && (!meet || tied)) continue;
         told.push_back(bodies);
         logWarning("body '", nameOf(scene, one), "' and body '", nameOf(scene, two),
                    "' start inside each other: ", prospectOf(one, two, deepPointsOf(owners, detection, pair)));

@@ -1,5 +1,6 @@
 #include "filasofia/engine/scene/mechanical_energy.h"
 
+#include "filasofia/engine/articulation/link_motion.h"
 #include "filasofia/engine/body/elastic_energy.h"
 
 namespace filasofia::engine {
@@ -39,13 +40,30 @@ physics::MechanicalEnergy mechanicalEnergy(const SoftBody& body, Vec3 gravity)
     for (std::size_t i = 0; i < model.masses.size(); ++i) {
         if (!gone.empty() && gone[i]) continue;
         out.kinetic += 0.5 * model.masses[i] * lengthSquared(body.state.v[i]);
-        const double heavy = model.masses[i] - (model.filling.empty() ? 0.0 : model.filling[i]);
-        if (model.gravity) out.gravitational -= heavy * dot(gravity, body.state.x[i]);
+        // With the liquid in cavities, whose weight acts as its pressure.
+        if (model.gravity) out.gravitational -= model.masses[i] * dot(gravity, body.state.x[i]);
     }
     for (std::size_t e = 0; e < model.rod.inertias.size(); ++e)
         out.kinetic += 0.5 * model.rod.inertias[e] * body.state.rod.spins[e] * body.state.rod.spins[e];
     return out;
 }
+
+namespace {
+
+/// Whether a joint moves under forces.
+bool isFree(const JointState& joint) { return std::holds_alternative<physics::JointForce>(joint.command); }
+
+/// Whether nothing but commands moves a link.
+bool isTold(const RigidBody& body, std::size_t link)
+{
+    const LinkTree& tree = body.model.articulation.tree;
+    if (tree.joints.empty() || body.model.dynamic) return false;
+    for (std::size_t j = 0; j < tree.joints.size(); ++j)
+        if (isFree(body.state.joints[j]) && moves(tree, static_cast<int>(j), static_cast<int>(link))) return false;
+    return true;
+}
+
+} // namespace
 
 physics::MechanicalEnergy mechanicalEnergy(const RigidBody& body, Vec3 gravity)
 {
@@ -55,7 +73,7 @@ physics::MechanicalEnergy mechanicalEnergy(const RigidBody& body, Vec3 gravity)
     physics::MechanicalEnergy out;
     for (std::size_t e = 0; e < state.poses.size(); ++e) {
         const physics::RigidInertia& inertia = model.inertias[e];
-        if (inertia.mass == 0.0) continue;
+        if (inertia.mass == 0.0 || isTold(body, e)) continue;
         const Vec3 centre = transform(state.poses[e], inertia.centre), spin = state.angularVelocities[e];
         // A link's velocity is that of its origin.
         const Vec3 velocity = tree.joints.empty() ? state.velocities[e]
@@ -65,7 +83,8 @@ physics::MechanicalEnergy mechanicalEnergy(const RigidBody& body, Vec3 gravity)
         if (model.gravity) out.gravitational -= inertia.mass * dot(gravity, centre);
     }
     for (std::size_t j = 0; j < tree.joints.size(); ++j)
-        out.kinetic += 0.5 * tree.joints[j].inertia * state.joints[j].now.velocity * state.joints[j].now.velocity;
+        if (isFree(state.joints[j]))
+            out.kinetic += 0.5 * tree.joints[j].inertia * state.joints[j].now.velocity * state.joints[j].now.velocity;
     return out;
 }
 
