@@ -1,6 +1,5 @@
 #include "filasofia/engine/scene/mechanical_energy.h"
 
-#include "filasofia/engine/articulation/link_motion.h"
 #include "filasofia/engine/body/elastic_energy.h"
 
 namespace filasofia::engine {
@@ -58,8 +57,11 @@ bool isTold(const RigidBody& body, std::size_t link)
 {
     const LinkTree& tree = body.model.articulation.tree;
     if (tree.joints.empty() || body.model.dynamic) return false;
-    for (std::size_t j = 0; j < tree.joints.size(); ++j)
-        if (isFree(body.state.joints[j]) && moves(tree, static_cast<int>(j), static_cast<int>(link))) return false;
+    for (int joint = tree.jointOf[link]; joint >= 0;) { // up to the base
+        const auto at = static_cast<std::size_t>(joint);
+        if (isFree(body.state.joints[at])) return false;
+        joint = tree.jointOf[static_cast<std::size_t>(tree.joints[at].parent)];
+    }
     return true;
 }
 
