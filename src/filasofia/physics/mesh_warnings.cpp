@@ -28,7 +28,8 @@ void warnOfSize(const std::string& object, const std::vector<Vec3>& nodes, const
 bool isPlate(const std::vector<Vec3>& nodes)
 {
     constexpr double kThinnest = 1.0; // [m]
-    const Vec3 size = geometry::boxAround(nodes).high - geometry::boxAround(nodes).low;
+    const geometry::Box around = geometry::boxAround(nodes);
+    const Vec3 size = around.high - around.low;
     return std::min({size.x, size.y, size.z}) < kThinnest;
 }
 

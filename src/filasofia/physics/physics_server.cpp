@@ -591,7 +591,7 @@ std::uint64_t PhysicsServer::hash() const { return impl_->engine->hash(); }
 
 MechanicalEnergy PhysicsServer::mechanicalEnergy(BodyId id) const
 {
-    const std::shared_ptr<const BodyDef> known = def(id); // throws if there is none
+    static_cast<void>(def(id)); // throws if there is none
     const SoleStep sole(impl_->stepping);
     return impl_->engine->energyOf(id);
 }

@@ -182,7 +182,7 @@ CoupledReport solveFragment(double dt, const CoupledLimits& limits, const Fragme
     const BodyPiece& piece = model.pieces[fragment.piece];
     std::vector<Vec3> guess;
     for (int node : piece.nodes) guess.push_back(body.state.dv[static_cast<std::size_t>(node)]);
-    FragmentOperator matrix(FragmentMatrix(model, piece, dt, body.state), fragment.impulses, guess);
+    FragmentOperator matrix(fragmentMatrix(model, piece, dt, body.state), fragment.impulses, guess);
     CoupledReport report;
     report.converged = matrix.usable();
     if (matrix.usable()) {

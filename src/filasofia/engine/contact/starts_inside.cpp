@@ -5,7 +5,6 @@
 #include "filasofia/engine/contact/part_crossings.h"
 
 #include <algorithm>
-#include <iterator>
 
 namespace filasofia::engine {
 namespace {

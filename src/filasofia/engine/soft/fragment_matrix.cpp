@@ -1,10 +1,12 @@
 #include "filasofia/engine/soft/fragment_matrix.h"
 
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/body/tissue.h"
 #include "filasofia/engine/elastic/relaxation.h"
+#include "filasofia/engine/integration/euler.h"
 
 #include <algorithm>
-#include <numeric>
+#include <array>
 
 namespace filasofia::engine {
 namespace {
@@ -36,58 +38,42 @@ template <std::size_t n, class Product> void addElement(const std::array<std::si
 
 } // namespace
 
-FragmentMatrix::FragmentMatrix(const SoftModel& model, const BodyPiece& piece, double dt, const SoftState& state)
+FragmentMatrix fragmentMatrix(const SoftModel& model, const BodyPiece& piece, double dt, const SoftState& state)
 {
     const ImplicitWeights weights = implicitWeights(dt, {model.rayleigh.mass, model.rayleigh.stiffness},
                                                     relaxationTangent(model.material.relaxation, dt));
-    stiffness_ = weights.stiffness;
-    for (int node : piece.nodes) masses_.push_back(weights.mass * model.masses[static_cast<std::size_t>(node)]);
-    for (int each : piece.elements) {
-        const auto e = static_cast<std::size_t>(each);
-        if (isShell(model)) {
-            addTriangle(model.shell, e, piece, weights, state);
-            continue;
-        }
-        const FemElement& element = model.elements[e];
-        Part& part = parts_.emplace_back();
-        part.element = &element;
-        const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
-        part.tangent = stepTangent(model, e, {f, toMat3(rotationOf(state.rotations, e))}, weights);
-        part.places = placesOf(element.nodes, piece);
+    const std::size_t rows = 3 * piece.nodes.size();
+    FragmentMatrix out{std::vector<double>(rows * rows)};
+    for (std::size_t k = 0; k < piece.nodes.size(); ++k) {
+        const double mass = weights.mass * model.masses[static_cast<std::size_t>(piece.nodes[k])];
+        out.mass += mass;
+        for (std::size_t row = 3 * k; row < 3 * k + 3; ++row) out.entries[row * rows + row] = mass;
     }
-}
-
-void FragmentMatrix::addTriangle(const Shell& shell, std::size_t e, const BodyPiece& piece, ImplicitWeights weights,
-                                 const SoftState& state)
-{
-    const MembraneElement& membrane = shell.membranes[e];
-    membranes_.emplace_back(placesOf(membrane.nodes, piece),
-                            membraneTangent(membrane, vectorsAt(membrane.nodes, state.x), weights.turning));
-    if (shell.bends.empty()) return;
-    const BendingElement& bend = shell.bends[e];
-    bends_.emplace_back(placesOf(bend.nodes, piece), bendingTangent(bend, vectorsAt(bend.nodes, state.x)));
-}
-
-std::vector<double> FragmentMatrix::entries() const
-{
-    const std::size_t rows = 3 * nodes();
-    std::vector<double> matrix(rows * rows);
-    for (std::size_t row = 0; row < rows; ++row) matrix[row * rows + row] = masses_[row / 3];
-    for (const Part& part : parts_)
-        addElement(
-            part.places, stiffness_,
-            [&](const Corners& corners) { return stiffnessTimes(part.tangent, *part.element, corners); }, rows, matrix);
-    const auto addTo = [&](const auto& elements) {
-        for (const auto& each : elements)
-            addElement(
-                each.first, stiffness_, [&](const auto& corners) { return stiffnessTimes(each.second, corners); }, rows,
-                matrix);
+    const auto add = [&](const auto& nodes, const auto& product) {
+        addElement(placesOf(nodes, piece), weights.stiffness, product, rows, out.entries);
     };
-    addTo(membranes_);
-    addTo(bends_);
-    return matrix;
+    if (!isShell(model)) {
+        for (int each : piece.elements) {
+            const auto e = static_cast<std::size_t>(each);
+            const FemElement& element = model.elements[e];
+            const Mat3 f = gradient(element, cornersOf(element.nodes, state.x));
+            const TissueTangent tangent = stepTangent(model, e, {f, toMat3(rotationOf(state.rotations, e))}, weights);
+            add(element.nodes, [&](const Corners& corners) { return stiffnessTimes(tangent, element, corners); });
+        }
+        return out;
+    }
+    for (int each : piece.elements) {
+        const MembraneElement& membrane = model.shell.membranes[static_cast<std::size_t>(each)];
+        const auto tangent = membraneTangent(membrane, vectorsAt(membrane.nodes, state.x), weights.turning);
+        add(membrane.nodes, [&](const auto& corners) { return stiffnessTimes(tangent, corners); });
+    }
+    for (int each : piece.elements) {
+        if (model.shell.bends.empty()) break;
+        const BendingElement& bend = model.shell.bends[static_cast<std::size_t>(each)];
+        const auto tangent = bendingTangent(bend, vectorsAt(bend.nodes, state.x));
+        add(bend.nodes, [&](const auto& corners) { return stiffnessTimes(tangent, corners); });
+    }
+    return out;
 }
-
-double FragmentMatrix::mass() const { return std::accumulate(masses_.begin(), masses_.end(), 0.0); }
 
 } // namespace filasofia::engine

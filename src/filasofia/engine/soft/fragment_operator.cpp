@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace filasofia::engine {
 
-FragmentOperator::FragmentOperator(const FragmentMatrix& matrix, std::span<const Vec3> rightHandSide,
+FragmentOperator::FragmentOperator(FragmentMatrix matrix, std::span<const Vec3> rightHandSide,
                                    std::span<const Vec3> guess)
-    : DenseOperator(matrix.nodes()), matrix_(matrix.entries()), mass_(matrix.mass()),
+    : DenseOperator(rightHandSide.size()), matrix_(std::move(matrix.entries)), mass_(matrix.mass),
       rightHandSide_(rightHandSide.begin(), rightHandSide.end()), guess_(guess.begin(), guess.end())
 {
     usable_ = std::ranges::all_of(matrix_, [](double each) { return std::isfinite(each); }) &&

@@ -10,7 +10,7 @@ namespace filasofia::engine {
 class FragmentOperator final : public DenseOperator<Vec3> {
 public:
     /// Per node of the fragment: the right-hand side [N s] and the first guess [m/s].
-    FragmentOperator(const FragmentMatrix& matrix, std::span<const Vec3> rightHandSide, std::span<const Vec3> guess);
+    FragmentOperator(FragmentMatrix matrix, std::span<const Vec3> rightHandSide, std::span<const Vec3> guess);
     /// Whether the matrix is positive definite to rounding. If not, the operator must not be used.
     [[nodiscard]] bool usable() const { return usable_; }
 
