@@ -66,4 +66,45 @@ TEST_CASE("a closed shell rests on a floor as thick as it is")
     CHECK(std::abs(lowest - 0.5 * kThickness) < 0.04 * kProximity);
 }
 
+TEST_CASE("a closed shell is touched from inside, too")
+{
+    Stage stage({.period = 0.002, .threads = 1});
+    stage.add(floorBelow());
+    stage.add(SoftBodyDef{.mesh = geometry::shapes::sphere(0.01, 6),
+                          .pose = {{0, 0, 0.0115}, {}},
+                          .material = ShellMaterial{.youngModulus = 1e6, .thickness = kThickness},
+                          .rayleigh = {0.5, 0.01},
+                          .collision = {{.proximity = kProximity}}});
+    constexpr double radius = 0.004;
+    stage.add(RigidBodyDef{.elements = {Pose{{0, 0, 0.0115}, {}}},
+                           .mesh = geometry::shapes::sphere(radius, 8),
+                           .dynamic = true,
+                           .mass = TotalMass{1e-3},
+                           .collision = {{.proximity = kProximity}}});
+    stage.post(SetGravity{{0, 0, -9.81}});
+    CHECK_FALSE(stage.run(1000, 0.002).has(StepFlag::Intersecting));
+    // It lies in the shell, which stands on the floor, both half as thick as the shell away.
+    const double height = stage.world.scene().rigid[1].state.poses[0].position.z;
+    CHECK(height > kThickness + radius - 0.1 * kProximity);
+    CHECK(height < kThickness + radius + 3.0 * kProximity);
+    double lowest = 1.0;
+    for (const Vec3& x : stage.soft().x) lowest = std::min(lowest, x.z);
+    CHECK(std::abs(lowest - 0.5 * kThickness) < 0.1 * kProximity);
+}
+
+TEST_CASE("a closed shell that is emptied collapses without passing through itself")
+{
+    Stage stage({.period = 0.002, .threads = 1});
+    stage.add(SoftBodyDef{.mesh = geometry::shapes::sphere(0.01, 6),
+                          .material = ShellMaterial{.youngModulus = 1e5, .thickness = 0.3e-3},
+                          .gravity = false,
+                          .collision = {{.proximity = 0.3e-3, .self = true}},
+                          .cavities = {{.fill = CavityFill::Gas}}});
+    stage.post(SetCavity{.id = BodyId{1}, .inflow = -20e-6});
+    CHECK_FALSE(stage.run(150, 0.002).has(StepFlag::Intersecting));
+    frame::Frame frame;
+    stage.world.capture(frame);
+    CHECK(frame.cavities[0].volume < 1.5e-6); // 3.6 ml at the start
+}
+
 } // namespace thick_shells_test

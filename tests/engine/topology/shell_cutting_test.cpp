@@ -245,7 +245,7 @@ TEST_CASE("a cut shell is the same for any number of threads, and after a saved 
     CHECK(std::ranges::count(hashes, hashes[0]) == 4);
 }
 
-TEST_CASE("a closed shell that is cut loses its pressure, is touched from both sides, and a reset closes it again")
+TEST_CASE("a closed shell that is cut loses its pressure, and a reset closes it again")
 {
     SoftBodyDef def = cuttable(1, {.youngModulus = 100e3, .thickness = 0.5e-3});
     def.mesh = geometry::shapes::sphere(0.01, 6);
@@ -263,17 +263,17 @@ TEST_CASE("a closed shell that is cut loses its pressure, is touched from both s
     };
     const double blown = radius();
     CHECK(blown > 0.0101);
-    CHECK(scene.stage.model().collision[0].shape->closed);
+    CHECK_FALSE(scene.stage.model().leaks);
     scene.move({0.002, -0.02, 0.008}, {0.002, 0.004, 0.008});
     scene.away();
     CHECK(scene.opened() > 0.0);
     CHECK(scene.faults().empty());
-    CHECK_FALSE(scene.stage.model().collision[0].shape->closed);
+    CHECK(scene.stage.model().leaks);
     CHECK(scene.stage.run(600, 1e-3).flags == 0);
     CHECK(radius() < 0.01 + 0.1 * (blown - 0.01));
     scene.stage.post(Reset{});
     scene.stage.run(200, 1e-3);
-    CHECK(scene.stage.model().collision[0].shape->closed);
+    CHECK_FALSE(scene.stage.model().leaks);
     CHECK(radius() == Approx(blown).epsilon(1e-3));
 }
 

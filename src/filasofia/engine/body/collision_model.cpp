@@ -38,6 +38,7 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
                                                      .proximity = def.proximity,
                                                      .depth = def.proximity + depth,
                                                      .partners = partners,
+                                                     .sheet = round > 0.0,
                                                      .group = def.group,
                                                      .self = def.self,
                                                      .cutting = def.cutting});

@@ -84,7 +84,7 @@ void connect(std::span<const EdgeUse> uses, CollisionShape& shape)
     shape.edgeTriangles.start.reserve(uses.size() / 2 + 2);
     shape.edgeTriangles.items.reserve(uses.size());
     shape.edgeOpposites.reserve(uses.size());
-    shape.closed = !shape.triangles.empty();
+    shape.closed = !shape.sheet && !shape.triangles.empty();
     for (std::size_t u = 0; u < uses.size();) {
         const auto [low, high] = shape.edges.emplace_back(uses[u].edge);
         int walked = 0;
@@ -185,6 +185,7 @@ CollisionShape makeCollisionShape(const geometry::TriangleMesh& mesh, const Coll
     shape.proximity = options.proximity;
     shape.depth = std::max(options.depth, options.proximity);
     shape.partners = options.partners;
+    shape.sheet = options.sheet;
     shape.group = options.group;
     shape.self = options.self;
     shape.cutting = options.cutting;

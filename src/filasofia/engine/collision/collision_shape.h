@@ -33,6 +33,7 @@ struct CollisionOptions {
     /// depths.
     double depth = 0.0;
     Partners partners = Partners::All;
+    bool sheet = false;   ///< a shell: whether it has a rim or not, both of its sides are outside
     int group = 0;        ///< only surfaces of the same group collide
     bool self = false;    ///< the surface collides with itself
     bool cutting = false; ///< passes through surfaces that it may cut
@@ -63,7 +64,9 @@ struct CollisionShape {
     std::vector<int> edgeOpposites;            ///< parallel to edgeTriangles.items: the triangle's third vertex
     geometry::CompressedRows vertexEdges;      ///< per vertex, ascending
     geometry::CompressedRows vertexTriangles;  ///< per vertex, ascending
-    /// Has triangles, and every edge of theirs is traversed as often in one direction as in the other.
+    bool sheet = false;                        ///< a shell
+    /// Has triangles and an inside: no sheet, and every edge of theirs is traversed as often in one direction as in the
+    /// other.
     bool closed = false;
     std::vector<int> lone; ///< vertices of no triangle and no line that take part
 

@@ -9,12 +9,9 @@ namespace {
 
 constexpr float kFarthest = 1e9f; // [m] no larger coordinate is used, so that fourth powers stay finite
 
-// A vertex's box. It reaches as far in every direction as the speed allows, so that anything that approaches along its
-// normal is found even if the vertex moves sideways. A box around the path alone would be smaller, but would miss that.
-Bounds boundsOf(Vec3 x, Vec3 v, float depth, float reach)
+// A box of this radius around a place.
+Bounds boxAround(Vec3 x, float r)
 {
-    const float vx = static_cast<float>(v.x), vy = static_cast<float>(v.y), vz = static_cast<float>(v.z);
-    const float r = depth + reach * std::sqrt(vx * vx + vy * vy + vz * vz);
     const FourFloats at{static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z), 0.0f};
     const FourFloats size = at < FourFloats{} ? -at : at;
     // A comparison with a NaN is false, so NaNs are rejected too.
@@ -23,6 +20,14 @@ Bounds boundsOf(Vec3 x, Vec3 v, float depth, float reach)
     // A few roundings, each by 2^-24 of the rounded value.
     const FourFloats grown = r * (1.0f + 0x1p-20f) + 1e-30f + size * 0x1p-22f;
     return {at - grown, -at - grown};
+}
+
+// A vertex's box. It reaches as far in every direction as the speed allows, so that anything that approaches along its
+// normal is found even if the vertex moves sideways. A box around the path alone would be smaller, but would miss that.
+Bounds boundsOf(Vec3 x, Vec3 v, float depth, float reach)
+{
+    const float vx = static_cast<float>(v.x), vy = static_cast<float>(v.y), vz = static_cast<float>(v.z);
+    return boxAround(x, depth + reach * std::sqrt(vx * vx + vy * vy + vz * vz));
 }
 
 } // namespace
@@ -38,6 +43,20 @@ void boundVertices(CollisionSurface& surface, double reach, Vec3 drift)
         surface.vertexBounds[i] = boundsOf(surface.x[i], surface.v[i] - drift, depth, time);
         surface.whole = merged(surface.whole, surface.vertexBounds[i]);
     }
+}
+
+void boundMotion(CollisionSurface& surface, double dt, Vec3 drift, double margin)
+{
+    const std::size_t count = surface.shape->rest.size();
+    surface.vertexBounds.resize(count);
+    surface.whole = emptyBounds();
+    const auto radius = static_cast<float>(margin);
+    for (std::size_t i = 0; i < count; ++i) {
+        const Vec3 from = surface.x[i], to = from + dt * (surface.v[i] - drift);
+        surface.vertexBounds[i] = merged(boxAround(from, radius), boxAround(to, radius));
+        surface.whole = merged(surface.whole, surface.vertexBounds[i]);
+    }
+    boundTree(surface);
 }
 
 void boundTree(CollisionSurface& surface)

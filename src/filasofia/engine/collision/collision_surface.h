@@ -40,6 +40,10 @@ struct CollisionSurface {
 /// Computes boxes that hold every vertex now and at any time within `reach` [s], with the shape's depth around it; as
 /// seen by who moves with `drift` [m/s].
 void boundVertices(CollisionSurface& surface, double reach, Vec3 drift = {});
+/// Computes boxes that hold every vertex at any time within `dt` [s], with `margin` [m] around it, and those of
+/// elements and nodes; as seen by who moves with `drift` [m/s]. Tighter than the other ones, which reach as far to all
+/// sides.
+void boundMotion(CollisionSurface& surface, double dt, Vec3 drift, double margin);
 /// Computes the boxes of elements and nodes; to be called after boundVertices().
 void boundTree(CollisionSurface& surface);
 

@@ -237,6 +237,7 @@ CollisionShape editShape(const CollisionShape& before, const SurfaceEdit& edit, 
     now.triangleFaces = before.triangleFaces;
     now.proximity = before.proximity;
     now.depth = before.depth;
+    now.sheet = before.sheet;
     now.group = before.group;
     now.self = before.self;
     now.cutting = before.cutting;

@@ -67,6 +67,7 @@ bool holds(const Attachment& attachment, const SurfaceOwner& owner, std::span<co
     };
     const geometry::Embedding& embedding = owner.collision->embedding;
     return std::ranges::any_of(vertices, [&](int vertex) {
+        if (vertex < 0) return false;
         const auto at = static_cast<std::size_t>(vertex);
         for (std::size_t k = 0; k < 4; ++k)
             if (embedding.weights[at][k] != 0.0 && isHeld(embedding.nodes[at][k])) return true;
@@ -309,16 +310,21 @@ void findCrossings(const StepContext& context, std::array<int, 2> pair, ContactD
     if (meeting.self()) boundSurface(one, kStepsAhead * context.dt);
 }
 
+bool holdsTogether(const Scene& scene, const SurfacePlace& one, const SurfacePlace& two)
+{
+    return std::ranges::any_of(
+        attachmentsBetween(scene, one.owner.name.body, two.owner.name.body), [&](const Attachment* each) {
+            return holds(*each, one.owner, one.vertices) || holds(*each, two.owner, two.vertices);
+        });
+}
+
 void eraseHeld(const Scene& scene, const SurfaceOwner& one, const SurfaceOwner& two, std::array<int, 2> places,
                std::vector<SurfaceCrossing>& crossings)
 {
-    const auto between = attachmentsBetween(scene, one.name.body, two.name.body);
     const auto ownerOf = [&](int place) -> const SurfaceOwner& { return place == places[0] ? one : two; };
     std::erase_if(crossings, [&](const SurfaceCrossing& crossing) {
-        return std::ranges::any_of(between, [&](const Attachment* each) {
-            return holds(*each, ownerOf(crossing.surfaces[0]), crossing.edge) ||
-                   holds(*each, ownerOf(crossing.surfaces[1]), crossing.triangle);
-        });
+        return holdsTogether(scene, {ownerOf(crossing.surfaces[0]), crossing.edge},
+                             {ownerOf(crossing.surfaces[1]), crossing.triangle});
     });
 }
 

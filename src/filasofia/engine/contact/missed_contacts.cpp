@@ -1,6 +1,6 @@
 #include "filasofia/engine/contact/missed_contacts.h"
 
-#include "filasofia/engine/collision/edge_pass.h"
+#include "filasofia/engine/collision/feature_pass.h"
 #include "filasofia/engine/contact/contact_surfaces.h"
 #include "filasofia/geometry/distance.h"
 
@@ -38,10 +38,10 @@ SweptLine sweptLine(double dt, const SoftBody& body, std::size_t index, int plac
     const std::vector<Vec3>&x = body.state.x, &v = body.state.v, &dv = body.system.dv;
     for (const auto& [a, b] : shape.edges) {
         const auto i = static_cast<std::size_t>(a), k = static_cast<std::size_t>(b);
-        const MovedEdge& edge =
-            out.edges.emplace_back(MovedEdge{{x[i], x[k]}, {x[i] + dt * (v[i] + dv[i]), x[k] + dt * (v[k] + dv[k])}});
-        const SweptBox box{min(min(edge.from[0], edge.from[1]), min(edge.to[0], edge.to[1])),
-                           max(max(edge.from[0], edge.from[1]), max(edge.to[0], edge.to[1]))};
+        const MovedEdge& edge = out.edges.emplace_back(
+            MovedEdge{MovedPoint{x[i], x[i] + dt * (v[i] + dv[i])}, MovedPoint{x[k], x[k] + dt * (v[k] + dv[k])}});
+        const SweptBox box{min(min(edge[0].from, edge[1].from), min(edge[0].to, edge[1].to)),
+                           max(max(edge[0].from, edge[1].from), max(edge[0].to, edge[1].to))};
         if (out.boxes.size() % kEdgesOfBox == 0) out.groups.push_back(box);
         out.groups.back() = around(out.groups.back(), box);
         out.boxes.push_back(box);
@@ -71,7 +71,7 @@ Vec3 betweenEdges(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b)
 void addPass(const SweptLine& one, std::size_t i, const SweptLine& two, std::size_t k, double radii,
              std::vector<MissedContact>& out)
 {
-    const auto &a = one.edges[i].from, &b = two.edges[k].from;
+    const std::array a{one.edges[i][0].from, one.edges[i][1].from}, b{two.edges[k][0].from, two.edges[k][1].from};
     const Vec3 between = betweenEdges(a, b);
     const double now = length(between);
     const Vec3 normal = normalized(between, normalized(cross(a[1] - a[0], b[1] - b[0]), {0, 0, 1}));
@@ -104,7 +104,7 @@ void findBetween(const SweptLine& one, const SweptLine& two, double radii, std::
             for (std::size_t i = g * kEdgesOfBox; i < lastOne; ++i)
                 for (std::size_t k = self ? std::max(i + 1, h * kEdgesOfBox) : h * kEdgesOfBox; k < lastTwo; ++k) {
                     if (apart(one.boxes[i], two.boxes[k]) || (self && sharesNode(i, k))) continue;
-                    if (passesThrough(one.edges[i], two.edges[k], kMeet * radii)) addPass(one, i, two, k, radii, out);
+                    if (firstMeeting(one.edges[i], two.edges[k], kMeet * radii)) addPass(one, i, two, k, radii, out);
                 }
         }
 }

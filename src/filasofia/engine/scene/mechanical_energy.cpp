@@ -1,6 +1,7 @@
 #include "filasofia/engine/scene/mechanical_energy.h"
 
 #include "filasofia/engine/body/elastic_energy.h"
+#include "filasofia/engine/rupture/tet_shape.h"
 
 namespace filasofia::engine {
 namespace {

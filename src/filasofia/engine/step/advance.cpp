@@ -3,6 +3,7 @@
 #include "filasofia/engine/body/usable.h"
 #include "filasofia/engine/contact/find_contacts.h"
 #include "filasofia/engine/contact/fragment_solves.h"
+#include "filasofia/engine/contact/keep_shells_apart.h"
 #include "filasofia/engine/contact/solve_island.h"
 #include "filasofia/engine/scene/each_body.h"
 #include "filasofia/engine/step/assemble.h"
@@ -147,6 +148,8 @@ public:
         if (mayPass) keepStart();
         solveAll(context_);
         if (mayPass) keepLinesApart();
+        for (std::size_t held : keepShellsApart(context_, scene_, coupling_))
+            outcomes_[held].set(StepFlag::NotConverged);
     }
 
     void settle()

@@ -1,0 +1,275 @@
+#include "filasofia/engine/contact/shell_passes.h"
+
+#include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/collision/element_pairs.h"
+#include "filasofia/engine/collision/feature_pass.h"
+#include "filasofia/engine/contact/contact_surfaces.h"
+#include "filasofia/engine/contact/intersections.h"
+#include "filasofia/geometry/distance.h"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace filasofia::engine {
+namespace {
+
+constexpr double kNearer = 0.9;     ///< [-] how much of their distance two places may lose in a step
+constexpr double kLeast = 0.25;     ///< [-] they come no nearer than this part of both proximities
+constexpr double kMeet = 1e-4;      ///< [-] places this near to each other meet, relative to both proximities
+constexpr double kEdgesApart = 6.0; ///< [-] edges between vertices of neighbours that detection leaves out, and more
+constexpr int kPartSize = 256;      ///< pairs of elements: some 10 us
+
+bool isShellSurface(const Scene& scene, const SurfaceOwner& owner)
+{
+    return owner.soft && isShell(scene.soft[owner.body].model);
+}
+
+Vec3 mean(const std::vector<Vec3>& values)
+{
+    Vec3 sum;
+    for (const Vec3& each : values) sum += each;
+    return 1.0 / static_cast<double>(values.size()) * sum;
+}
+
+/// One pair of surfaces, or a surface and itself.
+class PassesOfPair {
+public:
+    PassesOfPair(double dt, const SurfacePair& meeting) : dt_(dt), meeting_(meeting) {}
+
+    void test(std::array<int, 2> pair, std::vector<Proximity>& found) const
+    {
+        const CollisionShape::Element& a = side(0).shape->elements[pair[0]];
+        const CollisionShape::Element& b = side(1).shape->elements[pair[1]];
+        testPoints(0, a, pair[1], found);
+        testPoints(1, b, pair[0], found);
+        for (const int first : a.ownEdges)
+            for (const int second : b.ownEdges)
+                if (first >= 0 && second >= 0) testEdges(first, second, found);
+    }
+
+private:
+    [[nodiscard]] const CollisionSurface& side(std::size_t k) const { return *meeting_.sides[k]; }
+
+    [[nodiscard]] MovedPoint moved(std::size_t of, int vertex) const
+    {
+        const Vec3 from = side(of).x[vertex];
+        return {from, from + dt_ * side(of).v[vertex]};
+    }
+
+    void testPoints(std::size_t source, const CollisionShape::Element& mine, int element,
+                    std::vector<Proximity>& found) const
+    {
+        const CollisionSurface &own = side(source), &target = side(1 - source);
+        const CollisionShape::Element& other = target.shape->elements[element];
+        if (other.triangle < 0) return;
+        for (const int point : mine.ownVertices)
+            if (point >= 0 && meet(own.vertexBounds[point], target.elementBounds[element]))
+                testPoint(source, point, other.vertices, found);
+    }
+
+    void testPoint(std::size_t source, int point, const geometry::Triangle& triangle,
+                   std::vector<Proximity>& found) const
+    {
+        if (meeting_.self() && std::ranges::find(triangle, point) != triangle.end()) return;
+        const std::size_t target = 1 - source;
+        const auto pass = firstMeeting(
+            moved(source, point),
+            MovedTriangle{moved(target, triangle[0]), moved(target, triangle[1]), moved(target, triangle[2])},
+            kMeet * meeting_.proximities());
+        if (!pass) return;
+        const auto passed = [&](int edge) { return crosses(source, side(source).shape->edges[edge], triangle); };
+        if (std::ranges::any_of(side(source).shape->vertexEdges[point], passed)) return;
+        Proximity out;
+        out.vertices[source] = {point, -1, -1};
+        out.weights[source] = {1.0, 0.0, 0.0};
+        out.vertices[target] = triangle;
+        out.weights[target] = pass->weights;
+        add(out, found);
+    }
+
+    void testEdges(int first, int second, std::vector<Proximity>& found) const
+    {
+        const auto &a = side(0).shape->edges[first], &b = side(1).shape->edges[second];
+        if (meeting_.self() && (a[0] == b[0] || a[0] == b[1] || a[1] == b[0] || a[1] == b[1])) return;
+        const auto boundsOf = [&](std::size_t of, const std::array<int, 2>& edge) {
+            return merged(side(of).vertexBounds[edge[0]], side(of).vertexBounds[edge[1]]);
+        };
+        if (!meet(boundsOf(0, a), boundsOf(1, b))) return;
+        const auto pass = firstMeeting(MovedEdge{moved(0, a[0]), moved(0, a[1])},
+                                       MovedEdge{moved(1, b[0]), moved(1, b[1])}, kMeet * meeting_.proximities());
+        if (!pass || passed(0, a, 1, second) || passed(1, b, 0, first)) return;
+        Proximity out;
+        out.vertices = {{{a[0], a[1], -1}, {b[0], b[1], -1}}};
+        out.weights = {{{1.0 - pass->first, pass->first, 0.0}, {1.0 - pass->second, pass->second, 0.0}}};
+        add(out, found);
+    }
+
+    /// Whether an edge passes through a triangle of the other edge now.
+    [[nodiscard]] bool passed(std::size_t own, const std::array<int, 2>& edge, std::size_t target, int other) const
+    {
+        const CollisionShape& shape = *side(target).shape;
+        return std::ranges::any_of(shape.edgeTriangles[other],
+                                   [&](int t) { return crosses(own, edge, shape.triangles[t]); });
+    }
+
+    /// Whether an edge passes through a triangle of the other side now.
+    [[nodiscard]] bool crosses(std::size_t own, const std::array<int, 2>& edge,
+                               const geometry::Triangle& triangle) const
+    {
+        const auto isCorner = [&](int v) { return std::ranges::find(triangle, v) != triangle.end(); };
+        if (meeting_.self() && (isCorner(edge[0]) || isCorner(edge[1]))) return false;
+        const std::vector<Vec3>& x = side(1 - own).x;
+        const Vec3 from = side(own).x[edge[0]], along = side(own).x[edge[1]] - from;
+        return geometry::rayTriangle(from, along, x[triangle[0]], x[triangle[1]], x[triangle[2]]) <= 1.0;
+    }
+
+    void add(Proximity& pass, std::vector<Proximity>& found) const
+    {
+        if (meeting_.self() && nearAtRest(meeting_, pass.vertices[0], pass.vertices[1])) return;
+        Vec3 between;
+        for (std::size_t of = 0; of < 2; ++of)
+            for (std::size_t k = 0; k < 3; ++k)
+                if (const int vertex = pass.vertices[of][k]; vertex >= 0)
+                    between += (of == 0 ? 1.0 : -1.0) * pass.weights[of][k] * side(of).x[vertex];
+        pass.surfaces = meeting_.places;
+        pass.normal = normalized(between, {0, 0, 1});
+        const double now = length(between);
+        pass.gap = std::min(kNearer * now, std::max(0.0, now - kLeast * meeting_.proximities()));
+        found.push_back(pass);
+    }
+
+    double dt_;
+    const SurfacePair& meeting_;
+};
+
+class Finder {
+public:
+    Finder(const StepContext& context, const Scene& scene, Coupling& coupling)
+        : context_(context), scene_(scene), detection_(coupling.detection), owners_(surfaceOwners(scene)),
+          far_(owners_.size())
+    {
+    }
+
+    std::vector<MissedContact> run()
+    {
+        std::vector<std::array<int, 2>> pairs;
+        for (int i = 0; i < static_cast<int>(owners_.size()); ++i)
+            for (int k = i; k < static_cast<int>(owners_.size()); ++k)
+                if (mayMeet(i, k)) pairs.push_back({i, k});
+        for (const std::array<int, 2>& pair : pairs)
+            for (const int i : pair) useSolved(i);
+        std::vector<MissedContact> out;
+        for (const std::array<int, 2>& pair : pairs)
+            if (mayPass(pair)) find(pair, out);
+        return out;
+    }
+
+private:
+    [[nodiscard]] const SurfaceOwner& ownerOf(int i) const { return owners_[static_cast<std::size_t>(i)]; }
+    [[nodiscard]] CollisionSurface& surfaceOf(int i) const { return detection_.surfaces[static_cast<std::size_t>(i)]; }
+
+    [[nodiscard]] bool mayMeet(int i, int k) const
+    {
+        const SurfaceOwner &one = ownerOf(i), &two = ownerOf(k);
+        if (!one.soft || !two.soft || !(isShellSurface(scene_, one) || isShellSurface(scene_, two))) return false;
+        const CollisionSurface &a = surfaceOf(i), &b = surfaceOf(k);
+        if (!a.shape->triangleFaces || !b.shape->triangleFaces || a.shape->group != b.shape->group) return false;
+        return one.body != two.body || (i == k ? a.self : a.shape->self && b.shape->self);
+    }
+
+    /// Gives a surface the solved velocities, and notes how far it moves beside its mean motion.
+    void useSolved(int i)
+    {
+        const SurfaceOwner& owner = ownerOf(i);
+        CollisionSurface& surface = surfaceOf(i);
+        const SoftBody& body = scene_.soft[owner.body];
+        const geometry::Embedding& embedding = owner.collision->embedding;
+        for (std::size_t at = 0; at < surface.v.size(); ++at) {
+            surface.v[at] = {};
+            for (std::size_t n = 0; n < 4; ++n) {
+                if (embedding.weights[at][n] == 0.0) continue;
+                const auto node = static_cast<std::size_t>(embedding.nodes[at][n]);
+                surface.v[at] += embedding.weights[at][n] * (body.state.v[node] + body.system.dv[node]);
+            }
+        }
+        const Vec3 drift = mean(surface.v);
+        double& far = far_[static_cast<std::size_t>(i)] = 0.0;
+        for (const Vec3& v : surface.v) far = std::max(far, context_.dt * distance(v, drift));
+    }
+
+    /// Whether places of both surfaces may meet: some are near each other, or they move by more than the proximities,
+    /// within which detection would have found them.
+    [[nodiscard]] bool mayPass(std::array<int, 2> pair) const
+    {
+        if (std::ranges::find(detection_.proximities, pair, &Proximity::surfaces) != detection_.proximities.end())
+            return true;
+        const CollisionSurface &one = surfaceOf(pair[0]), &two = surfaceOf(pair[1]);
+        const double far = far_[static_cast<std::size_t>(pair[0])] + far_[static_cast<std::size_t>(pair[1])] +
+                           context_.dt * distance(mean(one.v), mean(two.v));
+        return far >= one.shape->proximity + two.shape->proximity || (pair[0] == pair[1] && mayFold(one));
+    }
+
+    /// Whether neighbours move far enough to meet, which detection leaves out unless they are folded together: by as
+    /// much as the flattest triangle is high.
+    [[nodiscard]] bool mayFold(const CollisionSurface& surface) const
+    {
+        const std::vector<Vec3>&x = surface.x, &v = surface.v;
+        double apart = 0.0, lowest = std::numeric_limits<double>::infinity(); // squared
+        for (const auto& [a, b, c] : surface.shape->triangles) {
+            const Vec3 ab = x[b] - x[a], ac = x[c] - x[a];
+            const double longest = std::max({lengthSquared(ab), lengthSquared(ac), lengthSquared(ac - ab)});
+            lowest = std::min(lowest, lengthSquared(cross(ab, ac)) / longest);
+            apart =
+                std::max({apart, lengthSquared(v[b] - v[a]), lengthSquared(v[c] - v[b]), lengthSquared(v[a] - v[c])});
+        }
+        return kEdgesApart * kEdgesApart * context_.dt * context_.dt * apart >= lowest;
+    }
+
+    void find(std::array<int, 2> pair, std::vector<MissedContact>& out)
+    {
+        CollisionSurface &one = surfaceOf(pair[0]), &two = surfaceOf(pair[1]);
+        const SurfacePair meeting{{&one, &two}, pair, 0.0};
+        const Vec3 drift = mean(one.v);
+        const double near = kMeet * meeting.proximities();
+        boundMotion(one, context_.dt, drift, near);
+        if (!meeting.self()) boundMotion(two, context_.dt, drift, near);
+        if (!meet(one.whole, two.whole)) return;
+        collectElementPairs(one, two, nullptr, detection_.scratch);
+        const std::vector<std::array<int, 2>>& elements = detection_.scratch.elementPairs;
+        const int count = static_cast<int>(elements.size()), parts = (count + kPartSize - 1) / kPartSize;
+        std::vector<std::vector<Proximity>> ofPart(static_cast<std::size_t>(parts));
+        const PassesOfPair passes(context_.dt, meeting);
+        context_.pool.run(parts, [&](int part) {
+            const int end = std::min(count, (part + 1) * kPartSize);
+            for (int i = part * kPartSize; i < end; ++i)
+                passes.test(elements[static_cast<std::size_t>(i)], ofPart[static_cast<std::size_t>(part)]);
+        });
+        for (std::vector<Proximity>& found : ofPart)
+            for (Proximity& each : found) add(each, out);
+    }
+
+    void add(Proximity& pass, std::vector<MissedContact>& out) const
+    {
+        const std::array<const SurfaceOwner*, 2> sides{&ownerOf(pass.surfaces[0]), &ownerOf(pass.surfaces[1])};
+        if (holdsTogether(scene_, {*sides[0], pass.vertices[0]}, {*sides[1], pass.vertices[1]})) return;
+        for (std::size_t side = 0; side < 2; ++side) pass.gap += insetAt(*sides[side]->collision, pass, side);
+        out.push_back({.at = pass, .bodies = {sides[0]->body, sides[1]->body}});
+    }
+
+    const StepContext& context_;
+    const Scene& scene_;
+    ContactDetection& detection_;
+    std::vector<SurfaceOwner> owners_;
+    std::vector<double> far_; ///< [m] per surface
+};
+
+} // namespace
+
+std::vector<MissedContact> findShellPasses(const StepContext& context, const Scene& scene, Coupling& coupling)
+{
+    return Finder(context, scene, coupling).run();
+}
+
+} // namespace filasofia::engine
