@@ -68,13 +68,13 @@ int crossings(Stage& stage)
     return found;
 }
 
-Vec3 momentumOf(Stage& stage, bool solved)
+Vec3 momentumOf(Stage& stage)
 {
     Vec3 sum;
     for (std::size_t b = 0; b < stage.world.scene().soft.size(); ++b) {
         const SoftBody& body = stage.world.scene().soft[b];
         for (std::size_t n = 0; n < body.state.v.size(); ++n)
-            sum += body.model.masses[n] * (body.state.v[n] + (solved ? body.system.dv[n] : Vec3{}));
+            sum += body.model.masses[n] * (body.state.v[n] + body.system.dv[n]);
     }
     return sum;
 }
@@ -155,56 +155,100 @@ TEST_CASE("a sheet that is thrown at a sheet and at tissue passes through neithe
         stage.add(waiting);
         int crossing = 0;
         bool told = false;
-        for (int i = 0; i < 60; ++i) {
-            told = told || stage.step(5e-3).has(StepFlag::Intersecting);
+        // It moves by less in a step than its low edge is below the high one: if it passed, it would be seen half
+        // through.
+        for (int i = 0; i < 150; ++i) {
+            told = told || stage.step(2e-3).has(StepFlag::Intersecting);
             crossing += crossings(stage) > 0 ? 1 : 0;
         }
         CHECK_FALSE(told);
-        // Contact lets tissue overlap by the inset of its surface.
-        CHECK(crossing <= (tissue ? 5 : 0));
+        // The inset surface of tissue is not passed, but its own may be for some steps.
+        CHECK(crossing <= (tissue ? 12 : 0));
+        CHECK(length(stage.soft(1).v[0]) > 0.01); // it was hit
     }
 }
 
-TEST_CASE("what the solve lets pass through a shell is pushed apart, or held together, and its momentum stays")
+TEST_CASE("a closed shell that is emptied collapses without passing through itself")
+{
+    Stage stage({.threads = 1});
+    SoftBodyDef def = sheet({1, 1}, 1.0, 1.0, {});
+    def.mesh = geometry::shapes::sphere(0.01, 6);
+    def.gravity = false;
+    def.cavities = {{.fill = CavityFill::Gas}};
+    stage.add(def);
+    stage.post(SetCavity{.id = BodyId{1}, .inflow = -20e-6});
+    int crossing = 0;
+    for (int i = 0; i < 150; ++i) {
+        stage.step(2e-3);
+        crossing += crossings(stage) > 0 ? 1 : 0;
+    }
+    CHECK(crossing == 0);
+    frame::Frame frame;
+    stage.world.capture(frame);
+    CHECK(frame.cavities[0].volume < 1.5e-6); // 3.6 ml at the start
+}
+
+TEST_CASE("what the solve lets pass through a shell is pushed apart, or held together")
 {
     constexpr double dt = 1e-3;
-    for (const int rounds : {25, 0}) {
-        Stage stage({.threads = 1});
-        for (const double z : {0.0, 1e-3}) {
-            SoftBodyDef def = sheet({4, 4}, 0.02, 0.02, {{0.1 * z, 0.3 * z, z}, {}});
-            def.gravity = false;
-            if (z == 0.0) def.attachments = {{.nodes = {0, 1}}};
-            stage.add(def);
-        }
-        stage.step(dt);
-        Scene& scene = stage.world.scene();
-        for (std::size_t b = 0; b < 2; ++b)
-            for (std::size_t n = 0; n < scene.soft[b].system.dv.size(); ++n) {
-                scene.soft[b].state.v[n] = {};
-                // The middle of the upper one is shot through the lower one.
-                scene.soft[b].system.dv[n] = b == 1 && n == 12 ? Vec3{0.3, 0.2, -5.0} : Vec3{};
+    for (const int rounds : {25, 0})
+        for (const bool pinned : {false, true}) {
+            Stage stage({.threads = 1});
+            for (const double z : {0.0, 1e-3}) {
+                SoftBodyDef def = sheet({4, 4}, 0.02, 0.02, {{0.1 * z, 0.3 * z, z}, {}});
+                def.gravity = false;
+                if (pinned && z == 0.0) def.attachments = {{.nodes = {12}}};
+                stage.add(def);
             }
-        Coupling coupling;
-        WorkerPool pool(1);
-        StepReport report;
-        const ContactMethod method = ExactContact{};
-        const StepContext context{dt, nullptr, method, pool, report};
-        findContacts(context, scene, coupling);
-        const std::size_t known = coupling.contactCount;
-        const Vec3 before = momentumOf(stage, true);
-        const std::vector<std::size_t> held = keepShellsApart(context, scene, coupling, rounds);
-        const Vec3 pinned = scene.soft[0].model.masses[0] * scene.soft[0].system.dv[0];
-        CHECK(pinned == Vec3{});
-        CHECK(distance(momentumOf(stage, true), before) < 1e-12 * length(before) + 1e-18);
-        CHECK(held == (rounds > 0 ? std::vector<std::size_t>{} : std::vector<std::size_t>{0, 1}));
-        CHECK((coupling.contactCount > known) == (rounds > 0));
-        for (const Constraint& each : coupling.contacts().subspan(known)) CHECK(each.impulse.x >= 0.0);
-        for (std::size_t b = 0; b < 2; ++b)
-            for (std::size_t n = 0; n < scene.soft[b].state.x.size(); ++n)
-                scene.soft[b].state.x[n] += dt * scene.soft[b].system.dv[n];
-        CHECK(crossings(stage) == 0);
-        CHECK(length(before) > 1e-6);
-    }
+            stage.step(dt);
+            Scene& scene = stage.world.scene();
+            for (std::size_t b = 0; b < 2; ++b)
+                for (std::size_t n = 0; n < scene.soft[b].system.dv.size(); ++n) {
+                    scene.soft[b].state.v[n] = {};
+                    // The middle of the upper one is shot through that of the lower one.
+                    scene.soft[b].system.dv[n] = b == 1 && n == 12 ? Vec3{0.3, 0.2, -5.0} : Vec3{};
+                }
+            Coupling coupling;
+            WorkerPool pool(1);
+            StepReport report;
+            const ContactMethod method = ExactContact{};
+            const StepContext context{dt, nullptr, method, pool, report};
+            findContacts(context, scene, coupling);
+            const std::size_t known = coupling.contactCount;
+            const Vec3 before = momentumOf(stage);
+            const std::vector<std::size_t> held = keepShellsApart(context, scene, coupling, rounds);
+            CHECK(length(before) > 1e-6);
+            if (pinned)
+                CHECK(scene.soft[0].system.dv[12] == Vec3{});
+            else
+                CHECK(distance(momentumOf(stage), before) < 1e-12 * length(before));
+            CHECK(held == (rounds > 0 ? std::vector<std::size_t>{} : std::vector<std::size_t>{0, 1}));
+            CHECK((coupling.contactCount > known) == (rounds > 0));
+            for (const Constraint& each : coupling.contacts().subspan(known)) {
+                CHECK(each.impulse.x >= 0.0);
+                // The gap is that of the surfaces, half a thickness off.
+                CHECK(each.contact.gap < 1.1e-3);
+                CHECK(each.contact.gap > -kThickness);
+            }
+            for (std::size_t b = 0; b < 2; ++b)
+                for (std::size_t n = 0; n < scene.soft[b].state.x.size(); ++n)
+                    scene.soft[b].state.x[n] += dt * scene.soft[b].system.dv[n];
+            CHECK(crossings(stage) == 0);
+        }
+}
+
+TEST_CASE("the walls of a flat bag that are nearer to each other at rest than they are thick stay where they are")
+{
+    Stage stage({.threads = 1});
+    geometry::TriangleMesh mesh = geometry::shapes::sphere(0.01, 8);
+    for (Vec3& x : mesh.vertices) x.z *= 0.04;
+    stage.add(SoftBodyDef{.mesh = shared(mesh),
+                          .material = ShellMaterial{.youngModulus = 1e5, .thickness = kThickness},
+                          .gravity = false,
+                          .collision = {{.proximity = 0.5e-3, .self = true}}});
+    stage.run(50, 1e-3);
+    for (std::size_t n = 0; n < mesh.vertices.size(); ++n)
+        CHECK(distance(stage.soft().x[n], mesh.vertices[n]) < 1e-9);
 }
 
 } // namespace keep_shells_apart_test

@@ -29,7 +29,7 @@ struct CollisionSurface {
     /// one piece.
     std::vector<int> pieceOf;
 
-    // Boxes and plates for this step, written by findProximities.
+    // Boxes and plates, for findProximities() and for what tests the surfaces after it: each bounds them anew.
     std::vector<Bounds> vertexBounds;
     std::vector<Bounds> elementBounds; ///< in the order of the shape's elements
     std::vector<Bounds> nodeBounds;

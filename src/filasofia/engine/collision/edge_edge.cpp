@@ -136,9 +136,12 @@ bool anyNormalAtRest(const CollisionShape& shape, const std::array<int, 3>& feat
     return false;
 }
 
+// Whether the outsides of two features face each other at rest. In a solid, insides are told from them later.
 bool faceEachOther(const CollisionShape& shape, const std::array<int, 3>& a, const std::array<int, 3>& b)
 {
+    const Vec3 between = shape.rest[b[0]] - shape.rest[a[0]];
     return anyNormalAtRest(shape, a, [&](Vec3 n) {
+        if (shape.sheet && !(dot(n, between) > 0.0)) return false;
         return anyNormalAtRest(shape, b, [&](Vec3 m) {
             const double along = dot(n, m);
             return along < 0.0 && along * along > kFacing * kFacing * lengthSquared(n) * lengthSquared(m);
@@ -172,7 +175,8 @@ bool nearAtRest(const SurfacePair& meeting, const std::array<int, 3>& a, const s
                crossing(rest[a[0]], rest[a[1]] - rest[a[0]], rest[b[0]], rest[b[1]] - rest[b[0]], at) &&
                lengthSquared(at.between) < nearest;
     };
-    return areNear() && !(meeting.sides[0]->shape->closed && faceEachOther(*meeting.sides[0]->shape, a, b));
+    const CollisionShape& shape = *meeting.sides[0]->shape;
+    return areNear() && !((shape.closed || shape.sheet) && faceEachOther(shape, a, b));
 }
 
 void collideEdges(const SurfacePair& meeting, int first, int second, std::vector<Proximity>& found)

@@ -34,14 +34,6 @@ bool isPartner(const CollisionSurface& surface, const CollisionSurface& of)
     return of.shape->partners == Partners::All || (of.shape->partners == Partners::Soft) == (surface.element < 0);
 }
 
-bool mayCollide(const CollisionSurface& a, const CollisionSurface& b)
-{
-    if (!isPartner(a, b) || !isPartner(b, a)) return false;
-    if ((a.cuts && b.cuttable) || (b.cuts && a.cuttable)) return false; // a blade passes through
-    if (a.name.body == b.name.body && !collideWithin(a, b)) return false;
-    return a.shape->group == b.shape->group && meet(a.whole, b.whole);
-}
-
 double turnWithin(double reach, const CollisionSurface& a, const CollisionSurface& b)
 {
     if (a.element < 0 || b.element < 0) return 0.0;
@@ -58,8 +50,7 @@ void collectSurfacePairs(std::vector<CollisionSurface>& surfaces, double reach, 
     scratch.wanted.assign(surfaces.size(), 0);
     for (int i = 0; i < count; ++i)
         for (int k = i; k < count; ++k)
-            if (mayCollide(surfaces[i], surfaces[k]) && !surfaces[i].shape->nodes.empty() &&
-                !surfaces[k].shape->nodes.empty()) {
+            if (mayCollide(surfaces[i], surfaces[k]) && meet(surfaces[i].whole, surfaces[k].whole)) {
                 scratch.surfacePairs.push_back({i, k});
                 scratch.wanted[i] = scratch.wanted[k] = 1;
             }
@@ -69,15 +60,6 @@ void collectSurfacePairs(std::vector<CollisionSurface>& surfaces, double reach, 
         boundTree(surfaces[at]);
         makePlates(surfaces[at]);
     });
-}
-
-/// [m/s] The mean velocity of a surface's vertices that are finite.
-Vec3 driftOf(const CollisionSurface& surface)
-{
-    Vec3 sum;
-    for (const Vec3& v : surface.v)
-        if (isFinite(v)) sum += v;
-    return 1.0 / static_cast<double>(surface.v.size()) * sum;
 }
 
 void testPoints(const SurfacePair& meeting, int source, int mine, int other, std::vector<PointMinimum>& out)
@@ -139,6 +121,21 @@ void checkSizes(const std::vector<CollisionSurface>& surfaces)
 }
 
 } // namespace
+
+bool mayCollide(const CollisionSurface& a, const CollisionSurface& b)
+{
+    if (a.shape->nodes.empty() || b.shape->nodes.empty() || !isPartner(a, b) || !isPartner(b, a)) return false;
+    if ((a.cuts && b.cuttable) || (b.cuts && a.cuttable)) return false; // a blade passes through
+    return a.shape->group == b.shape->group && (a.name.body != b.name.body || collideWithin(a, b));
+}
+
+Vec3 driftOf(const CollisionSurface& surface)
+{
+    Vec3 sum;
+    for (const Vec3& v : surface.v)
+        if (isFinite(v)) sum += v;
+    return 1.0 / static_cast<double>(surface.v.size()) * sum;
+}
 
 void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerPool& pool,
                      std::vector<SheetSide>& sides, ProximityScratch& scratch, std::vector<Proximity>& found)

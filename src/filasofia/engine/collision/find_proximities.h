@@ -70,6 +70,12 @@ struct ProximityScratch {
 void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerPool& pool,
                      std::vector<SheetSide>& sides, ProximityScratch& scratch, std::vector<Proximity>& found);
 
+/// Whether two surfaces collide if they are near each other; a surface with itself, if both are the same.
+bool mayCollide(const CollisionSurface& a, const CollisionSurface& b);
+
+/// [m/s] The mean velocity of a surface's vertices that are finite.
+Vec3 driftOf(const CollisionSurface& surface);
+
 inline constexpr double kStepsAhead = 1.5; ///< one step, and half of one for the velocities that the solve adds
 
 /// [m/s] The speed at which the two places come nearer.

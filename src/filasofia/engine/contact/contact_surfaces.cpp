@@ -10,14 +10,6 @@
 namespace filasofia::engine {
 namespace {
 
-Vec3 mean(const std::vector<Vec3>& values, const geometry::Tetrahedron& nodes, const std::array<double, 4>& weights)
-{
-    Vec3 sum;
-    for (std::size_t k = 0; k < 4; ++k)
-        if (weights[k] != 0.0) sum += weights[k] * values[static_cast<std::size_t>(nodes[k])];
-    return sum;
-}
-
 void placeSurface(double dt, const SurfaceOwner& owner, const Scene& scene, const RigidPlan& plan,
                   std::vector<Vec3>& normals, CollisionSurface& out)
 {
@@ -38,8 +30,8 @@ void placeSurface(double dt, const SurfaceOwner& owner, const Scene& scene, cons
         // 12 mm into it at 50 steps per second, and through it at 10.
         const Vec3 fall = model.gravity ? dt * scene.gravity : Vec3{};
         for (std::size_t i = 0; i < count; ++i) {
-            out.x[i] = mean(body.x, collision.embedding.nodes[i], collision.embedding.weights[i]);
-            out.v[i] = mean(body.v, collision.embedding.nodes[i], collision.embedding.weights[i]) + fall;
+            out.x[i] = valueAt(i, collision.embedding, body.x);
+            out.v[i] = valueAt(i, collision.embedding, body.v) + fall;
         }
         applyInset(*collision.shape, collision.inset, normals, out.x);
         return;
@@ -178,6 +170,15 @@ bool isLine(const Scene& scene, const SurfaceOwner& owner) { return owner.soft &
 const std::string& nameOf(const Scene& scene, const SurfaceOwner& owner)
 {
     return owner.soft ? scene.soft[owner.body].model.name : scene.rigid[owner.body].model.name;
+}
+
+Vec3 valueAt(std::size_t vertex, const geometry::Embedding& embedding, const std::vector<Vec3>& values)
+{
+    Vec3 sum;
+    for (std::size_t k = 0; k < 4; ++k)
+        if (const double weight = embedding.weights[vertex][k]; weight != 0.0)
+            sum += weight * values[static_cast<std::size_t>(embedding.nodes[vertex][k])];
+    return sum;
 }
 
 double insetAt(const CollisionModel& collision, const Proximity& found, std::size_t side)

@@ -27,6 +27,9 @@ void findPieces(const SoftModel& model, const CollisionModel& collision, std::ve
 /// Whether the surface is the centre line of a rod.
 bool isLine(const Scene& scene, const SurfaceOwner& owner);
 
+/// The mean of the nodes' values that a vertex of a soft body's surface follows.
+Vec3 valueAt(std::size_t vertex, const geometry::Embedding& embedding, const std::vector<Vec3>& values);
+
 /// [m] The inset of a surface at the place of a proximity.
 double insetAt(const CollisionModel& collision, const Proximity& found, std::size_t side);
 

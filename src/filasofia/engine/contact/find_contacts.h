@@ -11,7 +11,7 @@ namespace filasofia::engine {
 /// bodies must already be planned.
 void findContacts(const StepContext& context, const Scene& scene, Coupling& coupling);
 
-/// Adds these contacts, with which the step will be solved again.
+/// Adds these contacts, which what was solved has missed.
 void addMissed(const StepContext& context, std::span<const MissedContact> missed, const Scene& scene,
                Coupling& coupling);
 

@@ -14,7 +14,8 @@ namespace filasofia::engine {
 namespace {
 
 constexpr int kSweeps = 50;
-constexpr double kEnough = 1e-3; // [-] of the gap: it may be violated by as much
+// [-] of the speed at which places may come nearer, and [m/s]: changes of velocities that end the sweeps
+constexpr double kEnough = 1e-3, kStill = 1e-9;
 
 template <class Visit> void forEachNode(const BodyPoint& point, const Visit& visit)
 {
@@ -144,8 +145,8 @@ std::vector<std::size_t> holdTogether(const StepContext& context, Scene& scene, 
     return held;
 }
 
-/// Changes the solved velocities by impulses at these contacts until no gap closes in the step.
-void pushApart(double dt, std::span<Constraint> contacts, Scene& scene)
+/// Changes the solved velocities by impulses at these contacts until no two places come nearer than they may.
+void pushApart(std::span<Constraint> contacts, Scene& scene)
 {
     bool changed = true;
     for (int sweep = 0; changed && sweep < kSweeps; ++sweep) {
@@ -156,9 +157,9 @@ void pushApart(double dt, std::span<Constraint> contacts, Scene& scene)
             if (!(inverse > 0.0)) continue;
             const double velocity =
                 dot(normal, solvedVelocity(scene, each.sides[0]) - solvedVelocity(scene, each.sides[1]));
-            const double impulse = std::max(0.0, each.impulse.x - (each.contact.gap / dt + velocity) / inverse);
+            const double impulse = std::max(0.0, each.impulse.x - (each.bias.x + velocity) / inverse);
             const double change = impulse - each.impulse.x;
-            if (!(std::fabs(change) * inverse > kEnough / dt * each.contact.gap)) continue;
+            if (!(std::fabs(change) * inverse > kEnough * each.bias.x + kStill)) continue;
             changed = true;
             each.impulse.x = impulse;
             push(each.sides[0], change * normal, scene);
@@ -174,12 +175,17 @@ std::vector<std::size_t> keepShellsApart(const StepContext& context, Scene& scen
     const auto collides = [](const SoftBody& body) { return isShell(body.model) && !body.model.collision.empty(); };
     if (std::ranges::none_of(scene.soft, collides)) return {};
     const std::size_t known = coupling.contactCount;
+    // Without a deadline: as many rounds in a replay. They take microseconds, but for the searches.
     for (int round = 0; round < rounds; ++round) {
         const std::vector<MissedContact> found = findShellPasses(context, scene, coupling);
         if (found.empty()) return {};
         addMissed(context, found, scene, coupling);
-        for (Constraint& each : coupling.contacts().last(found.size())) each.impulse = {};
-        pushApart(context.dt, coupling.contacts().subspan(known), scene);
+        const std::span<Constraint> added = coupling.contacts().last(found.size());
+        for (std::size_t i = 0; i < added.size(); ++i) {
+            added[i].impulse = {};
+            added[i].bias = {found[i].mayLose / context.dt, 0.0, 0.0};
+        }
+        pushApart(coupling.contacts().subspan(known), scene);
     }
     return holdTogether(context, scene, coupling);
 }

@@ -12,7 +12,8 @@ namespace filasofia::engine {
 struct MissedContact {
     Proximity at = {};                      ///< as it is at the start of the step
     bool line = false;                      ///< between two lines: it has no friction
-    std::array<std::size_t, 2> bodies = {}; ///< between two lines: indices in Scene::soft
+    std::array<std::size_t, 2> bodies = {}; ///< between two lines, or at a shell: indices in Scene::soft
+    double mayLose = 0.0;                   ///< [m] at a shell: by how much the two places may come nearer
 };
 
 /// Tests all pairs of edges of rods that collide, with the velocities that the solve has given them. A thread weighs

@@ -1,6 +1,7 @@
 #include "filasofia/engine/contact/shell_passes.h"
 
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/body/usable.h"
 #include "filasofia/engine/collision/element_pairs.h"
 #include "filasofia/engine/collision/feature_pass.h"
 #include "filasofia/engine/contact/contact_surfaces.h"
@@ -8,6 +9,7 @@
 #include "filasofia/geometry/distance.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -15,22 +17,17 @@
 namespace filasofia::engine {
 namespace {
 
-constexpr double kNearer = 0.9;     ///< [-] how much of their distance two places may lose in a step
+constexpr double kMayLose = 0.9;     ///< [-] how much of their distance two places may lose in a step
 constexpr double kLeast = 0.25;     ///< [-] they come no nearer than this part of both proximities
-constexpr double kMeet = 1e-4;      ///< [-] places this near to each other meet, relative to both proximities
+constexpr double kTouching = 1e-4;      ///< [-] places this near to each other meet, relative to both proximities
 constexpr double kEdgesApart = 6.0; ///< [-] edges between vertices of neighbours that detection leaves out, and more
 constexpr int kPartSize = 256;      ///< pairs of elements: some 10 us
 
-bool isShellSurface(const Scene& scene, const SurfaceOwner& owner)
+/// Whether the solved velocity moves a body in this step.
+bool followsSolve(const SoftModel& model)
 {
-    return owner.soft && isShell(scene.soft[owner.body].model);
-}
-
-Vec3 mean(const std::vector<Vec3>& values)
-{
-    Vec3 sum;
-    for (const Vec3& each : values) sum += each;
-    return 1.0 / static_cast<double>(values.size()) * sum;
+    const auto* explicitEuler = std::get_if<physics::ExplicitEuler>(&model.integrator);
+    return !explicitEuler || explicitEuler->symplectic;
 }
 
 /// One pair of surfaces, or a surface and itself.
@@ -77,7 +74,7 @@ private:
         const auto pass = firstMeeting(
             moved(source, point),
             MovedTriangle{moved(target, triangle[0]), moved(target, triangle[1]), moved(target, triangle[2])},
-            kMeet * meeting_.proximities());
+            kTouching * meeting_.proximities());
         if (!pass) return;
         const auto passed = [&](int edge) { return crosses(source, side(source).shape->edges[edge], triangle); };
         if (std::ranges::any_of(side(source).shape->vertexEdges[point], passed)) return;
@@ -98,7 +95,7 @@ private:
         };
         if (!meet(boundsOf(0, a), boundsOf(1, b))) return;
         const auto pass = firstMeeting(MovedEdge{moved(0, a[0]), moved(0, a[1])},
-                                       MovedEdge{moved(1, b[0]), moved(1, b[1])}, kMeet * meeting_.proximities());
+                                       MovedEdge{moved(1, b[0]), moved(1, b[1])}, kTouching * meeting_.proximities());
         if (!pass || passed(0, a, 1, second) || passed(1, b, 0, first)) return;
         Proximity out;
         out.vertices = {{{a[0], a[1], -1}, {b[0], b[1], -1}}};
@@ -135,8 +132,7 @@ private:
                     between += (of == 0 ? 1.0 : -1.0) * pass.weights[of][k] * side(of).x[vertex];
         pass.surfaces = meeting_.places;
         pass.normal = normalized(between, {0, 0, 1});
-        const double now = length(between);
-        pass.gap = std::min(kNearer * now, std::max(0.0, now - kLeast * meeting_.proximities()));
+        pass.gap = length(between);
         found.push_back(pass);
     }
 
@@ -155,11 +151,15 @@ public:
     std::vector<MissedContact> run()
     {
         std::vector<std::array<int, 2>> pairs;
+        std::vector<char> wanted(owners_.size());
         for (int i = 0; i < static_cast<int>(owners_.size()); ++i)
             for (int k = i; k < static_cast<int>(owners_.size()); ++k)
-                if (mayMeet(i, k)) pairs.push_back({i, k});
-        for (const std::array<int, 2>& pair : pairs)
-            for (const int i : pair) useSolved(i);
+                if (mayMeet(i, k)) {
+                    pairs.push_back({i, k});
+                    wanted[static_cast<std::size_t>(i)] = wanted[static_cast<std::size_t>(k)] = 1;
+                }
+        for (std::size_t i = 0; i < wanted.size(); ++i)
+            if (wanted[i] != 0) useSolved(i);
         std::vector<MissedContact> out;
         for (const std::array<int, 2>& pair : pairs)
             if (mayPass(pair)) find(pair, out);
@@ -173,41 +173,41 @@ private:
     [[nodiscard]] bool mayMeet(int i, int k) const
     {
         const SurfaceOwner &one = ownerOf(i), &two = ownerOf(k);
-        if (!one.soft || !two.soft || !(isShellSurface(scene_, one) || isShellSurface(scene_, two))) return false;
+        if (!one.soft || !two.soft) return false;
+        const SoftModel &first = scene_.soft[one.body].model, &second = scene_.soft[two.body].model;
+        if (!(isShell(first) || isShell(second)) || !followsSolve(first) || !followsSolve(second)) return false;
         const CollisionSurface &a = surfaceOf(i), &b = surfaceOf(k);
-        if (!a.shape->triangleFaces || !b.shape->triangleFaces || a.shape->group != b.shape->group) return false;
-        return one.body != two.body || (i == k ? a.self : a.shape->self && b.shape->self);
+        return a.shape->triangleFaces && b.shape->triangleFaces && mayCollide(a, b);
     }
 
-    /// Gives a surface the solved velocities, and notes how far it moves beside its mean motion.
-    void useSolved(int i)
+    /// Gives a surface the solved velocities, and notes how far it moves beside its mean motion: beyond all bounds if
+    /// its body will not be moved so, as it would leave the world.
+    void useSolved(std::size_t i)
     {
-        const SurfaceOwner& owner = ownerOf(i);
-        CollisionSurface& surface = surfaceOf(i);
-        const SoftBody& body = scene_.soft[owner.body];
-        const geometry::Embedding& embedding = owner.collision->embedding;
-        for (std::size_t at = 0; at < surface.v.size(); ++at) {
-            surface.v[at] = {};
-            for (std::size_t n = 0; n < 4; ++n) {
-                if (embedding.weights[at][n] == 0.0) continue;
-                const auto node = static_cast<std::size_t>(embedding.nodes[at][n]);
-                surface.v[at] += embedding.weights[at][n] * (body.state.v[node] + body.system.dv[node]);
-            }
-        }
-        const Vec3 drift = mean(surface.v);
-        double& far = far_[static_cast<std::size_t>(i)] = 0.0;
-        for (const Vec3& v : surface.v) far = std::max(far, context_.dt * distance(v, drift));
+        CollisionSurface& surface = detection_.surfaces[i];
+        const SoftBody& body = scene_.soft[owners_[i].body];
+        solved_.resize(body.state.v.size());
+        for (std::size_t n = 0; n < solved_.size(); ++n) solved_[n] = body.state.v[n] + body.system.dv[n];
+        for (std::size_t at = 0; at < surface.v.size(); ++at)
+            surface.v[at] = valueAt(at, owners_[i].collision->embedding, solved_);
+        far_[i] = std::numeric_limits<double>::infinity();
+        for (std::size_t n = 0; n < solved_.size(); ++n) solved_[n] = body.state.x[n] + context_.dt * solved_[n];
+        if (!usable(solved_)) return;
+        far_[i] = 0.0;
+        const Vec3 drift = driftOf(surface);
+        for (const Vec3& v : surface.v) far_[i] = std::max(far_[i], context_.dt * distance(v, drift));
     }
 
     /// Whether places of both surfaces may meet: some are near each other, or they move by more than the proximities,
     /// within which detection would have found them.
     [[nodiscard]] bool mayPass(std::array<int, 2> pair) const
     {
+        const double beside = far_[static_cast<std::size_t>(pair[0])] + far_[static_cast<std::size_t>(pair[1])];
+        if (std::isinf(beside)) return false;
         if (std::ranges::find(detection_.proximities, pair, &Proximity::surfaces) != detection_.proximities.end())
             return true;
         const CollisionSurface &one = surfaceOf(pair[0]), &two = surfaceOf(pair[1]);
-        const double far = far_[static_cast<std::size_t>(pair[0])] + far_[static_cast<std::size_t>(pair[1])] +
-                           context_.dt * distance(mean(one.v), mean(two.v));
+        const double far = beside + context_.dt * distance(driftOf(one), driftOf(two));
         return far >= one.shape->proximity + two.shape->proximity || (pair[0] == pair[1] && mayFold(one));
     }
 
@@ -231,8 +231,8 @@ private:
     {
         CollisionSurface &one = surfaceOf(pair[0]), &two = surfaceOf(pair[1]);
         const SurfacePair meeting{{&one, &two}, pair, 0.0};
-        const Vec3 drift = mean(one.v);
-        const double near = kMeet * meeting.proximities();
+        const Vec3 drift = driftOf(one);
+        const double near = kTouching * meeting.proximities();
         boundMotion(one, context_.dt, drift, near);
         if (!meeting.self()) boundMotion(two, context_.dt, drift, near);
         if (!meet(one.whole, two.whole)) return;
@@ -246,23 +246,27 @@ private:
             for (int i = part * kPartSize; i < end; ++i)
                 passes.test(elements[static_cast<std::size_t>(i)], ofPart[static_cast<std::size_t>(part)]);
         });
-        for (std::vector<Proximity>& found : ofPart)
-            for (Proximity& each : found) add(each, out);
+        for (const std::vector<Proximity>& found : ofPart)
+            for (const Proximity& each : found) add(each, out);
     }
 
-    void add(Proximity& pass, std::vector<MissedContact>& out) const
+    void add(const Proximity& pass, std::vector<MissedContact>& out) const
     {
         const std::array<const SurfaceOwner*, 2> sides{&ownerOf(pass.surfaces[0]), &ownerOf(pass.surfaces[1])};
         if (holdsTogether(scene_, {*sides[0], pass.vertices[0]}, {*sides[1], pass.vertices[1]})) return;
-        for (std::size_t side = 0; side < 2; ++side) pass.gap += insetAt(*sides[side]->collision, pass, side);
-        out.push_back({.at = pass, .bodies = {sides[0]->body, sides[1]->body}});
+        const double least = kLeast * (surfaceOf(pass.surfaces[0]).shape->proximity +
+                                       surfaceOf(pass.surfaces[1]).shape->proximity);
+        out.push_back({.at = pass,
+                       .bodies = {sides[0]->body, sides[1]->body},
+                       .mayLose = std::clamp(pass.gap - least, 0.0, kMayLose * pass.gap)});
     }
 
     const StepContext& context_;
     const Scene& scene_;
     ContactDetection& detection_;
     std::vector<SurfaceOwner> owners_;
-    std::vector<double> far_; ///< [m] per surface
+    std::vector<double> far_;  ///< [m] per surface
+    std::vector<Vec3> solved_; ///< scratch, per node
 };
 
 } // namespace

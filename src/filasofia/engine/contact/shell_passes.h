@@ -9,10 +9,12 @@
 
 namespace filasofia::engine {
 
-/// Finds the edges and points of shells that pass through tissue, or through a shell, in the step as it was solved
-/// (Provot 1997): each contact keeps the two places that meet first from coming nearer than a tenth of their distance
-/// at the start of the step. Features that pass through each other already are left out: they must get apart. Gives the
-/// surfaces of these bodies the solved velocities. The same for any number of threads.
+/// Finds the points and edges of tissue and shells that would pass through a shell, or a shell's through tissue, in the
+/// step as it was solved (Provot 1997): the two places that meet first, and by how much they may come nearer, which is
+/// nine tenths of their distance, and not below a quarter of both proximities. Features that pass through each other
+/// already are left out: they must get apart. So are those that are near each other at rest, bodies whose new state is
+/// not usable, and bodies that the solved velocity does not move (ExplicitEuler that is not symplectic). Gives the
+/// surfaces the solved velocities. The same for any number of threads.
 std::vector<MissedContact> findShellPasses(const StepContext& context, const Scene& scene, Coupling& coupling);
 
 } // namespace filasofia::engine
