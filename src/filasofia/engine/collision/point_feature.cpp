@@ -50,16 +50,6 @@ bool facing(const PointQuery& query, Vec3 towards)
            });
 }
 
-// Whether the surface around p nowhere looks at what is below p, against `up`: its own tissue is there. If p is above a
-// place of its own surface, that tissue has passed through it: held there, a vessel that a clip had pressed through
-// itself stayed shut for good.
-bool hasOwnBelow(const PointQuery& query, Vec3 up)
-{
-    return query.meeting.ownSolid() && std::ranges::all_of(query.own().shape->vertexTriangles[query.point], [&](int t) {
-               return dot(faceNormal(query.own(), t), up) > 0.0;
-           });
-}
-
 // Adds a minimum. `away` is the unit vector that opens the gap for the point, as the target determines it.
 PointMinimum& addMinimum(const PointQuery& query, const Feature& feature, Vec3 away, double gap, bool twoSided)
 {
@@ -135,9 +125,7 @@ Face testFace(const PointQuery& query, int triangle)
     if (!(wa > kSide && wb > kSide && wc > kSide)) return Face::Beside;
     const double area = std::sqrt(whole);
     const Feature face{{ia, ib, ic}, {wa, wb, wc}, target.shape->triangleFeature(triangle)};
-    if (excluded(query, face)) return Face::Inside;
-    PointMinimum& out = addMinimum(query, face, normal / area, height / area, !target.shape->closed);
-    if (height >= 0.0) out.facing = !hasOwnBelow(query, normal);
+    if (!excluded(query, face)) addMinimum(query, face, normal / area, height / area, !target.shape->closed);
     return Face::Inside;
 }
 
