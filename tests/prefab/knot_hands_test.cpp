@@ -4,6 +4,7 @@
 #include "filasofia/core/units.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/prefab/knot_plan.h"
+#include "filasofia/runtime/stepped_run.h"
 #include "filasofia/testing/linking.h"
 
 #include <catch2/catch.hpp>
@@ -132,6 +133,18 @@ TEST_CASE("the same knot comes off with a friction of 0.02")
     CHECK(scene.passes == 0);
     CHECK(scene.force < 1.8); // N, in the last step: the bars go apart as fast as they may, and never bear the load
     CHECK(scene.loaded.back() - scene.loaded.front() > 2_mm);
+}
+
+TEST_CASE("hands that come between two steps of a stepped run tie")
+{
+    TiedBars scene(0.3);
+    runtime::SteppedRun run(scene.sim, {.backend = visual::Backend::Null});
+    run.step();
+    KnotHands knot(scene.sim, scene.def());
+    run.step();
+    knot.begin();
+    for (int i = 0; i < 12000 && knot.tied() == 0; ++i) run.step();
+    CHECK(knot.tied() == 1);
 }
 
 TEST_CASE("a wrong knot is one error that names what is wrong")

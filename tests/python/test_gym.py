@@ -50,6 +50,17 @@ def test_gymnasium_accepts_every_environment(name, action):
     env.close()
 
 
+@pytest.mark.parametrize("name", NAMES)
+def test_observations_are_of_the_order_of_one(name):
+    env = getattr(gym, name)()
+    act = at_random(5)(env)
+    largest = np.abs(env.reset(seed=3)[0])
+    for _ in range(20):
+        largest = np.maximum(largest, np.abs(env.step(act())[0]))
+    assert largest.max() < 3
+    env.close()
+
+
 @pytest.mark.parametrize("name", ["Reach", "PrecisionCutting"])
 def test_pictures_are_observations_too(name):
     env = gymnasium.make(f"filasofia/{name}-v0", observation="rgb", image_size=(48, 32))

@@ -128,6 +128,28 @@ TEST_CASE("a mesh that is too coarse for what an electrode burns is told once, w
     }
 }
 
+TEST_CASE("a coarse mesh that loses no heat is told, with how far heat spreads in a minute")
+{
+    std::vector<std::string> warned;
+    setLogSink([&](LogLevel level, std::string_view line) {
+        if (level == LogLevel::Warning) warned.emplace_back(line);
+    });
+    for (const double perfusion : {0.0, 1e-9}) {
+        Simulation sim{SimulationDef{.physics = {.rate = 500, .threads = 1}}};
+        SoftBodyDef def{.name = "liver", .mesh = shapes::block({48_mm, 6_mm, 48_mm}, {4, 1, 4})};
+        def.attachments = {{.box = Box{{-1, -1, -1}, {1, 1, 1}}}};
+        sim.burn(sim.add(def), {.perfusion = perfusion, .loss = 0.0, .rate = 50});
+        const BodyId stick = sim.add(RigidBodyDef{.name = "stick", .elements = {{{0, 3_mm, 0}}}});
+        sim.addElectrode(stick, {.mode = EnergyMode::Coagulate, .power = 10.0, .radius = 2_mm});
+        sim.activate(stick, true);
+        sim.run({.headless = true, .steps = 100});
+    }
+    setLogSink({});
+    REQUIRE(warned.size() == 2);
+    for (const std::string& line : warned) // sqrt(0.52 * 60 / (1060 * 3540)) m
+        CHECK_THAT(line, Catch::Contains("spreads 2.9 mm") && Catch::Contains("edges of at most 2.9 mm"));
+}
+
 TEST_CASE("a tip that moves gives its power for the time with its pedal pressed and in contact, exactly")
 {
     StillTheatre theatre(kWeak);

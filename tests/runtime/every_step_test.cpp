@@ -5,6 +5,7 @@
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/record/recording.h"
 #include "filasofia/record/replay.h"
+#include "filasofia/runtime/stepped_run.h"
 
 #include <unistd.h>
 
@@ -142,7 +143,70 @@ TEST_CASE("an empty script is refused, and so is a new one during a run")
         }
     });
     sim.run({.headless = true, .steps = 2});
-    CHECK(refused == "simulation: everyStep must be set before a run, but one is going on");
+    CHECK(refused ==
+          "simulation: everyStep must be set before a run or between two steps of a stepped run, but a run or "
+          "a step is going on");
+}
+
+TEST_CASE("a script and a memory may be added between two steps of a stepped run, not in one, nor in the run after it")
+{
+    Simulation sim;
+    bool inStep = false;
+    int calls = 0, refused = 0;
+    const auto tryIt = [&] {
+        try {
+            sim.everyStep([](double) {});
+        } catch (const Error&) {
+            ++refused;
+        }
+        try {
+            sim.remember({.of = "x", .save = [] { return std::any(); }, .restore = [](const std::any&) {}});
+        } catch (const Error&) {
+            ++refused;
+        }
+    };
+    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent&) {
+        if (inStep) tryIt();
+    });
+    {
+        runtime::SteppedRun run(sim, RunDef{.backend = Backend::Null});
+        run.step();
+        sim.everyStep([&](double) { ++calls; });
+        sim.remember({.of = "calls",
+                      .save = [&] { return std::any(calls); },
+                      .restore = [&](const std::any& copy) { calls = std::any_cast<int>(copy); }});
+        run.step();
+        CHECK(calls == 1);
+        const auto saved = run.save();
+        run.step();
+        run.restore(*saved);
+        CHECK(calls == 1);
+        inStep = true;
+        run.step();
+        CHECK(refused == 2);
+        run.end();
+    }
+    sim.run({.headless = true, .backend = Backend::Null, .steps = 1});
+    CHECK(refused == 4);
+}
+
+TEST_CASE("steps that were undone are told in the log once, also if nobody ends the run")
+{
+    std::vector<std::string> warned;
+    setLogSink([&](LogLevel level, std::string_view line) {
+        if (level == LogLevel::Warning && line.find("(Undone)") != std::string_view::npos) warned.emplace_back(line);
+    });
+    Simulation sim{SimulationDef{.physics = {.rate = 500, .threads = 1}}};
+    const BodyId thread = sim.add(RodBodyDef{.points = {{0, 0, 0}, {50_mm, 0, 0}}, .spacing = 1_mm});
+    runtime::SteppedRun run(sim, RunDef{.backend = Backend::Null});
+    int undone = 0;
+    for (int i = 0; i < 20; ++i) {
+        if (i == 3) sim.physics().setForces(thread, {{.node = 20, .force = {0, 1e9, 0}}});
+        undone += run.step().has(physics::StepFlag::Undone);
+    }
+    CHECK(undone > 1);
+    CHECK(warned.size() == 1);
+    setLogSink({});
 }
 
 TEST_CASE("an orientation of any length is made unit where a body goes")

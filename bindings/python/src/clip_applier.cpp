@@ -43,7 +43,7 @@ void addClipApplier(nb::module_& module)
         .def("__init__", &make, nb::arg("sim"), nb::arg("tool").none(), nb::arg("definition").none(),
              nb::sig("def __init__(self, sim: filasofia.Simulation, tool: filasofia.BodyId, definition: "
                      "filasofia.ClipApplierDef) -> None"),
-             "Adds the clips, before the first step.")
+             "Adds the clips.")
         .def(
             "close", [](HeldApplier& self) { open(self, "close").close(); },
             "Closes the next clip where the tool is, on the target with most nodes between its legs, in the next step.")

@@ -38,7 +38,7 @@ void addKnotHands(nb::module_& module)
                           "Two hands that tie a knot with the ends of a rod, throw by throw. They touch nothing.")
         .def("__init__", &make, nb::arg("sim"), nb::arg("definition").none(),
              nb::sig("def __init__(self, sim: filasofia.Simulation, definition: filasofia.KnotDef) -> None"),
-             "Adds the hands and their fingers, before the first step.")
+             "Adds the hands and their fingers.")
         .def(
             "begin", [](HeldHands& self) { open(self, "begin").begin(); },
             "They take the thread and tie all throws; then they hold both strands up.")

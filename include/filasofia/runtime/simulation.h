@@ -212,11 +212,12 @@ public:
     /// Calls `callback` on the stepping thread before every step that is not paused, live and headless, with the
     /// simulated time [s] at which that step will end. Commands that it gives belong to that step and are recorded, so
     /// a scripted motion is exact: the body is where the callback says for that time. Physics waits for the callback.
-    /// If it throws, that is logged and it is not called again. Set it before a run (Error during one); several are
-    /// called in order.
+    /// If it throws, that is logged and it is not called again. Set it before a run or between two steps of a
+    /// SteppedRun (Error otherwise); several are called in order.
     void everyStep(std::function<void(double time)> callback);
     /// Lets saved states of a SteppedRun have what a part of the program remembers from step to step. Set it before a
-    /// run (Error during one, or if the name or a function is missing).
+    /// run or between two steps of a SteppedRun (Error otherwise, or if the name or a function is missing). States that
+    /// were saved before do not know it.
     void remember(Memory memory);
     /// Posts an event, stamped with the simulation's time and step. Any thread. Error if the queue is full.
     void post(std::unique_ptr<event::Event> event);

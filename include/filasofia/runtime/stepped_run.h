@@ -59,8 +59,8 @@ struct RunState {
 /// of their own: learning, optimisation, bindings to other languages. With the same calls before each step the states
 /// are those of a headless Simulation::run(), bit for bit.
 ///
-/// While it exists, it is the simulation's run: no other can begin, and everyStep(), dress() and haptic interfaces must
-/// be set before. Its functions may be called from any thread, but from one at a time. The simulation must outlive it.
+/// While it exists, it is the simulation's run: no other can begin, and dress() and haptic interfaces must be set
+/// before; everyStep() and remember() may also be called between two steps. Its functions may be called from any thread, but from one at a time. The simulation must outlive it.
 /// Simulation::finish() does not end it; its owner does.
 class SteppedRun {
 public:

@@ -16,6 +16,7 @@ public:
     {
         undone_ = undoneAtEnd_ = damped_ = notConverged_ = outOfTime_ = inverted_ = beyondStrain_ = 0;
         restless_ = energyGained_ = intersecting_ = 0;
+        lastUndone_ = -kApart;
         deepest_ = {};
         unrest_ = {};
         worst_ = {};
@@ -30,6 +31,8 @@ public:
     {
         ++stepsEver_;
         undone_ += report.has(physics::StepFlag::Undone);
+        newlyUndone_ = report.has(physics::StepFlag::Undone) && !(report.time < lastUndone_ + kApart);
+        if (report.has(physics::StepFlag::Undone)) lastUndone_ = report.time;
         if (report.dt > 0.0) undoneAtEnd_ = report.has(physics::StepFlag::Undone) ? undoneAtEnd_ + 1 : 0;
         damped_ += report.has(physics::StepFlag::Damped);
         notConverged_ += report.has(physics::StepFlag::NotConverged);
@@ -71,6 +74,8 @@ public:
     }
     /// The steps of all runs, paused ones included.
     [[nodiscard]] std::uint64_t stepsEver() const { return stepsEver_; }
+    /// Whether the last step was undone, and none in the second before it: one that is to be told.
+    [[nodiscard]] bool newlyUndone() const { return newlyUndone_; }
     [[nodiscard]] const NothingWatch& nothing() const { return nothing_; }
     /// What bodies have lost, without their names.
     using Lost = LostPiecesReport;
@@ -97,7 +102,10 @@ public:
     }
 
 private:
+    static constexpr double kApart = 1.0; ///< [s] undone steps that are nearer to each other are told once
     std::uint64_t stepsEver_ = 0;
+    double lastUndone_ = -kApart; ///< [s]
+    bool newlyUndone_ = false;
     /// [-] steps of this run
     std::uint64_t undone_ = 0, undoneAtEnd_ = 0, damped_ = 0, notConverged_ = 0, outOfTime_ = 0, inverted_ = 0,
                   beyondStrain_ = 0;

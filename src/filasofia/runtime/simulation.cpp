@@ -209,7 +209,10 @@ void Simulation::useWindow(std::function<std::unique_ptr<window::Window>(const w
 void Simulation::everyStep(std::function<void(double)> callback)
 {
     if (!callback) fail("simulation: everyStep: needs a function to call, got an empty one");
-    if (impl_->control.running()) fail("simulation: everyStep must be set before a run, but one is going on");
+    if (!impl_->control.changeable())
+        fail(
+            "simulation: everyStep must be set before a run or between two steps of a stepped run, but a run or a step "
+            "is going on");
     impl_->everyStep.add(std::move(callback));
 }
 
@@ -217,7 +220,9 @@ void Simulation::remember(Memory memory)
 {
     if (memory.of.empty() || !memory.save || !memory.restore)
         fail("simulation: remember: of, save and restore must not be empty");
-    if (impl_->control.running()) fail("simulation: remember must be called before a run, but one is going on");
+    if (!impl_->control.changeable())
+        fail("simulation: remember must be called before a run or between two steps of a stepped run, but a run or a "
+             "step is going on");
     impl_->memories.add(std::move(memory));
 }
 

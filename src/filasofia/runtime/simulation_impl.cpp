@@ -84,6 +84,9 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     now.set(report.time, report.step);
     pause.endStep(physics);
     counters.count(report);
+    if (counters.newlyUndone())
+        logWarning("at ", report.time, " s a body's new state was not finite and was rolled back (Undone); ",
+                   report.has(physics::StepFlag::Damped) ? "it advanced with damping (Damped)" : "it stood still");
     feed.write(report);
     haptics.afterStep(report, physics);
     // Before the update event, so that its observers already know what happened in the step.

@@ -24,6 +24,18 @@ RunDef checked(RunDef def)
     return def;
 }
 
+/// While it lives, a step is made: what is called in it cannot be changed.
+class Moving {
+public:
+    explicit Moving(RunControl& control) : control_(control) { control_.rest(false); }
+    ~Moving() { control_.rest(true); }
+    Moving(const Moving&) = delete;
+    Moving& operator=(const Moving&) = delete;
+
+private:
+    RunControl& control_;
+};
+
 } // namespace
 
 struct SteppedRun::Impl {
@@ -62,6 +74,7 @@ void SteppedRun::Impl::begin()
                                      static_cast<void>(simulation.events.tryPost(std::move(event)));
                                  });
         files.emplace(simulation, def);
+        simulation.control.rest(true);
     } catch (...) {
         simulation.haptics.abandon();
         simulation.endRun();
@@ -107,6 +120,7 @@ physics::StepReport SteppedRun::step()
     impl_->requireRunning("step");
     Simulation::Impl& simulation = impl_->simulation;
     const physics::PhysicsServer::Stepping stepping(simulation.physics);
+    const Moving moving(simulation.control);
     const Nanoseconds start = simulation.clock.now();
     const double dt = simulation.step();
     simulation.beforeStep(dt);

@@ -4,6 +4,7 @@
 #include "filasofia/runtime/surfaces.h"
 #include "filasofia/runtime/told_and_kept.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace filasofia::runtime {
@@ -32,11 +33,14 @@ template <> struct Kind<surface::Burning> {
     }
 };
 
-/// The length over which a steady temperature in the layer falls by a factor of e.
+/// The length over which a steady temperature in the layer falls by a factor of e, but no more than heat spreads in a
+/// minute: if little is lost, the steady state is far from what a burn sees.
 double spreadOf(const surface::BurningDef& def)
 {
+    constexpr double kLongest = 60.0;                                                 // [s]
     const double loss = def.loss + def.perfusion * def.bloodHeatCapacity * def.depth; // [W/(m^2 K)]
-    return loss > 0.0 ? std::sqrt(def.conductivity * def.depth / loss) : 0.0;
+    const double perMinute = kLongest / (def.density * def.heatCapacity);             // [m^3 K/W]
+    return std::sqrt(def.conductivity * (loss > 0.0 ? std::min(def.depth / loss, perMinute) : perMinute));
 }
 
 } // namespace

@@ -4,6 +4,8 @@
 #include "filasofia/core/log.h"
 #include "filasofia/geometry/shapes.h"
 
+#include <numbers>
+
 namespace starts_inside_test {
 
 using namespace filasofia;
@@ -105,6 +107,36 @@ TEST_CASE("two bodies that start inside each other are named once, whatever they
             CHECK(told.all.find(text("body '", name, "'")) != std::string::npos);
         }
     }
+}
+
+TEST_CASE(
+    "a rod whose tube starts in a body, but not its centre line, is named with its radius, unless it only touches")
+{
+    physics::RodBodyDef rod{.name = "thread", .points = {{-0.1, 5.5e-3, 0}, {0.1, 5.5e-3, 0}}, .spacing = 20e-3};
+    rod.gravity = false;
+    rod.collision = physics::RodCollision{};
+    physics::RigidBodyDef bar = rigid(shapes::capsule(5e-3, 40e-3), {}, false);
+    bar.elements = {{{}, axisAngle({1, 0, 0}, std::numbers::pi / 2)}}; // along z, under the middle of the rod
+    for (const auto& [radius, said] :
+         {std::pair{0.03, "the radius of 'thread' is 30 mm"}, std::pair{0.1, "the radius of 'thread' is 100 mm"}}) {
+        rod.radius = radius;
+        const Told told = toldOf({bar, rod}, 3);
+        CAPTURE(told.all);
+        CHECK(told.warnings == 1);
+        CHECK(told.all.find(said) != std::string::npos);
+    }
+    for (const double radius : {0.15e-3, 0.5e-3, 1e-3}) { // apart, touching, pressed in by half
+        rod.radius = radius;
+        rod.spacing = 2e-3;
+        CHECK(toldOf({bar, rod}, 3).warnings == 0);
+    }
+    physics::RodBodyDef other = rod; // two rods in one line, and crossing so that they touch
+    other.name = "other";
+    other.points = {{-0.1, 5.6e-3, 0}, {0.1, 5.6e-3, 0}};
+    rod.radius = other.radius = 2e-3;
+    CHECK(toldOf({rod, other}, 3).warnings == 1);
+    other.points = {{0, 9.6e-3, -0.1}, {0, 9.6e-3, 0.1}};
+    CHECK(toldOf({rod, other}, 3).warnings == 0);
 }
 
 TEST_CASE("bodies with several surfaces are named once")

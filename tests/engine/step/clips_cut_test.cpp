@@ -148,4 +148,52 @@ TEST_CASE("a clip lower than a round tube takes its two sides, and is told to be
     CHECK(report.clips.partial == 1);
 }
 
+TEST_CASE("a vessel that was clipped shut and cut beside the clip springs open when the clip is released")
+{
+    // The clip presses the walls through each other before the cut lets the vessel collide with itself.
+    constexpr double slow = 0.01; // [s] a step
+    Stage stage;
+    std::vector<Vec3> line;
+    for (int i = 0; i <= 8; ++i) line.push_back({5e-3 * i - 20e-3, 0, 0});
+    SoftBodyDef def{.name = "artery", .mesh = shapes::vessel(line, 3e-3, 0.5e-3, {16, 1})};
+    def.material = FemMaterial{.youngModulus = 50e3, .poissonRatio = 0.45};
+    def.gravity = false;
+    def.dynamicTopology = true;
+    def.collision = {{.proximity = 2e-4}};
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {-19.5e-3, 1, 1}}},
+                       {.box = geometry::Box{{19.5e-3, -1, -1}, {1, 1, 1}}}};
+    stage.add(def);
+    stage.run(2, slow);
+    const std::vector<Vec3> start = stage.soft().x;
+    const auto height = [&] {
+        double low = 0.0, high = 0.0; // [m] of the nodes that were under the clip
+        for (std::size_t n = 0; n < start.size(); ++n) {
+            if (std::fabs(start[n].x + 8e-3) > 2.6e-3) continue;
+            low = std::min(low, stage.soft().x[n].y);
+            high = std::max(high, stage.soft().x[n].y);
+        }
+        return high - low;
+    };
+    const double open = height();
+    const BodyId clip = stage.add(clipBody({-8e-3, 0, 0}));
+    const AttachmentId hold{++stage.lastAttachment};
+    stage.post(ApplyClip{hold, clip, BodyId{1}, {.length = 12e-3, .opening = 12e-3}});
+    stage.run(50, slow);
+    CHECK(height() < 0.4 * open);
+
+    const Quat across = axisAngle({0, 0, 1}, std::numbers::pi / 2);
+    RigidBodyDef blade{.name = "knife", .elements = {{{0.3e-3, 30e-3, 0}, across}}};
+    blade.collision = {{.mesh = shapes::sheet(20e-3, 30e-3, {1, 1}), .cutting = true}};
+    const BodyId knife = stage.add(blade);
+    for (int i = 1; i <= 30; ++i) {
+        stage.post(SetPose{knife, 0, {{0.3e-3, 30e-3 - 2e-3 * i, 0}, across}});
+        stage.step(slow);
+    }
+    CHECK(stage.model().pieces.size() == 2);
+    stage.post(Release{hold});
+    stage.run(50, slow);
+    CHECK(height() == Approx(open).epsilon(0.01));
+    CHECK_FALSE(stage.step(slow).has(StepFlag::Intersecting));
+}
+
 } // namespace clips_cut_test

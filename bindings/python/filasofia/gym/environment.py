@@ -228,8 +228,9 @@ class SurgicalEnv(gymnasium.Env):
         self.put(tool.body, tool.place)
 
     def unit(self, place: Array) -> Array:
-        """Places [m] as numbers that are in [-1, 1] in the workspace of the first tool."""
-        low, high = np.array(self.tools[0].low), np.array(self.tools[0].high)
+        """Places [m] as numbers that are in [-1, 1] in the box around the workspaces of all tools."""
+        low = np.min([tool.low for tool in self.tools], axis=0)
+        high = np.max([tool.high for tool in self.tools], axis=0)
         return (2.0 * np.asarray(place) - low - high) / (high - low)
 
     def carry(self, tools: list[Tool], low: typing.Any, high: typing.Any, steps: int = 40) -> None:

@@ -407,8 +407,8 @@ class ClipAndCut(SurgicalEnv):
             self.sim.show(applier, surface=leg, material=fs.MetalMaterial(), cast_shadows=False)
         shaft = bodies.moved(fs.shapes.box((0.005, 0.009, 0.05)), (0, 0, 0.035))
         self.sim.show(applier, surface=shaft, material=plain((0.05, 0.05, 0.06)), cast_shadows=False)
-        count = (5, 4, 3)[self.difficulty]
-        clips = fs.ClipApplierDef(clips=count, targets=[self.vessel], place=(0, 0, 0), clip=fs.ClipDef(closing_force=10))
+        self.count = (5, 4, 3)[self.difficulty]
+        clips = fs.ClipApplierDef(clips=self.count, targets=[self.vessel], place=(0, 0, 0), clip=fs.ClipDef(closing_force=10))
         self.clips = fs.ClipApplier(self.sim, applier, clips)
         place = (self.cut_at, 0.03, 0.0)
         edges = [[0, 0, 0.008], [0, 0, -0.008], [0, 0.02, -0.008], [0, 0.02, 0.008]]
@@ -452,7 +452,8 @@ class ClipAndCut(SurgicalEnv):
         duct = self.sim.duct(self.vessel)
         before, behind = self._count()
         cut = float(duct.state in ("cut", "leaking"))
-        return np.concatenate([points.ravel(), [before, behind, self.clips.left, cut, duct.lost * 1e6]])
+        counts = np.array([before, behind, self.clips.left]) / self.count
+        return np.concatenate([points.ravel(), counts, [cut, duct.lost * 1e6]])
 
     def _count(self) -> tuple[int, int]:
         """Clips before and behind the cut, or where it is to be."""

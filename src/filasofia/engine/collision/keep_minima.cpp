@@ -1,5 +1,7 @@
 #include "filasofia/engine/collision/keep_minima.h"
 
+#include "filasofia/engine/collision/feature_normals.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -49,6 +51,23 @@ void leaveOutOtherWalls(const SurfacePair& meeting, const std::vector<SheetSide>
 {
     forEachMinimum(scratch, [&](PointMinimum& m) {
         if (m.proximity.gap < 0.0 && sideBefore(sides, sideNow(meeting, m)) <= 0) m.distance = kNone;
+    });
+}
+
+/// Whether the surface around the point nowhere looks at a face that it is outside of: its own tissue is there.
+bool hasOwnBelow(const CollisionSurface& surface, const PointMinimum& m)
+{
+    return m.proximity.gap >= 0.0 && m.proximity.vertices[1 - m.source][2] >= 0 &&
+           std::ranges::all_of(surface.shape->vertexTriangles[m.point],
+                               [&](int t) { return dot(faceNormal(surface, t), m.proximity.normal) > 0.0; });
+}
+
+// Faces of a point's own surface that its tissue has passed through do not hold it, unless it came there from outside:
+// a vessel that a clip had pressed through itself before a cut let it collide with itself stayed shut for good.
+void leaveOutPassed(const SurfacePair& meeting, const std::vector<SheetSide>& sides, ProximityScratch& scratch)
+{
+    forEachMinimum(scratch, [&](PointMinimum& m) {
+        if (hasOwnBelow(*meeting.sides[m.source], m) && sideBefore(sides, sideNow(meeting, m)) <= 0) m.facing = false;
     });
 }
 
@@ -119,7 +138,10 @@ bool secondary(const SurfacePair& meeting, const PointMinimum& m)
 void keepMinima(const SurfacePair& meeting, const std::vector<SheetSide>& sides, ProximityScratch& scratch,
                 std::vector<Proximity>& found)
 {
-    if (meeting.ownSolid()) leaveOutOtherWalls(meeting, sides, scratch);
+    if (meeting.ownSolid()) {
+        leaveOutOtherWalls(meeting, sides, scratch);
+        leaveOutPassed(meeting, sides, scratch);
+    }
     findNearest(scratch);
     scratch.vertexPairs.clear();
     forEachMinimum(scratch, [&](PointMinimum& m) {

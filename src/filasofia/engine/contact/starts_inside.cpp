@@ -39,9 +39,29 @@ bool isStart(const std::vector<SurfaceOwner>& owners, const std::vector<bool>& a
     return i != k && (added[i] || added[k]) && (movable(owners[i], plan) || movable(owners[k], plan));
 }
 
-/// What becomes of them.
-const char* prospectOf(const SurfaceOwner& one, const SurfaceOwner& two, const DeepPoints& deep)
+/// The rod, of two, whose tube is in the other body by more than half of its radius, and than that body's contacts are
+/// found from; nullptr: neither is. Contacts follow it up to its centre line, so nothing is lost, but a tube so deep is
+/// pushed out by whatever force that takes: with a radius in the wrong unit by meganewtons.
+const SurfaceOwner* deepTube(const Scene& scene, const SurfaceOwner& one, const SurfaceOwner& two,
+                             const ContactDetection& detection, std::array<int, 2> pair)
 {
+    double depth = 0.0;
+    for (const Proximity& each : detection.proximities)
+        if (each.surfaces == pair)
+            depth = std::max(depth, insetAt(*one.collision, each, 0) + insetAt(*two.collision, each, 1) - each.gap);
+    const auto isDeep = [&](const SurfaceOwner& rod, const SurfaceOwner& other) {
+        return isLine(scene, rod) && depth > std::max(0.5 * rod.collision->round, other.collision->proximity);
+    };
+    return isDeep(one, two) ? &one : isDeep(two, one) ? &two : nullptr;
+}
+
+/// What becomes of them.
+std::string prospectOf(const Scene& scene, const SurfaceOwner& one, const SurfaceOwner& two, const DeepPoints& deep,
+                       const SurfaceOwner* tube)
+{
+    if (tube != nullptr)
+        return text("they are pushed apart, as the radius of '", nameOf(scene, *tube), "' is ",
+                    1e3 * tube->collision->round, " mm");
     if (partsFrom(one, two)) return "they part where their surfaces cross";
     const bool round = one.collision->round + two.collision->round > 0.0;
     if (!deep.inRigid.empty() || (round && !one.soft && !two.soft)) return "they are pushed apart";
@@ -95,13 +115,14 @@ void warnOfStartsInside(const Scene& scene, const std::vector<SurfaceOwner>& own
         const std::vector<std::array<SurfaceName, 2>>& noted = detection.startedInside;
         const bool meet =
             std::ranges::find(crossing, pair) != crossing.end() || overlapDeep(meetingOf(detection, pair));
+        const SurfaceOwner* tube = deepTube(scene, one, two, detection, pair);
         const bool tied = std::ranges::any_of(scene.attachments, [&](const Attachment& each) {
             return std::array{std::min(each.body, each.to), std::max(each.body, each.to)} == bodies;
         });
-        if (std::ranges::find(noted, names) == noted.end() && (!meet || tied)) continue;
+        if (std::ranges::find(noted, names) == noted.end() && (!(meet || tube != nullptr) || tied)) continue;
         told.push_back(bodies);
-        logWarning("body '", nameOf(scene, one), "' and body '", nameOf(scene, two),
-                   "' start inside each other: ", prospectOf(one, two, deepPointsOf(owners, detection, pair)));
+        logWarning("body '", nameOf(scene, one), "' and body '", nameOf(scene, two), "' start inside each other: ",
+                   prospectOf(scene, one, two, deepPointsOf(owners, detection, pair), tube));
     }
 }
 

@@ -18,7 +18,8 @@ void noteStartsInside(const std::vector<SurfaceOwner>& owners, const std::vector
 void addDeepPoints(const std::vector<SurfaceOwner>& owners, ContactDetection& detection);
 
 /// Warns, once per pair of bodies, of those that start inside each other: the pairs of surfaces noted above, those that
-/// pass through each other (`crossing`, from reportIntersections()), and solids that lie in each other face on face.
+/// pass through each other (`crossing`, from reportIntersections()), solids that lie in each other face on face, and
+/// rods whose tube is in another body.
 void warnOfStartsInside(const Scene& scene, const std::vector<SurfaceOwner>& owners, const std::vector<bool>& added,
                         std::span<const std::array<int, 2>> crossing, const Coupling& coupling);
 
