@@ -60,8 +60,9 @@ struct RunState {
 /// are those of a headless Simulation::run(), bit for bit.
 ///
 /// While it exists, it is the simulation's run: no other can begin, and dress() and haptic interfaces must be set
-/// before; everyStep() and remember() may also be called between two steps. Its functions may be called from any thread, but from one at a time. The simulation must outlive it.
-/// Simulation::finish() does not end it; its owner does.
+/// before; everyStep() and remember() may also be called between two steps. Its functions may be called from any
+/// thread, but from one at a time. The simulation must outlive it. Simulation::finish() does not end it; its owner
+/// does.
 class SteppedRun {
 public:
     /// Begins the run. It reads these fields of `def`: log, record, seed, session, trainee, device, motion and

@@ -237,18 +237,4 @@ TEST_CASE("what the solve lets pass through a shell is pushed apart, or held tog
         }
 }
 
-TEST_CASE("the walls of a flat bag that are nearer to each other at rest than they are thick stay where they are")
-{
-    Stage stage({.threads = 1});
-    geometry::TriangleMesh mesh = geometry::shapes::sphere(0.01, 8);
-    for (Vec3& x : mesh.vertices) x.z *= 0.04;
-    stage.add(SoftBodyDef{.mesh = shared(mesh),
-                          .material = ShellMaterial{.youngModulus = 1e5, .thickness = kThickness},
-                          .gravity = false,
-                          .collision = {{.proximity = 0.5e-3, .self = true}}});
-    stage.run(50, 1e-3);
-    for (std::size_t n = 0; n < mesh.vertices.size(); ++n)
-        CHECK(distance(stage.soft().x[n], mesh.vertices[n]) < 1e-9);
-}
-
 } // namespace keep_shells_apart_test

@@ -166,7 +166,7 @@ TEST_CASE("a vessel that was clipped shut and cut beside the clip springs open w
     stage.run(2, slow);
     const std::vector<Vec3> start = stage.soft().x;
     const auto height = [&] {
-        double low = 0.0, high = 0.0; // [m] of the nodes that were under the clip
+        double low = 0.0, high = 0.0; // [m] nodes that were under the clip
         for (std::size_t n = 0; n < start.size(); ++n) {
             if (std::fabs(start[n].x + 8e-3) > 2.6e-3) continue;
             low = std::min(low, stage.soft().x[n].y);

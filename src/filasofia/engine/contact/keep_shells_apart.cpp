@@ -14,7 +14,7 @@ namespace filasofia::engine {
 namespace {
 
 constexpr int kSweeps = 50;
-// [-] of the speed at which places may come nearer, and [m/s]: changes of velocities that end the sweeps
+// Changes of velocities that end the sweeps: [-], relative to the speed at which places may come nearer, and [m/s]
 constexpr double kEnough = 1e-3, kStill = 1e-9;
 
 template <class Visit> void forEachNode(const BodyPoint& point, const Visit& visit)

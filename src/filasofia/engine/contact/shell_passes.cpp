@@ -9,19 +9,16 @@
 #include "filasofia/geometry/distance.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
 namespace filasofia::engine {
 namespace {
 
-constexpr double kMayLose = 0.9;     ///< [-] how much of their distance two places may lose in a step
-constexpr double kLeast = 0.25;     ///< [-] they come no nearer than this part of both proximities
-constexpr double kTouching = 1e-4;      ///< [-] places this near to each other meet, relative to both proximities
-constexpr double kEdgesApart = 6.0; ///< [-] edges between vertices of neighbours that detection leaves out, and more
-constexpr int kPartSize = 256;      ///< pairs of elements: some 10 us
+constexpr double kMayLose = 0.9;   ///< [-] how much of their distance two places may lose in a step
+constexpr double kLeast = 0.25;    ///< [-] they come no nearer than this part of both proximities
+constexpr double kTouching = 1e-4; ///< [-] places this near to each other meet, relative to both proximities
+constexpr int kPartSize = 256;     ///< pairs of elements: some 10 us
 
 /// Whether the solved velocity moves a body in this step.
 bool followsSolve(const SoftModel& model)
@@ -144,7 +141,7 @@ class Finder {
 public:
     Finder(const StepContext& context, const Scene& scene, Coupling& coupling)
         : context_(context), scene_(scene), detection_(coupling.detection), owners_(surfaceOwners(scene)),
-          far_(owners_.size())
+          usable_(owners_.size())
     {
     }
 
@@ -162,7 +159,8 @@ public:
             if (wanted[i] != 0) useSolved(i);
         std::vector<MissedContact> out;
         for (const std::array<int, 2>& pair : pairs)
-            if (mayPass(pair)) find(pair, out);
+            if (usable_[static_cast<std::size_t>(pair[0])] != 0 && usable_[static_cast<std::size_t>(pair[1])] != 0)
+                find(pair, out);
         return out;
     }
 
@@ -180,8 +178,7 @@ private:
         return a.shape->triangleFaces && b.shape->triangleFaces && mayCollide(a, b);
     }
 
-    /// Gives a surface the solved velocities, and notes how far it moves beside its mean motion: beyond all bounds if
-    /// its body will not be moved so, as it would leave the world.
+    /// Gives a surface the solved velocities, and notes whether its body will be moved by them.
     void useSolved(std::size_t i)
     {
         CollisionSurface& surface = detection_.surfaces[i];
@@ -190,41 +187,8 @@ private:
         for (std::size_t n = 0; n < solved_.size(); ++n) solved_[n] = body.state.v[n] + body.system.dv[n];
         for (std::size_t at = 0; at < surface.v.size(); ++at)
             surface.v[at] = valueAt(at, owners_[i].collision->embedding, solved_);
-        far_[i] = std::numeric_limits<double>::infinity();
         for (std::size_t n = 0; n < solved_.size(); ++n) solved_[n] = body.state.x[n] + context_.dt * solved_[n];
-        if (!usable(solved_)) return;
-        far_[i] = 0.0;
-        const Vec3 drift = driftOf(surface);
-        for (const Vec3& v : surface.v) far_[i] = std::max(far_[i], context_.dt * distance(v, drift));
-    }
-
-    /// Whether places of both surfaces may meet: some are near each other, or they move by more than the proximities,
-    /// within which detection would have found them.
-    [[nodiscard]] bool mayPass(std::array<int, 2> pair) const
-    {
-        const double beside = far_[static_cast<std::size_t>(pair[0])] + far_[static_cast<std::size_t>(pair[1])];
-        if (std::isinf(beside)) return false;
-        if (std::ranges::find(detection_.proximities, pair, &Proximity::surfaces) != detection_.proximities.end())
-            return true;
-        const CollisionSurface &one = surfaceOf(pair[0]), &two = surfaceOf(pair[1]);
-        const double far = beside + context_.dt * distance(driftOf(one), driftOf(two));
-        return far >= one.shape->proximity + two.shape->proximity || (pair[0] == pair[1] && mayFold(one));
-    }
-
-    /// Whether neighbours move far enough to meet, which detection leaves out unless they are folded together: by as
-    /// much as the flattest triangle is high.
-    [[nodiscard]] bool mayFold(const CollisionSurface& surface) const
-    {
-        const std::vector<Vec3>&x = surface.x, &v = surface.v;
-        double apart = 0.0, lowest = std::numeric_limits<double>::infinity(); // squared
-        for (const auto& [a, b, c] : surface.shape->triangles) {
-            const Vec3 ab = x[b] - x[a], ac = x[c] - x[a];
-            const double longest = std::max({lengthSquared(ab), lengthSquared(ac), lengthSquared(ac - ab)});
-            lowest = std::min(lowest, lengthSquared(cross(ab, ac)) / longest);
-            apart =
-                std::max({apart, lengthSquared(v[b] - v[a]), lengthSquared(v[c] - v[b]), lengthSquared(v[a] - v[c])});
-        }
-        return kEdgesApart * kEdgesApart * context_.dt * context_.dt * apart >= lowest;
+        usable_[i] = usable(solved_) ? 1 : 0;
     }
 
     void find(std::array<int, 2> pair, std::vector<MissedContact>& out)
@@ -254,8 +218,8 @@ private:
     {
         const std::array<const SurfaceOwner*, 2> sides{&ownerOf(pass.surfaces[0]), &ownerOf(pass.surfaces[1])};
         if (holdsTogether(scene_, {*sides[0], pass.vertices[0]}, {*sides[1], pass.vertices[1]})) return;
-        const double least = kLeast * (surfaceOf(pass.surfaces[0]).shape->proximity +
-                                       surfaceOf(pass.surfaces[1]).shape->proximity);
+        const double least =
+            kLeast * (surfaceOf(pass.surfaces[0]).shape->proximity + surfaceOf(pass.surfaces[1]).shape->proximity);
         out.push_back({.at = pass,
                        .bodies = {sides[0]->body, sides[1]->body},
                        .mayLose = std::clamp(pass.gap - least, 0.0, kMayLose * pass.gap)});
@@ -265,7 +229,7 @@ private:
     const Scene& scene_;
     ContactDetection& detection_;
     std::vector<SurfaceOwner> owners_;
-    std::vector<double> far_;  ///< [m] per surface
+    std::vector<char> usable_; ///< per surface
     std::vector<Vec3> solved_; ///< scratch, per node
 };
 

@@ -1,7 +1,6 @@
 #include "filasofia/engine/scene/mechanical_energy.h"
 
 #include "filasofia/engine/body/elastic_energy.h"
-#include "filasofia/engine/rupture/tet_shape.h"
 
 namespace filasofia::engine {
 namespace {
@@ -25,8 +24,8 @@ std::vector<bool> goneNodes(const SoftBody& body)
     const std::vector<int>& pieces = body.topology.pieces->ofTetrahedron();
     for (std::size_t e = 0; e < pieces.size(); ++e)
         if (body.model.removed.contains(pieces[e]))
-            for (const int node : nodesOf(body.topology.mesh->data().tetrahedra[e]))
-                gone[static_cast<std::size_t>(node)] = true;
+            for (const int node : body.topology.mesh->data().tetrahedra[e])
+                if (node >= 0) gone[static_cast<std::size_t>(node)] = true; // a triangle has three
     return gone;
 }
 

@@ -299,7 +299,7 @@ private:
     Coupling& coupling_;
     std::pair<RigidPlan, ArticulationPlans> plan_; ///< before the solve, which changes it
     int repeats_ = 0;
-    FragmentSolves fragments_;               ///< of the present solve
+    FragmentSolves fragments_;               ///< those of the present solve
     std::vector<BodyOutcome> outcomes_;      ///< per soft body
     std::vector<BodyOutcome> rigidOutcomes_; ///< per island without a soft body
     std::vector<char> coupled_;              ///< per soft body: 1 if it is in an island
