@@ -25,6 +25,7 @@ struct PointMinimum {
     bool facing = true;      ///< the point's own surface faces the place that was found
     bool twoSided = false;   ///< on a sheet: the point's history decides which side is outside
     bool vertexPair = false; ///< the nearest place is a vertex
+    bool passed = false;     ///< on a solid's own face: the point's tissue has passed through it
     bool kept = false;
 };
 

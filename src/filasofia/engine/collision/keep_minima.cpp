@@ -62,12 +62,19 @@ bool hasOwnBelow(const CollisionSurface& surface, const PointMinimum& m)
                                [&](int t) { return dot(faceNormal(surface, t), m.proximity.normal) > 0.0; });
 }
 
-// Faces of a point's own surface that its tissue has passed through do not hold it, unless it came there from outside:
-// a vessel that a clip had pressed through itself before a cut let it collide with itself stayed shut for good.
+// Faces of a point's own surface that its tissue has passed through do not hold it, if they were through each other
+// when the surface was first seen to meet itself: a vessel that a clip had pressed through itself before a cut let it
+// collide with itself stayed shut for good.
 void leaveOutPassed(const SurfacePair& meeting, const std::vector<SheetSide>& sides, ProximityScratch& scratch)
 {
+    const SurfaceName& name = meeting.sides[0]->name;
+    const bool first =
+        std::ranges::none_of(sides, [&](const SheetSide& kept) { return kept.source == name && kept.target == name; });
     forEachMinimum(scratch, [&](PointMinimum& m) {
-        if (hasOwnBelow(*meeting.sides[m.source], m) && sideBefore(sides, sideNow(meeting, m)) <= 0) m.facing = false;
+        if (!hasOwnBelow(*meeting.sides[m.source], m)) return;
+        const int side = sideBefore(sides, sideNow(meeting, m));
+        m.passed = side < 0 || (first && side == 0);
+        if (m.passed) m.facing = false;
     });
 }
 
@@ -117,9 +124,9 @@ bool keepForSheet(const SurfacePair& meeting, const std::vector<SheetSide>& side
 void keepSide(const SurfacePair& meeting, ProximityScratch& scratch, const PointMinimum& m)
 {
     const bool behind = m.distance == kNone && scratch.nearest[m.source][m.point] != kNone;
-    if (!m.kept && !behind) return;
+    if (!m.kept && !behind && !m.passed) return;
     scratch.nextSides.push_back(sideNow(meeting, m));
-    if (behind) scratch.nextSides.back().side = -1;
+    if (!m.kept) scratch.nextSides.back().side = -1;
 }
 
 // Two vertices find each other from both sides. The second side's minimum counts only if the first side has not found
