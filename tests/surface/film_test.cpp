@@ -44,7 +44,7 @@ TEST_CASE("a steady film on an incline has Nusselt's thickness and velocity, wha
     const double angle = GENERATE(0.3, 0.8, 1.4), dt = GENERATE(1.0 / 60.0, 1.0 / 500.0);
     const double width = 0.02, perWidth = 5e-6; // [m^2/s]
     Incline film(0.06, width, {30, 10}, angle);
-    double dripped = 0.0, last = 0.0;
+    double fed = 0.0, dripped = 0.0, last = 0.0;
     for (double t = 0.0; t < 25.0; t += dt) {
         double top = 0.0; // the upper rim is fed
         for (std::size_t v = 0; v < film.places.size(); ++v)
@@ -52,10 +52,12 @@ TEST_CASE("a steady film on an incline has Nusselt's thickness and velocity, wha
         for (std::size_t v = 0; v < film.places.size(); ++v)
             if (film.places[v].x < -0.0299)
                 film.content.volume[v] += perWidth * width * dt * film.geometry.area[v] / top;
+        fed += perWidth * width * dt;
         last = film.flowFor(dt);
         dripped += last;
     }
     CHECK(last / dt == Approx(perWidth * width).epsilon(1e-3)); // steady: what comes goes
+    CHECK(film.volume() + dripped == Approx(fed).epsilon(1e-9));
     const double nusselt = std::cbrt(3.0 * kOil.viscosity * perWidth / (kOil.density * kG * std::sin(angle)));
     double sum = 0.0, area = 0.0;
     for (std::size_t v = 0; v < film.places.size(); ++v)
