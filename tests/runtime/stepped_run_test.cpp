@@ -370,11 +370,20 @@ TEST_CASE("a saved state has what a part of the program remembers, and what it d
     sim.remember({.of = "count", // another one of this name
                   .save = [&] { return gone ? std::any() : std::any(0.5); },
                   .restore = [](const std::any&) {}});
+    std::string refused;
+    sim.everyStep([&](double) {
+        try {
+            sim.remember({.of = "a", .save = [] { return std::any(); }, .restore = [](const std::any&) {}});
+        } catch (const Error& error) {
+            refused = error.what();
+        }
+    });
     SteppedRun run(sim), second(other);
-    CHECK_THROWS_WITH(sim.remember({.of = "a", .save = [] { return std::any(); }, .restore = [](const std::any&) {}}),
-                      Catch::Contains("must be called before a run"));
     run.step();
     second.step();
+    CHECK(refused ==
+          "simulation: remember must be called before a run or between two steps of a stepped run, but a run "
+          "or a step is going on");
     const auto early = run.save();
     for (int i = 0; i < 4; ++i) run.step();
     sim.finish("done");
