@@ -30,6 +30,16 @@ SoftBodyDef sheetAt(double z, double aside = 0.0)
             .collision = {{.proximity = kProximity}}};
 }
 
+/// A closed shell of 1 cm.
+SoftBodyDef ballAboveFloor()
+{
+    return {.mesh = geometry::shapes::sphere(0.01, 6),
+            .pose = {{0, 0, 0.0115}, {}},
+            .material = ShellMaterial{.youngModulus = 1e6, .thickness = kThickness},
+            .rayleigh = {0.5, 0.01},
+            .collision = {{.proximity = kProximity}}};
+}
+
 } // namespace
 
 TEST_CASE("shells rest on a floor and on each other as thick as they are")
@@ -54,11 +64,7 @@ TEST_CASE("a closed shell rests on a floor as thick as it is")
 {
     Stage stage({.period = 0.002, .threads = 1});
     stage.add(floorBelow());
-    stage.add(SoftBodyDef{.mesh = geometry::shapes::sphere(0.01, 6),
-                          .pose = {{0, 0, 0.0115}, {}},
-                          .material = ShellMaterial{.youngModulus = 1e6, .thickness = kThickness},
-                          .rayleigh = {0.5, 0.01},
-                          .collision = {{.proximity = kProximity}}});
+    stage.add(ballAboveFloor());
     stage.post(SetGravity{{0, 0, -9.81}});
     stage.run(1000, 0.002);
     double lowest = 1.0;
@@ -70,11 +76,7 @@ TEST_CASE("a closed shell is touched from inside, too")
 {
     Stage stage({.period = 0.002, .threads = 1});
     stage.add(floorBelow());
-    stage.add(SoftBodyDef{.mesh = geometry::shapes::sphere(0.01, 6),
-                          .pose = {{0, 0, 0.0115}, {}},
-                          .material = ShellMaterial{.youngModulus = 1e6, .thickness = kThickness},
-                          .rayleigh = {0.5, 0.01},
-                          .collision = {{.proximity = kProximity}}});
+    stage.add(ballAboveFloor());
     constexpr double radius = 0.004;
     stage.add(RigidBodyDef{.elements = {Pose{{0, 0, 0.0115}, {}}},
                            .mesh = geometry::shapes::sphere(radius, 8),

@@ -62,7 +62,7 @@ public:
             count += body.state.x.size();
         }
         sets_ = DisjointSets(count);
-        zoneOf_.assign(count, -1);
+        isHeld_.resize(count);
     }
 
     /// Joins the nodes of both places. Returns whether they were apart.
@@ -79,7 +79,7 @@ public:
                 for (std::size_t n = 0; n < 4; ++n) {
                     if (embedding.weights[at][n] == 0.0) continue;
                     const int node = static_cast<int>(first_[owner.body]) + embedding.nodes[at][n];
-                    zoneOf_[static_cast<std::size_t>(node)] = 0;
+                    isHeld_[static_cast<std::size_t>(node)] = 1;
                     if (anchor < 0) anchor = node;
                     if (sets_.find(node) == sets_.find(anchor)) continue;
                     sets_.join(node, anchor);
@@ -98,7 +98,7 @@ public:
             Vec3 momentum = {};
             bool pinned = false;
         };
-        std::vector<Zone> zones(zoneOf_.size());
+        std::vector<Zone> zones(isHeld_.size());
         forEachNodeOfZones(scene, [&](const SoftBody& body, std::size_t node, std::size_t zone) {
             const double mass = body.model.masses[node];
             zones[zone].mass += mass;
@@ -116,13 +116,13 @@ private:
     {
         for (std::size_t b = 0; b < scene.soft.size(); ++b)
             for (std::size_t node = 0; node < scene.soft[b].state.x.size(); ++node)
-                if (const std::size_t number = first_[b] + node; zoneOf_[number] >= 0)
+                if (const std::size_t number = first_[b] + node; isHeld_[number] != 0)
                     visit(scene.soft[b], node, static_cast<std::size_t>(sets_.find(static_cast<int>(number))));
     }
 
     std::vector<std::size_t> first_; ///< per soft body: the number of its first node
     DisjointSets sets_;
-    std::vector<int> zoneOf_; ///< per node: -1 if it belongs to none
+    std::vector<char> isHeld_; ///< per node: whether it belongs to a zone
 };
 
 /// Ends the step with zones that move as one. At last all nodes are one zone, or those of the passes are already.
