@@ -120,26 +120,35 @@ inline Eigen::MatrixXd denseInterpolation(const PreconditionerProblem& problem)
     return p;
 }
 
-/// R (D^-1 + P A_c^-1 P^T) R^T. The diagonal of A_c is enlarged as the preconditioner does it: by 1e-5 of itself, and
-/// by 1e-12 of its largest entry, for coarse nodes that carry nothing.
+/// R D^-1 R^T + R' P A_c^-1 P^T R'^T. The diagonal of A_c is enlarged as the preconditioner does it: by 1e-5 of itself,
+/// and by 1e-12 of its largest entry, for coarse nodes that carry nothing.
 inline Eigen::MatrixXd densePreconditioner(const PreconditionerProblem& problem,
-                                           const std::vector<RotationBlock>& rotations)
+                                           const std::vector<RotationBlock>& rotations,
+                                           const std::vector<RotationBlock>& coarseRotations)
 {
     const Eigen::MatrixXd a = denseMatrix(problem), p = denseInterpolation(problem);
-    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(a.rows(), a.cols()), r = sum;
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(a.rows(), a.cols()), r = sum, turned = sum;
     for (int i = 0; i < problem.count(); ++i) {
         sum.block<3, 3>(3 * i, 3 * i) =
             Eigen::LLT<Eigen::Matrix3d>(a.block<3, 3>(3 * i, 3 * i)).solve(Eigen::Matrix3d::Identity());
         r.block<3, 3>(3 * i, 3 * i) = dense(rotationOf(rotations, i));
+        turned.block<3, 3>(3 * i, 3 * i) = dense(rotationOf(coarseRotations, i));
     }
+    sum = r * sum * r.transpose();
     if (problem.allCoarseNodes() > 0) {
         Eigen::MatrixXd coarse = p.transpose() * a * p;
         const double largest = coarse.diagonal().maxCoeff();
-        if (largest == 0.0) return r * sum * r.transpose();
+        if (largest == 0.0) return sum;
         for (Eigen::Index i = 0; i < coarse.rows(); ++i) coarse(i, i) += 1e-5 * coarse(i, i) + 1e-12 * largest;
-        sum += p * Eigen::LLT<Eigen::MatrixXd>(coarse).solve(p.transpose());
+        const Eigen::MatrixXd moved = turned * p;
+        sum += moved * Eigen::LLT<Eigen::MatrixXd>(coarse).solve(moved.transpose());
     }
-    return r * sum * r.transpose();
+    return sum;
+}
+inline Eigen::MatrixXd densePreconditioner(const PreconditionerProblem& problem,
+                                           const std::vector<RotationBlock>& rotations)
+{
+    return densePreconditioner(problem, rotations, rotations);
 }
 
 /// The preconditioner of a problem, with random rotations.

@@ -74,9 +74,7 @@ inline Quat randomQuat(std::mt19937& random)
 
 inline void setRotation(std::vector<RotationBlock>& rotations, int node, Quat q)
 {
-    const Mat3 r = toMat3(q);
-    for (int k = 0; k < 9; ++k)
-        rotations[static_cast<std::size_t>(node / kBlock)].m[k][node % kBlock] = static_cast<float>(r[k / 3][k % 3]);
+    storeRotation(rotations, node, toMat3(q));
 }
 
 inline Mat3 rotationOf(const std::vector<RotationBlock>& rotations, int node)

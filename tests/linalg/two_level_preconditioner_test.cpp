@@ -202,6 +202,53 @@ TEST_CASE("coherence is 1 if all nodes turn alike, and falls with the angle betw
     CHECK(TwoLevelPreconditioner(problem.withoutCoarseLevel().input()).coherence() == 1.0);
 }
 
+TEST_CASE("blended rotations: nodes that have turned against each other follow the mean of their coarse nodes")
+{
+    std::mt19937 random(11);
+    WorkerPool pool(2);
+    Problem problem(random, 40, 40, 2); // two coarse nodes, of twenty nodes each
+    for (std::size_t row = 0; row < 40; ++row) {
+        problem.corners[row] = {row < 20 ? 0 : 1, 0, 0, 0};
+        problem.weights[row] = {1.0f, 0.0f, 0.0f, 0.0f};
+    }
+    TwoLevelPreconditioner m(problem.input());
+    const NodeArray r = randomNodes(random, 40);
+    NodeArray z(r.blocks()), again(r.blocks()), own(r.blocks());
+    m.apply(r, z, pool);
+    CHECK_FALSE(m.blendRotations()); // nothing has turned
+    // Those of the first coarse node turn alike. Those of the second turn by an angle, every other one against it.
+    std::vector<RotationBlock> mean = m.rotations();
+    for (int i = 0; i < 40; ++i) {
+        const int row = problem.rows[static_cast<std::size_t>(i)];
+        const Quat first = axisAngle(normalized(Vec3{1, 2, 3}), 1.1);
+        setRotation(m.rotations(), i, row < 20 ? first : axisAngle({0, 0, 1}, row % 2 == 0 ? 1.0 : -1.0));
+        setRotation(mean, i, row < 20 ? first : Quat{});
+    }
+    m.apply(r, own, pool);
+    REQUIRE(m.blendRotations());
+    CHECK_FALSE(m.blendRotations()); // they are already
+    const double rz = m.apply(r, z, pool);
+    const Eigen::VectorXd exact = densePreconditioner(problem, m.rotations(), mean) * dense(r, 40);
+    CHECK((dense(z, 40) - exact).norm() < 1e-5 * exact.norm());
+    CHECK((dense(own, 40) - exact).norm() > 0.01 * exact.norm());
+    CHECK(rz == Approx(dense(r, 40).dot(exact)).epsilon(1e-5));
+    // In halves, with something added in between, which only the coarse level sees.
+    const int node = problem.rows[3] < 20 ? 3 : 4;
+    const Vec3 change{0.3, -0.2, 0.5};
+    NodeArray changed = r;
+    m.smooth(r, pool);
+    m.addToCoarseResidual(node, change);
+    m.applyCoarse(r, z, pool);
+    for (int k = 0; k < 3; ++k) changed[node][k] += static_cast<float>(change[k]);
+    const Eigen::MatrixXd all = densePreconditioner(problem, m.rotations(), mean),
+                          smooth = densePreconditioner(problem.withoutCoarseLevel(), m.rotations());
+    const Eigen::VectorXd halves = smooth * dense(r, 40) + (all - smooth) * dense(changed, 40);
+    CHECK((dense(z, 40) - halves).norm() < 1e-5 * halves.norm());
+    m.useOwnRotations();
+    m.apply(r, again, pool);
+    CHECK(std::memcmp(again.data(), own.data(), 256 * static_cast<std::size_t>(z.blocks())) == 0);
+}
+
 TEST_CASE("any number of threads gives the same bits")
 {
     std::mt19937 random(5);

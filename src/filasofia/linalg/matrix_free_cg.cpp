@@ -42,6 +42,7 @@ NodeSolveReport MatrixFreeCg::solve(const NodeSystem& system, NodeArray& x, cons
     }
 
     for (double rz = 0.0;; ++report.iterations) {
+        const bool anew = report.iterations == kBlendAfter && system.m.blendRotations();
         const double rzNew = system.m.apply(r, z_, pool); // the energy of the error, as the preconditioner sees it
         const bool number = rzNew >= 0.0 && std::isfinite(rzNew);
         report.residual = rzNew == 0.0 ? 0.0 : number ? std::sqrt(rzNew / (rzNew + energy)) : 1.0;
@@ -52,7 +53,7 @@ NodeSolveReport MatrixFreeCg::solve(const NodeSystem& system, NodeArray& x, cons
                            (report.iterations >= limits.minIterations && limits.outOfTime && limits.outOfTime());
         if (report.outOfTime) break;
 
-        const float beta = report.iterations == 0 ? 0.0f : static_cast<float>(rzNew / rz);
+        const float beta = report.iterations == 0 || anew ? 0.0f : static_cast<float>(rzNew / rz);
         rz = rzNew;
         pool.run(parts.count(), [&](int part) { updateDirection(z_, beta, p_, parts[part]); });
         const double curvature = system.a.multiply(p_, q_, pool);

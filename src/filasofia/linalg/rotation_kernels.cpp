@@ -32,6 +32,19 @@ HWY_ATTR void warpAndSmoothBlocks(const RotationBlock* HWY_RESTRICT rotations,
         }
 }
 
+HWY_ATTR void turnBlocks(const RotationBlock* HWY_RESTRICT turns, float* HWY_RESTRICT vectors, Blocks blocks)
+{
+    const Lanes d;
+    for (int b = blocks.begin; b < blocks.end; ++b)
+        for (std::size_t part = 0; part < kBlock; part += kLanes) {
+            const auto m = [&](int k) HWY_ATTR { return hn::Load(d, turns[b].m[k] + part); };
+            const V3 u = loadNodes(vectors + 64ul * b, part);
+            storeNodes({sumOfProducts(m(0), u.x, m(1), u.y, m(2), u.z), sumOfProducts(m(3), u.x, m(4), u.y, m(5), u.z),
+                        sumOfProducts(m(6), u.x, m(7), u.y, m(8), u.z)},
+                       vectors + 64ul * b, part);
+        }
+}
+
 /// The sum with what one node follows of the coarse nodes: sum + (P x_c)_i
 HWY_INLINE V4 addProlonged(V4 sum, const InterpolationBlock& from, int node, const float* HWY_RESTRICT values)
 {
@@ -158,6 +171,7 @@ HWY_AFTER_NAMESPACE();
 namespace filasofia::linalg {
 
 HWY_EXPORT(warpAndSmoothBlocks);
+HWY_EXPORT(turnBlocks);
 HWY_EXPORT(prolongAndUnwarpBlocks);
 HWY_EXPORT(prolongByMassBlocks);
 HWY_EXPORT(averageRotationBlocks);
@@ -167,6 +181,11 @@ void warpAndSmooth(const std::vector<RotationBlock>& rotations, const std::vecto
 {
     HWY_DYNAMIC_DISPATCH(warpAndSmoothBlocks)
     (rotations.data(), inverseDiagonal.data(), r.data(), s.data(), w.data(), blocks);
+}
+
+void turnBoth(const std::vector<RotationBlock>& turns, NodeArray& s, NodeArray& w, Blocks blocks)
+{
+    for (NodeArray* each : {&s, &w}) HWY_DYNAMIC_DISPATCH(turnBlocks)(turns.data(), each->data(), blocks);
 }
 
 double prolongAndUnwarp(const std::vector<RotationBlock>& rotations, const CoarseCorrection& coarse, const NodeArray& w,

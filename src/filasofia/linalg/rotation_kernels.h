@@ -18,6 +18,12 @@ inline Mat3 rotationAt(const std::vector<RotationBlock>& rotations, int node)
     return {{{at(0), at(1), at(2)}, {at(3), at(4), at(5)}, {at(6), at(7), at(8)}}};
 }
 
+inline void storeRotation(std::vector<RotationBlock>& rotations, int node, const Mat3& rotation)
+{
+    auto& m = rotations[static_cast<std::size_t>(node / kBlock)].m;
+    for (int k = 0; k < 9; ++k) m[k][node % kBlock] = static_cast<float>(rotation[k / 3][k % 3]);
+}
+
 struct alignas(64) SymmetricBlock {
     float m[6][kBlock]; ///< xx xy xz yy yz zz
 };
@@ -25,6 +31,9 @@ struct alignas(64) SymmetricBlock {
 /// s = R^T r, w = D^-1 s: a residual in the rest frame, and smoothed there.
 void warpAndSmooth(const std::vector<RotationBlock>& rotations, const std::vector<SymmetricBlock>& inverseDiagonal,
                    const NodeArray& r, NodeArray& s, NodeArray& w, Blocks blocks);
+
+/// s = T s, w = T w
+void turnBoth(const std::vector<RotationBlock>& turns, NodeArray& s, NodeArray& w, Blocks blocks);
 
 /// An interpolation from coarse nodes, four entries per node.
 struct alignas(64) InterpolationBlock {

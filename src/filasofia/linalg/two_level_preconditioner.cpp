@@ -2,11 +2,18 @@
 
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/linalg/node_parts.h"
+#include "filasofia/math/polar.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace filasofia::linalg {
+namespace {
+
+// [-] Coherence below which rotations are blended.
+constexpr double kBlendBelow = 0.995;
+
+} // namespace
 
 TwoLevelPreconditioner::TwoLevelPreconditioner(const PreconditionerInput& in)
 {
@@ -26,6 +33,7 @@ void TwoLevelPreconditioner::grow(int blocks)
     coarse_.resize(blocks);
     rest_ = NodeArray(blocks);
     smoothed_ = NodeArray(blocks);
+    blended_ = false;
     sums_.resize(static_cast<std::size_t>(nodeParts(blocks).count()));
 }
 
@@ -56,7 +64,7 @@ void TwoLevelPreconditioner::followPieces(const NodeArray& x, std::span<const fl
     coarse_.followPieces({rotations_, x, masses, massWeight});
 }
 
-double TwoLevelPreconditioner::coherence()
+void TwoLevelPreconditioner::sumRotations()
 {
     turned_.assign(static_cast<std::size_t>(coarse_.coarseNodes()), {});
     weights_.assign(turned_.size(), 0.0);
@@ -69,13 +77,59 @@ double TwoLevelPreconditioner::coherence()
             weights_[static_cast<std::size_t>(how.corners[k])] += how.weights[k];
         }
     }
+}
+
+double TwoLevelPreconditioner::coherenceAt(std::size_t coarseNode) const
+{
+    const Mat3& sum = turned_[coarseNode];
+    const double size = std::sqrt((lengthSquared(sum[0]) + lengthSquared(sum[1]) + lengthSquared(sum[2])) / 3.0);
+    return weights_[coarseNode] > 0.0 ? size / weights_[coarseNode] : 1.0;
+}
+
+double TwoLevelPreconditioner::coherence()
+{
+    sumRotations();
     double least = 1.0;
-    for (std::size_t c = 0; c < turned_.size(); ++c) {
-        const Mat3& sum = turned_[c];
-        const double size = std::sqrt((lengthSquared(sum[0]) + lengthSquared(sum[1]) + lengthSquared(sum[2])) / 3.0);
-        if (weights_[c] > 0.0) least = std::min(least, size / weights_[c]);
-    }
+    for (std::size_t c = 0; c < turned_.size(); ++c) least = std::min(least, coherenceAt(c));
     return least;
+}
+
+bool TwoLevelPreconditioner::blendRotations()
+{
+    if (presentUsed_ || blended_) return false;
+    sumRotations();
+    std::vector<char> turned(turned_.size()); // the motions of small pieces hold R already
+    for (std::size_t c = 0; c < static_cast<std::size_t>(coarse_.latticeNodes()); ++c)
+        turned[c] = coherenceAt(c) < kBlendBelow ? 1 : 0;
+    if (std::ranges::find(turned, 1) == turned.end()) return false;
+    blend_ = rotations_;
+    RotationBlock identity{};
+    for (int k : {0, 4, 8}) std::ranges::fill(identity.m[k], 1.0f);
+    toBlend_.assign(rotations_.size(), identity);
+    for (int node = 0; node < kBlock * smoother_.blocks(); ++node) {
+        const Interpolation how = coarse_.interpolation(node);
+        Mat3 sum;
+        bool touched = false;
+        for (std::size_t k = 0; k < how.corners.size(); ++k) {
+            if (how.weights[k] == 0.0f) continue;
+            const auto corner = static_cast<std::size_t>(how.corners[k]);
+            sum += static_cast<double>(how.weights[k]) / weights_[corner] * turned_[corner];
+            touched = touched || turned[corner] != 0;
+        }
+        if (!touched) continue;
+        const Mat3 mean = toMat3(polarRotation(sum, {}));
+        storeRotation(blend_, node, mean);
+        storeRotation(toBlend_, node, transpose(mean) * rotation(node));
+    }
+    blended_ = true;
+    return true;
+}
+
+void TwoLevelPreconditioner::turnToBlend(WorkerPool& pool)
+{
+    if (!blended_) return;
+    const Parts parts = nodeParts(rest_.blocks());
+    pool.run(parts.count(), [&](int part) { turnBoth(toBlend_, rest_, smoothed_, parts[part]); });
 }
 
 void TwoLevelPreconditioner::usePresent(std::span<const Mat3> diagonal)
@@ -90,14 +144,17 @@ void TwoLevelPreconditioner::usePresent(std::span<const Mat3> diagonal)
 
 double TwoLevelPreconditioner::apply(const NodeArray& r, NodeArray& z, WorkerPool& pool)
 {
-    smooth(r, pool);
+    smoother().apply(rotations_, r, rest_, smoothed_, pool);
     if (!presentUsed_) clusters_.apply(rest_, smoothed_, pool);
+    turnToBlend(pool);
+    restricted_ = false;
     return applyCoarse(r, z, pool);
 }
 
 void TwoLevelPreconditioner::smooth(const NodeArray& r, WorkerPool& pool)
 {
     smoother().apply(rotations_, r, rest_, smoothed_, pool);
+    turnToBlend(pool);
     restricted_ = false;
 }
 
@@ -132,8 +189,8 @@ double TwoLevelPreconditioner::applyCoarse(const NodeArray& r, NodeArray& z, Wor
         deflation_.subtract(coefficients, coarse_.correction());
     }
     return sumOfParts(pool, nodeParts(r.blocks()), sums_, [&](Blocks blocks) {
-        return prolongAndUnwarp(rotations_, {coarse_.interpolation().blocks(), coarse_.correction()}, smoothed_, r, z,
-                                blocks);
+        return prolongAndUnwarp(coarseRotations(), {coarse_.interpolation().blocks(), coarse_.correction()}, smoothed_,
+                                r, z, blocks);
     });
 }
 
@@ -154,7 +211,7 @@ void TwoLevelPreconditioner::carry(std::span<const float> masses, const NodeArra
 
 void TwoLevelPreconditioner::addToCoarseResidual(int node, Vec3 change)
 {
-    const Vec3 rest = transposeTimes(rotationAt(rotations_, node), change);
+    const Vec3 rest = transposeTimes(coarseRotation(node), change);
     float* s = rest_[node];
     for (int k = 0; k < 3; ++k) s[k] += static_cast<float>(rest[k]);
 }
@@ -168,7 +225,7 @@ void TwoLevelPreconditioner::addColumn(std::span<const ColumnEntry> column)
 {
     const std::span<float> values = deflation_.addColumn(coarse_.residual().size());
     for (const ColumnEntry& each : column) {
-        const Vec3 rest = transposeTimes(rotationAt(rotations_, each.node), each.value);
+        const Vec3 rest = transposeTimes(coarseRotation(each.node), each.value);
         coarse_.interpolation().addRestricted(each.node, rest, values);
     }
 }

@@ -6,6 +6,9 @@
 
 namespace filasofia::linalg {
 
+/// Iterations after which a solve asks for blended rotations: those that end before are spared the cost.
+constexpr int kBlendAfter = 8;
+
 /// One entry of a deflation column: three numbers of the residual's kind at a node, world axes.
 struct ColumnEntry {
     int node = 0;
@@ -41,6 +44,13 @@ public:
     /// [-] In [0, 1]: how alike the rotations R_i of the nodes are that follow the same coarse node, where they are
     /// least so: |sum w_i R_i| / (sqrt(3) sum w_i). 1 if there are no coarse nodes.
     [[nodiscard]] double coherence();
+    /// Where nodes that follow the same coarse node have turned against each other, as in a tube that is pinched, R P
+    /// moves neighbours in different directions, and A_c knows nothing of the strain between them. From now on the
+    /// coarse level is B = R' P A_c^-1 P^T R'^T there, with the mean rotations of the coarse nodes, interpolated. To be
+    /// called between two solves, or between two iterations if the direction starts anew. Returns whether there is such
+    /// a place.
+    bool blendRotations();
+    void useOwnRotations() { blended_ = false; } ///< R' = R again; to be called once R has changed
     /// From now on M^-1 = D^-1 with these blocks of the present matrix, one per node in world axes, and no coarse level
     /// and no clusters. Empty: M^-1 is that of A_rest again.
     void usePresent(std::span<const Mat3> diagonal);
@@ -60,8 +70,9 @@ public:
     std::span<const float> coarseAnswer(WorkerPool& pool);
     void subtractFromCoarse(std::span<const int> coarseNodes, std::span<const float> values, float factor);
     [[nodiscard]] const CoarseLevel& coarseLevel() const { return coarse_; }
-    [[nodiscard]] Mat3 inverseDiagonal(int node) const;                                  ///< R D^-1 R^T
-    [[nodiscard]] Mat3 rotation(int node) const { return rotationAt(rotations_, node); } ///< R
+    [[nodiscard]] Mat3 inverseDiagonal(int node) const;                                               ///< R D^-1 R^T
+    [[nodiscard]] Mat3 rotation(int node) const { return rotationAt(rotations_, node); }              ///< R
+    [[nodiscard]] Mat3 coarseRotation(int node) const { return rotationAt(coarseRotations(), node); } ///< R', or R
 
     /// The part of the impulses r that the coarse nodes can carry: each of them gets its share P^T r and moves the
     /// nodes that follow it by their masses M. The total momentum is that of r, if every node follows a coarse node.
@@ -95,9 +106,15 @@ public:
 
 private:
     void restrictOnce(WorkerPool& pool);
+    void sumRotations();
+    [[nodiscard]] double coherenceAt(std::size_t coarseNode) const;
+    void turnToBlend(WorkerPool& pool);
+    [[nodiscard]] const std::vector<RotationBlock>& coarseRotations() const { return blended_ ? blend_ : rotations_; }
     [[nodiscard]] const BlockJacobi& smoother() const { return presentUsed_ ? present_ : smoother_; }
 
     std::vector<RotationBlock> rotations_;
+    std::vector<RotationBlock> blend_, toBlend_; ///< R', and R'^T R
+    bool blended_ = false;
     BlockJacobi smoother_, present_; ///< for A_rest, and from usePresent()
     bool presentUsed_ = false;
     ClusterSmoother clusters_;
@@ -106,7 +123,7 @@ private:
     NodeArray rest_, smoothed_;       ///< R^T r, and D^-1 of it
     bool restricted_ = false;         ///< the coarse level has P^T of it
     std::vector<float> coarseMasses_; ///< C; empty until carry() needs it after an edit
-    std::vector<Mat3> turned_;        ///< scratch of coherence(), as weights_
+    std::vector<Mat3> turned_;        ///< scratch, per coarse node: the weighted sum of R, and that of the weights
     std::vector<double> weights_;
     std::vector<double> sums_;
 };

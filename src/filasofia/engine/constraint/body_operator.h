@@ -112,7 +112,10 @@ public:
     /// z = w + B (s - F shares), with the coefficients `shares` of the deflation columns, if there are any. Returns r .
     /// z.
     virtual double applyCoarse(std::span<const double> shares) = 0;
-    virtual void subtractSmoothed(std::span<const Vec3> impulses) = 0;       ///< z -= D^-1 impulses
+    virtual void subtractSmoothed(std::span<const Vec3> impulses) = 0; ///< z -= D^-1 impulses
+    /// Makes a B that serves where nodes have turned against each other (TwoLevelPreconditioner::blendRotations).
+    /// Returns whether B has changed.
+    virtual bool blendRotations() { return false; }
     [[nodiscard]] virtual DeflationOperator* deflation() { return nullptr; } ///< null if B cannot be deflated
 };
 

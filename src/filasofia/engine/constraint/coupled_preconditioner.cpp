@@ -174,6 +174,15 @@ void CoupledSolve::renewFilter()
 
 void CoupledSolve::correctCoarseLevels() { correction_.make(network(), patchMotions(network())); }
 
+void CoupledSolve::blendRotations()
+{
+    bool changed = false;
+    for (const CoupledBody& body : *bodies_) changed = body.preconditioner->blendRotations() || changed;
+    if (!changed) return;
+    if (correction_.hasMotions()) correctCoarseLevels();
+    restart_ = true;
+}
+
 void CoupledSolve::joinConstraints()
 {
     if (joined_) return;

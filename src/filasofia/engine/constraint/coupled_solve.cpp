@@ -53,6 +53,7 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     report.rounds = 1;
     for (int updates = 0, nonlinear = 0;; ++report.iterations, ++nonlinear) {
         if (report.iterations == kCorrectAfter && !correction_.hasMotions()) correctCoarseLevels();
+        if (report.iterations == linalg::kBlendAfter) blendRotations();
         if (report.iterations == kJoinAfter && mayJoin) joinConstraints();
         const double rz = precondition(); // the energy of the error, as the preconditioner estimates it
         // Where stiff constraints hold what is at rest, rounding may make it less than nothing.

@@ -130,6 +130,7 @@ private:
     const BodySmoother& smootherAt(int& point) const;
     [[nodiscard]] bool isExact(const ConstraintRow& row) const;  ///< the filter is the inverse for what it acts on
     [[nodiscard]] double ownStiffness(const ConstraintRow& row); ///< [kg] D of the blocks that a row acts on
+    void blendRotations();  ///< of the bodies whose nodes have turned against each other
     void joinConstraints(); ///< filter and coarse levels know all of them together from now on
     void makeFilter();
     void applyFilter(const std::vector<Vec3>& velocities); ///< impulses_ = M of these, at the active rows

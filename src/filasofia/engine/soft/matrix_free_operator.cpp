@@ -139,10 +139,12 @@ void MatrixFreeOperator::addCoarseColumns(int point, std::vector<BlockColumns>& 
 {
     const int slot = slots_[static_cast<std::size_t>(point)];
     const linalg::Interpolation how = system_.preconditioner_.interpolation(slot);
-    const Mat3 rotation = system_.preconditioner_.rotation(slot);
+    const Mat3 rotation = system_.preconditioner_.coarseRotation(slot);
     for (std::size_t k = 0; k < how.corners.size(); ++k)
         if (how.weights[k] != 0.0f) out.push_back({how.corners[k], static_cast<double>(how.weights[k]) * rotation});
 }
+
+bool MatrixFreeOperator::blendRotations() { return system_.preconditioner_.blendRotations(); }
 
 void MatrixFreeOperator::addColumn(std::span<const Vec3> impulses)
 {

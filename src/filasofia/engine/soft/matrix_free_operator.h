@@ -31,6 +31,7 @@ public:
     void smooth() override;
     double applyCoarse(std::span<const double> shares) override;
     void subtractSmoothed(std::span<const Vec3> impulses) override;
+    bool blendRotations() override;
     [[nodiscard]] DeflationOperator* deflation() override { return system_.coarseNodes() > 0 ? this : nullptr; }
 
 private:

@@ -125,6 +125,7 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
         return gatherForces({gather_, corners, asFloat(dt * rayleigh.mass), masses_, diagonal_}, v_, residual_, blocks);
     });
     if (!implicit) return;
+    preconditioner_.useOwnRotations();
     if (!shell_.empty()) followCreases();
     preconditioner_.followPieces(x_, masses_, massWeight_);
 }
