@@ -14,10 +14,10 @@ constexpr double kPi = std::numbers::pi;
 constexpr int kAround = 12, kAlong = 20; // cells of the target; one through its wall
 constexpr double kWall = 2.2_mm;
 constexpr double kBore = 0.9_mm, kTube = 2.0_mm; // radii of the pusher
-constexpr double kHidden = 14_mm;                // of the thread in the pusher at the start
+constexpr double kHidden = 14_mm;                // the thread's part in the pusher at the start
 constexpr double kThread = 0.4_mm;               // its radius
-constexpr double kDraws = 0.3;                   // [N], of the hand at the thread
-constexpr double kDrawSpeed = 25_mm;             // [m/s], of the thread if nothing holds it
+constexpr double kDraws = 0.3;                   // [N], what the hand pulls with
+constexpr double kDrawSpeed = 25_mm;             // [m/s], if nothing holds the thread
 constexpr double kKnotBears = 10.0;              // [N]
 
 /// The nodes on an appendage's outside, ring after ring.

@@ -10,7 +10,7 @@
 /// A piece of foam with three tubular appendages, and a pre-tied loop at the tip of a pusher.
 namespace ligating {
 
-inline constexpr double kRadius = 4.5e-3;  ///< [m], of an appendage, at rest
+inline constexpr double kRadius = 4.5e-3;  ///< [m], an appendage's, at rest
 inline constexpr double kLength = 50e-3;   ///< [m], from its base to its tip
 inline constexpr double kMark = 15e-3;     ///< [m], from its base to the middle of its mark
 inline constexpr double kMarkWidth = 1e-3; ///< [m]
@@ -53,7 +53,7 @@ public:
 
 private:
     void step();
-    [[nodiscard]] double drawn(const filasofia::frame::Frame& now) const; ///< [m], of the thread
+    [[nodiscard]] double drawn(const filasofia::frame::Frame& now) const; ///< [m], the thread's length
     void fix(const filasofia::frame::Frame& now);
     /// The nodes of the thread before the pusher's mouth, or up to the knot.
     [[nodiscard]] std::size_t ahead(const filasofia::frame::Frame& now) const;

@@ -14,13 +14,13 @@ struct Difficulty {
     const char* name;
     bool guided;
     double seconds; ///< [s], limit of the task
-    double error;   ///< [m], of the loop's place: more is a mistake
+    double error;   ///< [m], by which the loop may be beside its mark: more is a mistake
 };
 constexpr Difficulty kDifficulties[] = {
     {"easy", true, kCutoff, 3_mm}, {"normal", false, kCutoff, 2_mm}, {"hard", false, 53.0, 1_mm}};
-constexpr double kNear = 5_mm;     // of the mark, before it is drawn
+constexpr double kNear = 5_mm;     // to the mark, before it is drawn
 constexpr double kTight = 0.10;    // [-], narrowing of the appendage
-constexpr double kAway = 20_mm;    // of the pusher from the knot, once that is free
+constexpr double kAway = 20_mm;    // the pusher's distance from the knot, once that is free
 constexpr double kSettled = 1.0;   // [s] after that
 constexpr double kSlips = 1_mm;    // what a secure loop moves at most, from the time it is let go
 constexpr double kInsecure = 50.0; // points
@@ -37,7 +37,7 @@ public:
     }
     [[nodiscard]] bool held() const { return around_ && left_.tool().holding() == foam_.target(); }
     [[nodiscard]] bool around() const { return around_; } ///< the loop goes around appendage or grasper
-    [[nodiscard]] double error() const { return std::abs(place_ - kMark); } ///< [m], of its place, if it goes around
+    [[nodiscard]] double error() const { return std::abs(place_ - kMark); } ///< [m], from the mark, if it goes around
     [[nodiscard]] bool near() const { return around_ && error() < kNear; }
     [[nodiscard]] double narrowing() const { return around_ ? narrowing_.load() : 0.0; }
     [[nodiscard]] bool tight() const { return narrowing() > kTight; }
