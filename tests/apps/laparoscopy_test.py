@@ -148,11 +148,11 @@ class Loop(Trainer):
         self.assertEqual([line for line in self.lines() if line.get("event") == "mistake"], [])
 
     def test_clumsy_hands_come_to_their_end(self):
-        for seed in ("1", "2"):
-            done = self.play("clumsy", "--seed", seed)
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-            if not STEPS:
-                self.assertIn("not done: ", done.stdout)
+        done = self.play("clumsy", "--seed", "2")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("rolled back 0", done.stdout)
+        if not STEPS:
+            self.assertIn("not done: ", done.stdout)
 
 
 class Hand(PegTransfer):
