@@ -12,19 +12,6 @@ enum Group { OnBoard, OnPegs, OnTable, OnRings, LeftTool, RightTool };
 constexpr double kPegRadius = 1.3_mm, kHole = 5.5_mm, kWall = 3.3_mm;
 constexpr Vec3 kBoard = {150_mm, 8_mm, 106_mm};
 
-TissueMaterial plain(Color color, double wetness = 0.15)
-{
-    return {.baseColor = color,
-            .subsurfaceColor = color,
-            .vesselColor = color,
-            .roughness = 0.5,
-            .wetness = wetness,
-            .thickness = 0.0,
-            .mottling = 0.0,
-            .vessels = 0.0,
-            .bump = 0.02};
-}
-
 /// A ring, as high as kRingHeight, with `around` points on each of its outlines and edges taken off by `bevel`.
 std::shared_ptr<const TriangleMesh> ringMesh(int around, double bevel)
 {
@@ -34,18 +21,7 @@ std::shared_ptr<const TriangleMesh> ringMesh(int around, double bevel)
     if (bevel > 0.0)
         section = {{out, -half + bevel}, {out, half - bevel}, {out - bevel, half}, {in + bevel, half},
                    {in, half - bevel},   {in, -half + bevel}, {in + bevel, -half}, {out - bevel, -half}};
-    TriangleMesh mesh;
-    const int n = static_cast<int>(section.size());
-    for (int i = 0; i < around; ++i)
-        for (int k = 0; k < n; ++k) {
-            const double angle = 2.0 * std::numbers::pi * i / around;
-            const auto [radius, y] = section[static_cast<std::size_t>(k)];
-            mesh.vertices.push_back({radius * std::sin(angle), y, radius * std::cos(angle)});
-            const int a = i * n + k, b = i * n + (k + 1) % n, next = (i + 1) % around * n;
-            mesh.triangles.push_back({a, next + k, next + (k + 1) % n});
-            mesh.triangles.push_back({a, next + (k + 1) % n, b});
-        }
-    return std::make_shared<const TriangleMesh>(mesh);
+    return std::make_shared<const TriangleMesh>(revolved(section, around));
 }
 
 /// The pegs in the board's coordinates; they begin inside it.
@@ -64,6 +40,35 @@ std::shared_ptr<const TriangleMesh> pegMesh(int sides)
 }
 
 } // namespace
+
+TissueMaterial plain(Color color, double wetness)
+{
+    return {.baseColor = color,
+            .subsurfaceColor = color,
+            .vesselColor = color,
+            .roughness = 0.5,
+            .wetness = wetness,
+            .thickness = 0.0,
+            .mottling = 0.0,
+            .vessels = 0.0,
+            .bump = 0.02};
+}
+
+TriangleMesh revolved(const std::vector<std::pair<double, double>>& section, int around)
+{
+    TriangleMesh mesh;
+    const int n = static_cast<int>(section.size());
+    for (int i = 0; i < around; ++i)
+        for (int k = 0; k < n; ++k) {
+            const double angle = 2.0 * std::numbers::pi * i / around;
+            const auto [radius, y] = section[static_cast<std::size_t>(k)];
+            mesh.vertices.push_back({radius * std::sin(angle), y, radius * std::cos(angle)});
+            const int a = i * n + k, b = i * n + (k + 1) % n, next = (i + 1) % around * n;
+            mesh.triangles.push_back({a, next + k, next + (k + 1) % n});
+            mesh.triangles.push_back({a, next + (k + 1) % n, b});
+        }
+    return mesh;
+}
 
 Vec3 pegAt(Side side, int peg)
 {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <optional>
+#include <utility>
 #include <vector>
 
 /// A box trainer: a board with twelve pegs, rings on six of them, two instruments and a laparoscope. The board's top is
@@ -18,6 +19,12 @@ inline constexpr double kPegHeight = 18e-3;    ///< [m]
 inline constexpr double kRingHeight = 7e-3;    ///< [m]
 inline constexpr double kRingRadius = 7.15e-3; ///< [m] to the middle of its wall
 enum Side { LeftSide, RightSide };
+
+/// Plastic: a material without vessels and relief.
+filasofia::TissueMaterial plain(filasofia::Color color, double wetness = 0.15);
+/// The closed outline `section`, pairs of radius and y [m] with the axis on its left, turned about y, with so many
+/// points around.
+filasofia::TriangleMesh revolved(const std::vector<std::pair<double, double>>& section, int around);
 
 /// [m], where a peg stands, on the board.
 filasofia::Vec3 pegAt(Side side, int peg);

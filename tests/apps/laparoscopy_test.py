@@ -20,7 +20,7 @@ class PegTransfer(Trainer):
 
 class Words(PegTransfer):
     def test_unknown_words_are_refused_in_one_line(self):
-        for words, says in ((("--case", "stapling"), "--case must be peg-transfer, cholecystectomy or pattern-cutting, got 'stapling'"),
+        for words, says in ((("--case", "stapling"), "--case must be peg-transfer, cholecystectomy, pattern-cutting or ligating-loop, got 'stapling'"),
                             (("--difficulty", "brutal"), "--difficulty must be easy, normal or hard, got 'brutal'"),
                             (("--seed", "-1"), "--seed must be a whole number in [0, 999999999]")):
             done = run("--headless", "--steps", "1", *words)
@@ -125,6 +125,34 @@ class Gauze(Trainer):
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
             if not STEPS:
                 self.assertIn("not done: ", done.stdout)
+
+
+class Loop(Trainer):
+    """One seed of the ligating loop; docs/lab/laparoscopy.md reports more."""
+
+    def play(self, motion, *words):
+        return run("--case", "ligating-loop", "--motion", motion, "--headless", "--no-picture", "--session", self.session, *words,
+                   *(["--steps", STEPS] if STEPS else []))
+
+    def test_the_expert_ties_the_appendage_off_at_its_mark(self):
+        done = self.play("expert", "--seed", "2")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("rolled back 0", done.stdout)
+        if STEPS:
+            return
+        found = re.search(r"done: 4 of 4 steps in [\d.]+ s; score (\d+), loop holds, ([\d.]+) mm from the mark, narrower by (\d+) %", done.stdout)
+        self.assertIsNotNone(found, done.stdout)
+        self.assertLess(float(found[2]), 1.0)
+        self.assertGreater(int(found[3]), 10)
+        self.assertEqual([line["what"] for line in self.lines() if line.get("event") == "step"], ["hold", "place", "tight", "let go"])
+        self.assertEqual([line for line in self.lines() if line.get("event") == "mistake"], [])
+
+    def test_clumsy_hands_come_to_their_end(self):
+        done = self.play("clumsy", "--seed", "2")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("rolled back 0", done.stdout)
+        if not STEPS:
+            self.assertIn("not done: ", done.stdout)
 
 
 class Hand(PegTransfer):
