@@ -1,3 +1,4 @@
+#include "apps/laparoscopy/drain.h"
 #include "apps/laparoscopy/gallbladder.h"
 #include "apps/laparoscopy/gauze.h"
 #include "apps/laparoscopy/motion.h"
@@ -183,19 +184,21 @@ int main(int argc, char** argv)
     return runTrainer(
         argc, argv,
         {.name = "laparoscopy",
-         .about = "A laparoscopy trainer: peg transfer and pattern cutting in a box, and taking out a gall bladder.",
+         .about = "A laparoscopy trainer: peg transfer, pattern cutting and suturing in a box, and taking out a gall "
+                  "bladder.",
          .hands =
              "1, 2 and 3 choose the left hand, the right hand and the laparoscope. Drag with the right button to\n"
              "turn the chosen shaft; the wheel, W and S move it in and out, A and D roll it. The left button closes\n"
              "its jaws while it is held down, G closes and opens them. Page up and page down zoom.\n"
              "Cholecystectomy: 4, 5 and 6 give the right hand the hook (closing is its pedal), clips and scissors.\n"
              "A haptic device (--device) holds the right handle; its first button closes the jaws.\n",
-         .cases = {"peg-transfer", "cholecystectomy", "pattern-cutting"},
+         .cases = {"peg-transfer", "cholecystectomy", "pattern-cutting", "suturing"},
          .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
          .motions = {"expert", "clumsy"},
          .window = {"Laparoscopy", 960, 720}},
         [](const Training& training) {
-            static constexpr std::array kTasks = {pegTransfer, operation::cholecystectomy, cutting::patternCutting};
+            static constexpr std::array kTasks = {pegTransfer, operation::cholecystectomy, cutting::patternCutting,
+                                                  suturing::suturing};
             return kTasks[static_cast<std::size_t>(training.caseIndex)](training);
         });
 }

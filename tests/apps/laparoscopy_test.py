@@ -20,7 +20,7 @@ class PegTransfer(Trainer):
 
 class Words(PegTransfer):
     def test_unknown_words_are_refused_in_one_line(self):
-        for words, says in ((("--case", "stapling"), "--case must be peg-transfer, cholecystectomy or pattern-cutting, got 'stapling'"),
+        for words, says in ((("--case", "stapling"), "--case must be peg-transfer, cholecystectomy, pattern-cutting or suturing, got 'stapling'"),
                             (("--difficulty", "brutal"), "--difficulty must be easy, normal or hard, got 'brutal'"),
                             (("--seed", "-1"), "--seed must be a whole number in [0, 999999999]")):
             done = run("--headless", "--steps", "1", *words)
@@ -125,6 +125,38 @@ class Gauze(Trainer):
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
             if not STEPS:
                 self.assertIn("not done: ", done.stdout)
+
+
+class Stitch(Trainer):
+    """One seed of suturing; docs/lab/laparoscopy.md reports more."""
+
+    def play(self, motion, *words):
+        return run("--case", "suturing", "--motion", motion, "--headless", "--no-picture", "--session", self.session, *words,
+                   *(["--steps", STEPS] if STEPS else []))
+
+    def test_the_expert_closes_the_slit(self):
+        done = self.play("expert", "--seed", "3")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("rolled back 0", done.stdout)
+        if STEPS:
+            return
+        found = re.search(r"done: 7 of 7 steps in [\d.]+ s; score (\d+), in ([\d.]+) mm, out ([\d.]+) mm, gap 2 mm to ([\d.]+) mm, "
+                          r"under load ([\d.]+) mm, 3 throws", done.stdout)
+        self.assertIsNotNone(found, done.stdout)
+        score, way_in, way_out, gap, loaded = map(float, found.groups())
+        self.assertGreater(score, 500)
+        self.assertLess(max(way_in, way_out), 1.5)
+        self.assertLess(gap, 1.0)
+        self.assertLess(loaded, 1.5)
+        self.assertEqual([line["what"] for line in self.lines() if line.get("event") == "step"],
+                         ["grasp", "in", "out", "draw", "clear", "knot", "load"])
+        self.assertEqual([line for line in self.lines() if line.get("event") == "mistake"], [])
+
+    def test_clumsy_hands_come_to_their_end(self):
+        done = self.play("clumsy", "--seed", "1")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        if not STEPS:
+            self.assertIn("not done: ", done.stdout)
 
 
 class Hand(PegTransfer):
