@@ -7,9 +7,9 @@ using namespace filasofia;
 namespace suturing {
 namespace {
 
-constexpr Vec3 kWall = {14e-3, 8e-3, 20e-3};          // [m] of each side of the drain
+constexpr Vec3 kWall = {14e-3, 8e-3, 20e-3};          // [m], each side
 constexpr std::array<int, 3> kCells = {7, 4, 10};     // so that a node lies at each mark
-constexpr double kGape = 2e-3, kGapeAtEnds = 1.0e-3;  // [m], of the slit
+constexpr double kGape = 2e-3, kGapeAtEnds = 1.0e-3;  // [m], the slit
 constexpr double kTop = 22e-3, kTable = -8e-3;        // [m], heights
 constexpr double kNeedle = 0.4e-3, kThread = 0.15e-3; // [m], radii
 

@@ -13,9 +13,9 @@
 /// the marks.
 namespace suturing {
 
-inline constexpr double kRadius = 9e-3;                            ///< [m], of the needle's arc
+inline constexpr double kRadius = 9e-3;                            ///< [m], the needle's arc
 inline constexpr double kMark = 7e-3;                              ///< [m] from the slit to a mark
-inline constexpr double kArc = 200.0 * (std::numbers::pi / 180.0); ///< [rad], of the needle, from its tip to its tail
+inline constexpr double kArc = 200.0 * (std::numbers::pi / 180.0); ///< [rad], the needle from its tip to its tail
 inline constexpr double kThreadSpacing = 0.4e-3;                   ///< [m]
 enum Wall { LeftWall, RightWall };
 
@@ -43,10 +43,9 @@ void load(filasofia::Simulation& sim, const Drain& drain, double force);
 
 /// How the stitch is at present.
 struct Stitch {
-    std::array<std::optional<double>, 2> deviation =
-        {};                ///< [m], of the way in and the way out from their marks; none yet
-    bool threaded = false; ///< thread runs through both walls
-    double tail = 0.0;     ///< [m], thread that is left before the way in
+    std::array<std::optional<double>, 2> deviation = {}; ///< [m], ways in and out from their marks; none yet
+    bool threaded = false;                               ///< thread runs through both walls
+    double tail = 0.0;                                   ///< [m], thread that is left before the way in
 };
 Stitch stitchOf(const Drain& drain, const filasofia::frame::Frame& now);
 
@@ -56,7 +55,7 @@ struct Motion {
     const Drain& drain;
     filasofia::LaparoscopicInstrument &left, &right;
     filasofia::Laparoscope& scope;
-    std::function<bool()> drawn, clear, over; ///< the thread is, nothing is in the way of the knot, all is done
+    std::function<bool()> drawn, clear, tied; ///< the thread is, nothing is in the way of the knot, it is
     /// Takes a picture of that name; empty if no pictures are wanted.
     std::function<std::function<void()>(const char* name)> picture;
 };

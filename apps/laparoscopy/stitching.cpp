@@ -108,8 +108,9 @@ TrocarPlan expertMotion(const Motion& with)
     plan.add(0.8, {}, backwards(with, 90_mm));
     for (int i = 0; i < 15; ++i) plan.rest(0.1).skip = with.clear;
     plan.rest(2.0).end = with.picture("tying");
-    for (int i = 0; i < 160; ++i) plan.rest(0.1).skip = with.over;
-    plan.rest(0.1).end = with.picture("tied");
+    for (int i = 0; i < 160; ++i) plan.rest(0.1).skip = with.tied;
+    plan.rest(0.6).end = with.picture("tied");
+    plan.rest(1.4); // while it is loaded
     return plan;
 }
 

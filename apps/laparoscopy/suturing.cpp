@@ -14,11 +14,12 @@ struct Difficulty {
     const char* name;
     bool guided;
     double seconds;   ///< [s], limit of the task
-    double deviation; ///< [m], of each mark: more is a mistake
+    double deviation; ///< [m], from a mark: more is a mistake
 };
 constexpr Difficulty kDifficulties[] = {
     {"easy", true, kCutoff, 3e-3}, {"normal", false, kCutoff, 2e-3}, {"hard", false, 240.0, 1e-3}};
-constexpr double kTail = 45e-3;                                 // [m] of thread that may be left before the way in
+constexpr double kTail = 45e-3;                                 // [m], thread that may be left before the way in
+constexpr std::size_t kStitched = 4;                            // the step with which the trainee's part is done
 constexpr double kClear = 60e-3;                                // [m] around the knot, for hands
 constexpr double kLoad = 1.0, kSlips = 0.5e-3, kApart = 1.5e-3; // [N], [m]: the slit under load
 
@@ -152,13 +153,12 @@ int suturing(const Training& training)
     TrocarHands hands(sim, left, right, scope);
     Judge judge(sim, drain, {&left, &right});
 
-    // In the manner of MISTELS: the cutoff time less the time, less ten for each millimetre and each degree of
-    // insecurity.
-    const auto penalty = [&] {
-        return 1e4 * (judge.deviation(LeftWall) + judge.deviation(RightWall) + judge.gap()) + 10.0 * judge.insecurity();
-    };
+    // In the manner of MISTELS (Derossis et al. 1998): the cutoff time less the time, less ten for each millimetre
+    // beside a mark. The weight is ours. The knot does not count: it is not the trainee's.
     const auto score = [&](const TaskProgress& now) {
-        return now.state == TaskProgress::State::Done ? std::max(0.0, kCutoff - now.time - penalty()) : 0.0;
+        if (now.doneAt.size() <= kStitched) return 0.0;
+        return std::max(0.0, kCutoff - now.doneAt[kStitched] -
+                                 1e4 * (judge.deviation(LeftWall) + judge.deviation(RightWall)));
     };
     const auto step = [](const char* name, const char* instruction, auto done) {
         return TaskStep{.name = name, .instruction = instruction, .done = [done](const auto&) { return done(); }};
@@ -201,14 +201,12 @@ int suturing(const Training& training)
                             .targets = {"right wall", "left wall"},
                             .watched = {EventKind::Mistake}};
     TrainerTask task(sim, training, def);
-    sim.everyStep([&, drawn = false, over = false](double) mutable {
+    sim.everyStep([&, told = false](double) mutable {
+        if (!judge.drawn() || std::exchange(told, true)) return;
         for (const Wall wall : {LeftWall, RightWall})
-            if (judge.drawn() && !drawn && judge.deviation(wall) > difficulty.deviation)
+            if (judge.deviation(wall) > difficulty.deviation)
                 task.tracker().mark(EventKind::Mistake,
                                     wall == LeftWall ? "beside the left mark" : "beside the right mark");
-        drawn = judge.drawn();
-        if (!judge.over() || std::exchange(over, true) || judge.insecurity() == 0) return;
-        task.tracker().mark(EventKind::Mistake, judge.insecurity() == 1 ? "the knot slips" : "the knot comes apart");
     });
     const Motion with{sim,
                       drain,
@@ -217,7 +215,7 @@ int suturing(const Training& training)
                       scope,
                       [&] { return judge.drawn(); },
                       [&] { return judge.clear(); },
-                      [&] { return judge.over(); },
+                      [&] { return judge.throws() == 3; },
                       [&](const char* name) { return task.picture(name); }};
     int steps = 0;
     for (const char* motion : {"expert", "clumsy"})

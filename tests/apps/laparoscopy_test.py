@@ -127,15 +127,17 @@ class Gauze(Trainer):
                 self.assertIn("not done: ", done.stdout)
 
 
-class Stitch(Trainer):
-    """One seed of suturing; docs/lab/laparoscopy.md reports more."""
-
+class SuturingTrainer(Trainer):
     def play(self, motion, *words):
         return run("--case", "suturing", "--motion", motion, "--headless", "--no-picture", "--session", self.session, *words,
                    *(["--steps", STEPS] if STEPS else []))
 
+
+class Suturing(SuturingTrainer):
+    """One seed; docs/lab/laparoscopy.md reports more."""
+
     def test_the_expert_closes_the_slit(self):
-        done = self.play("expert", "--seed", "3")
+        done = self.play("expert", "--seed", "2")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertIn("rolled back 0", done.stdout)
         if STEPS:
@@ -144,14 +146,16 @@ class Stitch(Trainer):
                           r"under load ([\d.]+) mm, 3 throws", done.stdout)
         self.assertIsNotNone(found, done.stdout)
         score, way_in, way_out, gap, loaded = map(float, found.groups())
-        self.assertGreater(score, 500)
-        self.assertLess(max(way_in, way_out), 1.5)
-        self.assertLess(gap, 1.0)
-        self.assertLess(loaded, 1.5)
+        self.assertGreater(score, 550)
+        self.assertLess(max(way_in, way_out), 1.5)  # 0.1 and 0.6 mm were measured
+        self.assertLess(gap, 1.0)  # 0.1 mm was measured; not every knot holds
+        self.assertLess(loaded, 1.0)
         self.assertEqual([line["what"] for line in self.lines() if line.get("event") == "step"],
                          ["grasp", "in", "out", "draw", "clear", "knot", "load"])
         self.assertEqual([line for line in self.lines() if line.get("event") == "mistake"], [])
 
+
+class ClumsySuturing(SuturingTrainer):
     def test_clumsy_hands_come_to_their_end(self):
         done = self.play("clumsy", "--seed", "1")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
