@@ -1,3 +1,4 @@
+#include "apps/laparoscopy/drain.h"
 #include "apps/laparoscopy/endoloop.h"
 #include "apps/laparoscopy/gallbladder.h"
 #include "apps/laparoscopy/gauze.h"
@@ -184,7 +185,7 @@ int main(int argc, char** argv)
     return runTrainer(
         argc, argv,
         {.name = "laparoscopy",
-         .about = "A laparoscopy trainer: peg transfer, pattern cutting and a ligating loop in a box, and "
+         .about = "A laparoscopy trainer: peg transfer, pattern cutting, a ligating loop and suturing in a box, and "
                   "taking out a gall bladder.",
          .hands =
              "1, 2 and 3 choose the left hand, the right hand and the laparoscope. Drag with the right button to\n"
@@ -193,13 +194,13 @@ int main(int argc, char** argv)
              "Cholecystectomy: 4, 5 and 6 give the right hand the hook (closing is its pedal), clips and scissors.\n"
              "Ligating loop: closing the right hand draws the thread, 4 lets the knot go.\n"
              "A haptic device (--device) holds the right handle; its first button closes the jaws.\n",
-         .cases = {"peg-transfer", "cholecystectomy", "pattern-cutting", "ligating-loop"},
+         .cases = {"peg-transfer", "cholecystectomy", "pattern-cutting", "ligating-loop", "suturing"},
          .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
          .motions = {"expert", "clumsy"},
          .window = {"Laparoscopy", 960, 720}},
         [](const Training& training) {
             static constexpr std::array kTasks = {pegTransfer, operation::cholecystectomy, cutting::patternCutting,
-                                                  ligating::ligatingLoop};
+                                                  ligating::ligatingLoop, suturing::suturing};
             return kTasks[static_cast<std::size_t>(training.caseIndex)](training);
         });
 }
