@@ -122,12 +122,10 @@ class Gauze(CaseTrainer):
         self.assertEqual([line["what"] for line in self.lines() if line.get("event") == "step"], ["hold", "begin", "half", "out"])
         self.assertEqual([line["what"] for line in self.lines() if line.get("event") == "residual"], ["deviation from the circle"])
 
-    def test_clumsy_hands_come_to_their_end(self):
+    def test_clumsy_hands_break_nothing(self):
         for seed in ("1", "2"):
-            done = self.play("clumsy", "--seed", seed)
+            done = self.play("clumsy", "--seed", seed, steps=STEPS or "6000")
             self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-            if not STEPS:
-                self.assertIn("not done: ", done.stdout)
 
 
 class Loop(CaseTrainer):
