@@ -172,6 +172,20 @@ std::vector<TrackedBody> observedIn(const LaparoscopicInstrument& first, const L
             {.body = scope.body(), .role = Role::Scope, .element = Endoscope::kCamera}};
 }
 
+TaskStep step(const char* name, const char* instruction, std::function<bool()> done)
+{
+    return {.name = name, .instruction = instruction, .done = [done = std::move(done)](const auto&) { return done(); }};
+}
+
+int play(const Training& training, TrocarHands& hands, const std::function<TrocarPlan()>& expert,
+         const std::function<TrocarPlan()>& clumsy)
+{
+    if (training.motion != "expert" && training.motion != "clumsy") return 0;
+    const TrocarPlan plan = training.motion == "expert" ? expert() : clumsy();
+    hands.play(plan.moves());
+    return stepsIn(plan.seconds() + 0.2);
+}
+
 std::optional<int> pegOf(const Pose& ring, Side side)
 {
     for (int peg = 0; peg < kPegs; ++peg) {

@@ -3,6 +3,7 @@
 #include <filasofia/filasofia.h>
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -44,6 +45,14 @@ filasofia::LaparoscopeDef scopeOf();
 std::vector<filasofia::TrackedBody> observedIn(const filasofia::LaparoscopicInstrument& first,
                                                const filasofia::LaparoscopicInstrument& second,
                                                const filasofia::Laparoscope& scope);
+
+/// A step of a task that is done if this says so.
+filasofia::TaskStep step(const char* name, const char* instruction, std::function<bool()> done);
+
+/// Has the hands play the planned motion that the training asks for. Returns its number of physics steps; 0: a person
+/// plays.
+int play(const filasofia::Training& training, filasofia::TrocarHands& hands,
+         const std::function<filasofia::TrocarPlan()>& expert, const std::function<filasofia::TrocarPlan()>& clumsy);
 
 /// The peg of a side that a ring lies around; none if it does not.
 std::optional<int> pegOf(const filasofia::Pose& ring, Side side);

@@ -145,21 +145,21 @@ private:
 
 std::vector<TaskStep> stepsOf(const GallbladderPatient& patient, const GallbladderTools& tools, const Surgery& surgery)
 {
-    const auto step = [](const char* name, const char* instruction, const auto& done) {
-        return TaskStep{.name = name, .instruction = instruction, .done = [done](const auto&) { return done(); }};
-    };
     return {
-        step("grasp", "Grasp the neck of the gall bladder with the left hand, and draw it aside",
-             [&] { return tools.left.tool().holding() == patient.gallbladder; }),
-        step("triangle", "4: the hook. Open the layer between duct and artery", [&] { return surgery.layerOpen(); }),
-        step("view", "Free the lower third of the gall bladder from the liver", [&] { return surgery.lowerFree(); }),
-        step("clip duct", "5: clips. Two on the duct far from the gall bladder, and one near it",
-             [&] { return surgery.clipsOn(patient.duct) >= 3; }),
-        step("clip artery", "The same on the artery", [&] { return surgery.clipsOn(patient.artery) >= 3; }),
-        step("cut", "6: scissors. Cut both, between two clips and one",
-             [&] { return surgery.isCut(patient.duct) && surgery.isCut(patient.artery); }),
-        step("detach", "4: the hook. Free the gall bladder from its bed, and bring it out",
-             [&] { return surgery.detached() && tools.left.tool().grip().z > kOut; }),
+        laparoscopy::step("grasp", "Grasp the neck of the gall bladder with the left hand, and draw it aside",
+                          [&] { return tools.left.tool().holding() == patient.gallbladder; }),
+        laparoscopy::step("triangle", "4: the hook. Open the layer between duct and artery",
+                          [&] { return surgery.layerOpen(); }),
+        laparoscopy::step("view", "Free the lower third of the gall bladder from the liver",
+                          [&] { return surgery.lowerFree(); }),
+        laparoscopy::step("clip duct", "5: clips. Two on the duct far from the gall bladder, and one near it",
+                          [&] { return surgery.clipsOn(patient.duct) >= 3; }),
+        laparoscopy::step("clip artery", "The same on the artery",
+                          [&] { return surgery.clipsOn(patient.artery) >= 3; }),
+        laparoscopy::step("cut", "6: scissors. Cut both, between two clips and one",
+                          [&] { return surgery.isCut(patient.duct) && surgery.isCut(patient.artery); }),
+        laparoscopy::step("detach", "4: the hook. Free the gall bladder from its bed, and bring it out",
+                          [&] { return surgery.detached() && tools.left.tool().grip().z > kOut; }),
     };
 }
 

@@ -211,17 +211,16 @@ int ligatingLoop(const Training& training)
         if (now.state != TaskProgress::State::Done) return 0.0;
         return std::max(0.0, kCutoff - now.time - 1e3 * judge.error() - (judge.secure() ? 0.0 : kInsecure));
     };
-    const auto step = [](const char* name, const char* instruction, auto done) {
-        return TaskStep{.name = name, .instruction = instruction, .done = [done](const auto&) { return done(); }};
-    };
     TrainerTaskDef def{
-        .steps = {step("hold", "Put the loop over the middle appendage, and grasp its tip through the loop",
-                       [&] { return judge.held(); }),
-                  step("place", "Bring the loop down to the mark", [&] { return judge.near(); }),
-                  step("tight", "Close the pusher's handle to draw the thread, and keep the loop at the mark",
-                       [&] { return judge.tight(); }),
-                  step("let go", "4: let the knot go, and draw the pusher back",
-                       [&] { return judge.isOver() && judge.around(); })},
+        .steps = {laparoscopy::step("hold",
+                                    "Put the loop over the middle appendage, and grasp its tip through the loop",
+                                    [&] { return judge.held(); }),
+                  laparoscopy::step("place", "Bring the loop down to the mark", [&] { return judge.near(); }),
+                  laparoscopy::step("tight",
+                                    "Close the pusher's handle to draw the thread, and keep the loop at the mark",
+                                    [&] { return judge.tight(); }),
+                  laparoscopy::step("let go", "4: let the knot go, and draw the pusher back",
+                                    [&] { return judge.isOver() && judge.around(); })},
         .timeLimit = difficulty.seconds,
         .guided = difficulty.guided,
         .force = {.name = "Force of the instruments", .bodies = {left.body(), right.body()}, .warning = 2, .full = 4},
@@ -232,9 +231,7 @@ int ligatingLoop(const Training& training)
                 return std::vector<ResultLine>{{"Time", text(std::lround(now.time), " s")},
                                                {"From the mark", judge.around() ? millimetres(judge.error()) : "-"},
                                                {"Narrower by", text(std::lround(100 * judge.narrowing()), " %")},
-                                               {"Loop", judge.secure()   ? "holds"
-                                                        : judge.around() ? "loose"
-                                                                         : "off"},
+                                               {"Loop", stateOf(judge)},
                                                {"Score", text(std::lround(score(now)), " of 180")}};
             }};
     def.observed.bodies = laparoscopy::observedIn(right, left, scope);
@@ -251,13 +248,8 @@ int ligatingLoop(const Training& training)
     });
 
     const Motion with{sim, foam, loop, left, right, scope, [&](const char* name) { return task.picture(name); }};
-    int steps = 0;
-    for (const char* motion : {"expert", "clumsy"})
-        if (training.motion == motion) {
-            const TrocarPlan plan = motion[0] == 'e' ? expertMotion(with) : clumsyMotion(with, seed);
-            hands.play(plan.moves());
-            steps = laparoscopy::stepsIn(plan.seconds() + 0.2);
-        }
+    const int steps = laparoscopy::play(
+        training, hands, [&] { return expertMotion(with); }, [&] { return clumsyMotion(with, seed); });
     return task.run(steps, [&] {
         const auto end = text("score ", std::lround(score(task.progress())), ", loop ", stateOf(judge));
         if (!judge.around()) return end;

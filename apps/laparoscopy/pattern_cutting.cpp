@@ -200,16 +200,15 @@ int patternCutting(const Training& training)
         return now.state == TaskProgress::State::Done ? std::max(0.0, kCutoff - now.time - 100.0 * judge.deviation())
                                                       : 0.0;
     };
-    const auto step = [](const char* name, const char* instruction, auto done) {
-        return TaskStep{.name = name, .instruction = instruction, .done = [done](const auto&) { return done(); }};
-    };
     TrainerTaskDef def{
-        .steps = {step("hold", "Grasp the free corner with the left hand, and draw the gauze tight",
-                       [&] { return left.tool().holding() == gauze.body; }),
-                  step("begin", "Pierce the gauze at the circle with the scissors, or cut there from the edge",
-                       [&] { return judge.around() > 0.0; }),
-                  step("half", "Cut along the circle, between the two lines", [&] { return judge.around() > 0.5; }),
-                  step("out", "Cut the circle out", [&] { return judge.out(); })},
+        .steps = {laparoscopy::step("hold", "Grasp the free corner with the left hand, and draw the gauze tight",
+                                    [&] { return left.tool().holding() == gauze.body; }),
+                  laparoscopy::step("begin",
+                                    "Pierce the gauze at the circle with the scissors, or cut there from the edge",
+                                    [&] { return judge.around() > 0.0; }),
+                  laparoscopy::step("half", "Cut along the circle, between the two lines",
+                                    [&] { return judge.around() > 0.5; }),
+                  laparoscopy::step("out", "Cut the circle out", [&] { return judge.out(); })},
         .timeLimit = difficulty.seconds,
         .guided = difficulty.guided,
         .force = {.name = "Force of the grasper", .bodies = {left.body()}, .warning = 3, .full = 6},
@@ -241,13 +240,8 @@ int patternCutting(const Training& training)
                       scope,
                       [&](const char* name) { return task.picture(name); },
                       [&] { return judge.out(); }};
-    int steps = 0;
-    for (const char* motion : {"expert", "clumsy"})
-        if (training.motion == motion) {
-            const TrocarPlan plan = motion[0] == 'e' ? expertMotion(with) : clumsyMotion(with, seed);
-            hands.play(plan.moves());
-            steps = laparoscopy::stepsIn(plan.seconds() + 0.2);
-        }
+    const int steps = laparoscopy::play(
+        training, hands, [&] { return expertMotion(with); }, [&] { return clumsyMotion(with, seed); });
     return task.run(steps, [&] {
         return text("score ", std::lround(score(task.progress())), ", ", std::lround(100 * judge.around()),
                     " % of the circle cut, deviation ", std::lround(1000 * judge.deviation()) / 10.0, " %");

@@ -160,21 +160,19 @@ int suturing(const Training& training)
         return std::max(0.0, kCutoff - now.doneAt[kStitched] -
                                  1e4 * (judge.deviation(LeftWall) + judge.deviation(RightWall)));
     };
-    const auto step = [](const char* name, const char* instruction, auto done) {
-        return TaskStep{.name = name, .instruction = instruction, .done = [done](const auto&) { return done(); }};
-    };
     const auto millimetres = [](double length) { return text(std::lround(1e4 * length) / 10.0, " mm"); };
     const auto way = [&](Wall wall, bool there) { return there ? millimetres(judge.deviation(wall)) : "none"; };
     TrainerTaskDef def{
-        .steps = {step("grasp", "Grasp the needle near its tail",
-                       [&] { return right.tool().holding() == drain.needle; }),
-                  step("in", "Turn it into the right mark", [&] { return judge.entered(); }),
-                  step("out", "Turn it on, out at the left mark", [&] { return judge.through(); }),
-                  step("draw", "Take it at its tip, turn it out, and draw the thread until its end is short",
-                       [&] { return judge.drawn(); }),
-                  step("clear", "The needle is off: withdraw both instruments", [&] { return judge.clear(); }),
-                  step("knot", "Keep away: three throws are tied for you", [&] { return judge.throws() == 3; }),
-                  step("load", "The closure is loaded", [&] { return judge.over(); })},
+        .steps =
+            {laparoscopy::step("grasp", "Grasp the needle near its tail",
+                               [&] { return right.tool().holding() == drain.needle; }),
+             laparoscopy::step("in", "Turn it into the right mark", [&] { return judge.entered(); }),
+             laparoscopy::step("out", "Turn it on, out at the left mark", [&] { return judge.through(); }),
+             laparoscopy::step("draw", "Take it at its tip, turn it out, and draw the thread until its end is short",
+                               [&] { return judge.drawn(); }),
+             laparoscopy::step("clear", "The needle is off: withdraw both instruments", [&] { return judge.clear(); }),
+             laparoscopy::step("knot", "Keep away: three throws are tied for you", [&] { return judge.throws() == 3; }),
+             laparoscopy::step("load", "The closure is loaded", [&] { return judge.over(); })},
         .timeLimit = difficulty.seconds,
         .guided = difficulty.guided,
         .force = {.name = "Force on the drain",
@@ -217,13 +215,8 @@ int suturing(const Training& training)
                       [&] { return judge.clear(); },
                       [&] { return judge.throws() == 3; },
                       [&](const char* name) { return task.picture(name); }};
-    int steps = 0;
-    for (const char* motion : {"expert", "clumsy"})
-        if (training.motion == motion) {
-            const TrocarPlan plan = motion[0] == 'e' ? expertMotion(with) : clumsyMotion(with, seed);
-            hands.play(plan.moves());
-            steps = laparoscopy::stepsIn(plan.seconds() + 0.2);
-        }
+    const int steps = laparoscopy::play(
+        training, hands, [&] { return expertMotion(with); }, [&] { return clumsyMotion(with, seed); });
     return task.run(steps, [&] {
         return text("score ", std::lround(score(task.progress())), ", in ", way(RightWall, judge.entered()), ", out ",
                     way(LeftWall, judge.through()), ", gap ", millimetres(judge.gapAtRest()), " to ",
