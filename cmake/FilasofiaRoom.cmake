@@ -67,9 +67,10 @@ function(filasofia_room name)
 endfunction()
 
 # filasofia_tests(geometry SOURCES mesh_test.cpp ... LINKS extra): one program, one ctest entry per TEST_CASE.
-# The tests see the private headers of their room.
+# The tests see the private headers of their room. LONG: some have the tag [long] or [cases]: they are, or are once more, long
+# tests (label long, scripts/check.sh).
 function(filasofia_tests name)
-  cmake_parse_arguments(TEST "" "TIMEOUT" "SOURCES;LINKS;PRECOMPILE" ${ARGN})
+  cmake_parse_arguments(TEST "LONG" "TIMEOUT" "SOURCES;LINKS;PRECOMPILE" ${ARGN})
   if(NOT TEST_TIMEOUT)
     set(TEST_TIMEOUT 300)
   endif()
@@ -93,6 +94,10 @@ function(filasofia_tests name)
   endif()
   # Sources of tests share more headers than code: batches of 8 took a third longer to compile.
   set_target_properties(test_${name} PROPERTIES CXX_EXTENSIONS OFF UNITY_BUILD_BATCH_SIZE 16)
-  catch_discover_tests(test_${name} TEST_PREFIX "${name}: " EXTRA_ARGS -w NoTests
+  catch_discover_tests(test_${name} TEST_SPEC ~[long] TEST_PREFIX "${name}: " EXTRA_ARGS -w NoTests
     PROPERTIES TIMEOUT ${TEST_TIMEOUT} LABELS ${name} SKIP_REGULAR_EXPRESSION "SKIPPED:") # tests/skip.h says it
+  if(TEST_LONG)
+    catch_discover_tests(test_${name} TEST_SPEC [long],[cases] TEST_PREFIX "long: ${name}: " EXTRA_ARGS -w NoTests
+      PROPERTIES TIMEOUT 1200 LABELS long ENVIRONMENT FILASOFIA_ALL_CASES=1)
+  endif()
 endfunction()

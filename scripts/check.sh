@@ -3,10 +3,12 @@
 set -uo pipefail
 usage='Usage: check.sh [PART...] [--base REV | --all] [--seconds N] [--steps N]
 Parts (default: all of them)
+  long    the long tests: motions, examples and random cases that test.sh cuts short, in full
   clang   build with clang, all tests
   tidy    clang-tidy on the sources of src, apps and examples changed since --base (default: origin/HEAD, else the last
           tag, else all)
-  asan    all tests under the address and undefined behaviour sanitizers (test.sh runs those of hostile input and edits)
+  edits   the tests of hostile input and edits under the address and undefined behaviour sanitizers (preset asan)
+  asan    all tests under these sanitizers (preset asan-all)
   tsan    all tests under the thread sanitizer
   fuzz    every fuzzer for --seconds (default 60)
   soak    one simulated hour of the bunny (or --steps of 5 ms), twice: same hash, no growth of memory, always finite
@@ -15,11 +17,11 @@ Parts (default: all of them)
 source "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 cd "$root" || exit 1
 
-all_parts=(clang tidy asan tsan fuzz soak python)
+all_parts=(long edits clang tidy asan tsan fuzz soak python)
 parts=() base='' all=no seconds=60 steps=720000
 while (($# > 0)); do
   case $1 in
-    clang | tidy | asan | tsan | fuzz | soak | python) parts+=("$1") ;;
+    long | edits | clang | tidy | asan | tsan | fuzz | soak | python) parts+=("$1") ;;
     --all) all=yes ;;
     --base | --seconds | --steps)
       (($# > 1)) || die "$1 needs a value"
@@ -55,9 +57,18 @@ sources_to_tidy() {
   fi
 }
 
+
+# The tests of a preset, with all random cases.
+all_tests() { FILASOFIA_ALL_CASES=1 ctest --preset "$1" -j "$(nproc)" </dev/null; }
+
+check_long() {
+  (configure release && build release) || return 1
+  all_tests long
+}
+
 check_clang() {
   (configure clang && build clang) || return 1
-  ctest --preset clang -j "$(nproc)" </dev/null
+  all_tests clang
 }
 
 check_tidy() {
@@ -70,14 +81,19 @@ check_tidy() {
   ((${#files[@]} == 0)) || printf '%s\0' "${files[@]}" | xargs -0 -n 1 -P "$(jobs_that_fit)" clang-tidy -p build/clang --quiet
 }
 
+check_edits() {
+  (configure asan && build asan) || return 1
+  ctest --preset asan -j "$(nproc)" </dev/null
+}
+
 check_asan() {
   (configure asan-all && build asan-all) || return 1
-  ctest --preset asan-all -j "$(nproc)" </dev/null
+  all_tests asan-all
 }
 
 check_tsan() {
   (configure tsan && cd "$root" && "${fixed_addresses[@]}" cmake --build --preset tsan -j "$(jobs_that_fit)") || return 1
-  "${fixed_addresses[@]}" ctest --preset tsan -j "$(nproc)" </dev/null
+  FILASOFIA_ALL_CASES=1 "${fixed_addresses[@]}" ctest --preset tsan -j "$(nproc)" </dev/null
 }
 
 check_fuzz() {

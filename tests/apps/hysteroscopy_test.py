@@ -1,6 +1,6 @@
 """Runs the hysteroscopy trainer as a user does. Usage: hysteroscopy_test.py PROGRAM [CLASS]
 
-If TRAINER_STEPS is set in the environment, the planned motions are cut short: a sanitizer takes minutes for one."""
+If TRAINER_STEPS is set in the environment, the planned motions are cut short: whole, they take minutes."""
 import json
 import re
 import sys

@@ -125,7 +125,7 @@ TEST_CASE("a surgeon's knot that hands tie around two bars holds 2 N with a fric
     CHECK(scene.loaded.back() - scene.loaded.front() < 0.15_mm);
 }
 
-TEST_CASE("the same knot comes off with a friction of 0.02")
+TEST_CASE("the same knot comes off with a friction of 0.02", "[long]")
 {
     TiedBars scene(0.02);
     scene.tieAndLoad(2.0);

@@ -307,7 +307,7 @@ TEST_CASE("scene files: a scene reads no file outside its folder unless that is 
     CHECK(std::get<std::string>(softOf(loadScene(scene(secret), {.anyFolder = true})).mesh) == secret);
 }
 
-TEST_CASE("scene files: damaged files are refused or read, and nothing else")
+TEST_CASE("scene files: damaged files are refused or read, and nothing else", "[cases]")
 {
     const SceneFolder folder;
     std::mt19937 random(5);

@@ -1,3 +1,4 @@
+#include "effort.h"
 #include "verification/verification.h"
 
 #include "filasofia/geometry/shapes.h"
@@ -100,7 +101,8 @@ TEST_CASE("neo-Hookean tissue pressed to 70 % of its depth resists ever more, an
 
 TEST_CASE(
     "tissue of the library and of every law but two resists ever more when it is pressed to 70 % of its depth, or "
-    "steps say that elements are inside out")
+    "steps say that elements are inside out",
+    "[cases]")
 {
     // Elements around the ball turn inside out where shear is many times as stiff as the change of volume.
     const std::string turning[] = {"cartilage", "VerondaWestmann 5", "Fung 10", "Gent 0.4"};
@@ -110,7 +112,8 @@ TEST_CASE(
     for (const NamedLaw& each : everyLaw())
         if (!std::holds_alternative<Corotational>(each.law) && !std::holds_alternative<StVenantKirchhoff>(each.law))
             all.emplace_back(each.name, FemMaterial{.youngModulus = 10e3, .poissonRatio = 0.4, .law = each.law});
-    for (const auto& [name, material] : all) {
+    for (std::size_t i = 0; i < all.size(); i += allCases() ? 1 : 4) {
+        const auto& [name, material] = all[i];
         Poke poke{material};
         double before = 0.0, least = 10.0; // [-] by how much a tenth of the depth more raises the force at least
         int percent = 10;

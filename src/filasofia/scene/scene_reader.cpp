@@ -145,6 +145,90 @@ const Json& SceneReader::classNamed(const Json& name, const Place& place) const
     refuseWord(name, place, known);
 }
 
+SceneReader::Opened SceneReader::open(const Layers& from, const Place& place, const Shape& shape,
+                                      const Members& members, const std::vector<std::string>& beside)
+{
+    const Json& json = *from.front().json;
+    if (!json.is_object()) refuse(json, place, text("must be an object (", shape.type, ")"));
+    Opened object{openClasses(from, place), withDefaults(from, shape.type), {}};
+    for (const Member& each : members)
+        if (!each.name.empty()) object.known.emplace_back(each.name);
+    object.known.insert(object.known.end(), {kType, kClass});
+    object.known.insert(object.known.end(), beside.begin(), beside.end());
+    if (shape.type == typeName<physics::FemMaterial>()) object.known.emplace_back(kTissue);
+    if (!shape.flat)
+        for (const Layer& each : object.layers) refuseUnknown(*each.json, place, object.known, shape.type);
+    for (const std::string_view name : shape.required)
+        if (!partial_ && SceneReader::members(object.layers, name).empty())
+            refuseWithout(json, place, name, shape.type);
+    return object;
+}
+
+void SceneReader::readMembers(const Opened& object, const Layers& from, const Place& place, const Members& members)
+{
+    for (const Member& each : members) {
+        if (each.name.empty()) {
+            (this->*each.readBeside)(from, place, object.known, each.value);
+            continue;
+        }
+        const Layers inner = SceneReader::members(object.layers, each.name);
+        const Place at{&place, each.name};
+        if (!inner.empty()) note(at, *inner.front().json);
+        if (inner.empty())
+            (this->*each.fill)(at, each.value);
+        else
+            (this->*each.read)(inner, at, each.bound, each.value);
+    }
+}
+
+void SceneReader::checkKeyPose(const Layers& layers, const Place& place) const
+{
+    for (const Layer& pose : members(layers, "pose"))
+        if (pose.json->is_object() && !find(*pose.json, "position"))
+            refuseWithout(*pose.json, Place{&place, "pose"}, "position", typeName<KeyPose>());
+}
+
+bool SceneReader::readOneOf(const Alternatives& all, const Layers& from, const Place& place, const Bound& bound,
+                            const std::vector<std::string>& beside, std::string_view present, void* variant)
+{
+    const Json& json = *from.front().json;
+    std::vector<std::string> known;
+    for (const Alternative& each : all)
+        if (!each.type.empty()) known.emplace_back(each.type);
+    const auto ofType = [&](std::string_view type) {
+        const auto found = std::ranges::find(all, type, &Alternative::type);
+        return type.empty() || found == all.end() ? nullptr : &*found;
+    };
+    if (json.is_object()) {
+        const Place inner{&place, kType};
+        const Json* named = typeOf(from);
+        const std::string type = named ? word(*named, inner) : std::string(present);
+        const Alternative* found = ofType(type);
+        if (!found)
+            named ? refuseWord(*named, inner, known)
+                  : refuse(json, place, text("must have a type, one of ", listed(known)));
+        (this->*found->read)(SceneReader::ofType(from, type, present), place, beside, variant);
+        return false;
+    }
+    if (json.is_string()) {
+        const std::string given = word(json);
+        const Alternative* found = ofType(given);
+        if (!found) {
+            const bool takesMaterial = std::ranges::any_of(all, &Alternative::material);
+            const bool tissue = std::ranges::count(physics::tissues(), given, &physics::Tissue::name) > 0;
+            refuseWord(json, place, known,
+                       takesMaterial && tissue ? text(" (did you mean {\"tissue\": \"", given, "\"}?)") : "");
+        }
+        found->makeDefault(variant);
+        return true;
+    }
+    const auto found =
+        std::ranges::find_if(all, [&](const Alternative& each) { return each.takes && each.takes(json); });
+    if (found == all.end()) refuse(json, place, text("must be an object, one of ", listed(known)));
+    (this->*found->readPlain)(from, place, bound, variant);
+    return false;
+}
+
 const Json* SceneReader::typeOf(const Layers& layers)
 {
     for (const Layer& layer : layers)

@@ -178,8 +178,8 @@ private:
 
     template <class List> void readList(const Json& json, const Place& place, const Bound& bound, List& out)
     {
-        using Member = typename List::value_type;
-        if constexpr (kIsArray<List> && std::is_same_v<Member, double>) {
+        using Each = typename List::value_type;
+        if constexpr (kIsArray<List> && std::is_same_v<Each, double>) {
             readNumbers(json, place, bound, out);
         } else {
             if (!json.is_array()) refuse(json, place, "must be a list");
@@ -188,7 +188,7 @@ private:
             else if (json.size() != out.size())
                 refuse(json, place, text("must be a list of length ", out.size()));
             for (std::size_t i = 0; i < out.size(); ++i) {
-                Member each{}; // a list of flags or numbers has no references to its members
+                Each each{}; // a list of flags or numbers has no references to its members
                 const Place at{&place, {}, i};
                 if (json[i].is_object()) note(at, json[i]);
                 read({{&json[i]}}, at, bound, each);
@@ -217,135 +217,149 @@ private:
     void checkCorners(const Json& json, const Place& place, const geometry::Box& box) const;
 
     /// `beside`: names that are known besides the Def's own fields.
+    /// A member of an object that is read. Without types: the code for each member of each Def, inlined into the code
+    /// for its Def, took four minutes to compile.
+    struct Member {
+        std::string_view name; ///< empty: its members stand beside the others
+        Bound bound;
+        void* value = nullptr;
+        void (SceneReader::*read)(const Layers& from, const Place& place, const Bound& bound, void* value) = nullptr;
+        void (SceneReader::*readBeside)(const Layers& from, const Place& place, const std::vector<std::string>& known,
+                                        void* value) = nullptr;
+        void (SceneReader::*fill)(const Place& place, void* value) = nullptr;
+    };
+    using Members = std::vector<Member>;
+    template <class T> void readValue(const Layers& from, const Place& place, const Bound& bound, void* value)
+    {
+        read(from, place, bound, *static_cast<T*>(value));
+    }
+    template <class T>
+    void readBeside(const Layers& from, const Place& place, const std::vector<std::string>& known, void* value)
+    {
+        if constexpr (kIsVariant<T> && !IsMesh<T> && !IsFile<T>)
+            readAlternative(from, place, {}, known, *static_cast<T*>(value));
+        else if constexpr (HasFields<T>)
+            readObject(from, place, known, *static_cast<T*>(value));
+    }
+    template <class T> void fillValue(const Place& place, void* value) { fill(place, *static_cast<T*>(value)); }
+    template <class T> static Member memberOf(std::string_view name, const Bound& bound, T& value)
+    {
+        return {
+            name, bound, &value, &SceneReader::readValue<T>, &SceneReader::readBeside<T>, &SceneReader::fillValue<T>};
+    }
+    template <class T> static Members membersOf(T& object)
+    {
+        Members out;
+        forEachField<T>([&](const auto& each) {
+            out.push_back(memberOf(each.name, {each.range, each.unit}, object.*(each.member)));
+        });
+        return out;
+    }
+    /// An object that is being read.
+    struct Opened {
+        std::size_t classes = 0; ///< that were open before
+        Layers layers;
+        std::vector<std::string> known; ///< the names that its members may have
+    };
+    /// What an object of a type must be, whatever its members are.
+    struct Shape {
+        std::string_view type;
+        std::vector<std::string_view> required;
+        bool flat = false; ///< kFlat
+    };
+    [[nodiscard]] Opened open(const Layers& from, const Place& place, const Shape& shape, const Members& members,
+                              const std::vector<std::string>& beside);
+    void readMembers(const Opened& object, const Layers& from, const Place& place, const Members& members);
+    void checkKeyPose(const Layers& layers, const Place& place) const;
+
+    /// `beside`: names that are known besides the Def's own fields.
     template <class T>
     void readObject(const Layers& from, const Place& place, const std::vector<std::string>& beside, T& out)
     {
-        const Json& json = *from.front().json;
-        if (!json.is_object()) refuse(json, place, text("must be an object (", typeName<T>(), ")"));
         if constexpr (std::is_same_v<T, physics::SoftBodyDef>) tissue_ = nullptr;
-        const std::size_t classes = openClasses(from, place);
-        const Layers layers = withDefaults(from, typeName<T>());
-        std::vector<std::string> known = fieldNames<T>();
-        known.insert(known.end(), {kType, kClass});
-        known.insert(known.end(), beside.begin(), beside.end());
+        const Members all = membersOf(out);
+        const Opened object = open(from, place, {typeName<T>(), required<T>(), kFlat<T>}, all, beside);
         if constexpr (std::is_same_v<T, physics::FemMaterial>) {
-            known.emplace_back(kTissue);
-            tissue_ = readTissue(layers, place);
+            tissue_ = readTissue(object.layers, place);
             if (tissue_) out = tissue_->material;
         }
-        if constexpr (!kFlat<T>)
-            for (const Layer& each : layers) refuseUnknown(*each.json, place, known, typeName<T>());
-        for (const std::string_view name : required<T>())
-            if (!partial_ && members(layers, name).empty()) refuseWithout(json, place, name, typeName<T>());
-        if constexpr (std::is_same_v<T, KeyPose>)
-            for (const Layer& pose : members(layers, "pose"))
-                if (pose.json->is_object() && !find(*pose.json, "position"))
-                    refuseWithout(*pose.json, Place{&place, "pose"}, "position", typeName<T>());
+        if constexpr (std::is_same_v<T, KeyPose>) checkKeyPose(object.layers, place);
         if constexpr (IsAnyOf<T, physics::Attach, physics::AttachRigid, physics::Grasp, physics::ApplyClip>)
             makes_ = true;
-        forEachField<T>([&](const auto& each) {
-            auto& value = out.*(each.member);
-            if constexpr (kFlat<T> && kIsVariant<std::remove_cvref_t<decltype(value)>>) {
-                if (each.name.empty()) return readAlternative(from, place, {}, known, value);
-            } else if constexpr (kFlat<T> && HasFields<std::remove_cvref_t<decltype(value)>>) {
-                if (each.name.empty()) return readObject(from, place, known, value);
-            }
-            const Layers inner = members(layers, each.name);
-            const Place at{&place, each.name};
-            if (!inner.empty()) note(at, *inner.front().json);
-            inner.empty() ? fill(at, value) : read(inner, at, {each.range, each.unit}, value);
-        });
+        readMembers(object, from, place, all);
         if constexpr (std::is_same_v<T, visual::TextureFile> || std::is_same_v<T, visual::CustomMaterial> ||
                       std::is_same_v<T, ScaledSurface> || std::is_same_v<T, ScaledTetrahedra>)
-            if (const Layers file = members(layers, "file"); !file.empty())
+            if (const Layers file = members(object.layers, "file"); !file.empty())
                 out.file = fileNamed(*file.front().json, Place{&place, "file"});
         makes_ = false;
         if constexpr (std::is_same_v<T, physics::SoftBodyDef>)
-            if (tissue_ && members(layers, "mass").empty()) out.mass = physics::Density{tissue_->density};
-        closeClasses(classes, place);
+            if (tissue_ && members(object.layers, "mass").empty()) out.mass = physics::Density{tissue_->density};
+        closeClasses(object.classes, place);
     }
     /// The members of this name; a value that is no object hides those behind it.
     [[nodiscard]] static Layers members(const Layers& layers, std::string_view name);
     /// The tissue of the library that a material begins with, or null.
     [[nodiscard]] const physics::Tissue* readTissue(const Layers& layers, const Place& place) const;
 
+    /// An alternative of a variant that is read.
+    struct Alternative {
+        std::string_view type = {}; ///< empty: no Def, but a plain value
+        bool material = false;      ///< FemMaterial, which may be the name of a tissue
+        void (SceneReader::*read)(const Layers& from, const Place& place, const std::vector<std::string>& beside,
+                                  void* variant) = nullptr;
+        void (*makeDefault)(void* variant) = nullptr;
+        bool (*takes)(const Json& json) = nullptr; ///< null: none is a plain value of this type
+        void (SceneReader::*readPlain)(const Layers& from, const Place& place, const Bound& bound,
+                                       void* variant) = nullptr;
+    };
+    using Alternatives = std::vector<Alternative>;
+
     template <class... Each> void readAlternative(const Layers& from, const Place& place, const Bound& bound,
                                                   const std::vector<std::string>& beside, std::variant<Each...>& out)
     {
-        const Json& json = *from.front().json;
-        if (json.is_object()) {
-            const auto present =
-                std::visit([](const auto& held) { return typeName<std::remove_cvref_t<decltype(held)>>(); }, out);
-            const Place inner{&place, kType};
-            const Json* named = typeOf(from);
-            const std::string type = named ? word(*named, inner) : std::string(present);
-            if (!(readAs<Each>(ofType(from, type, present), type, place, beside, out) || ...))
-                refuseWord(*named, inner, alternatives<Each...>()); // the present type is one of them
-        } else if (json.is_string()) {                              // an alternative with its defaults
-            if (!(makeDefault<Each>(word(json), out) || ...))
-                refuseWord(json, place, alternatives<Each...>(), tissueHint<Each...>(word(json)));
-            fill(place, out);
-        } else if (!(readPlain<Each>(from, place, bound, out) || ...)) {
-            refuse(json, place, text("must be an object, one of ", listed(alternatives<Each...>())));
-        }
+        using Variant = std::variant<Each...>;
+        const Alternatives all = {alternative<Each, Variant>()...};
+        if (readOneOf(all, from, place, bound, beside, all[out.index()].type, &out)) fill(place, out);
     }
-    /// For a material that is given as the name of a tissue.
-    template <class... Each> static std::string tissueHint(const std::string& word)
+    /// Returns whether `variant` holds an alternative with its defaults now, which must be filled.
+    bool readOneOf(const Alternatives& all, const Layers& from, const Place& place, const Bound& bound,
+                   const std::vector<std::string>& beside, std::string_view present, void* variant);
+    template <class T, class Variant> static Alternative alternative()
     {
-        const auto same = [&](const physics::Tissue& each) { return each.name == word; };
-        const bool known = std::ranges::any_of(physics::tissues(), same);
-        return known && (std::is_same_v<Each, physics::FemMaterial> || ...)
-                   ? text(" (did you mean {\"tissue\": \"", word, "\"}?)")
-                   : std::string();
+        if constexpr (HasFields<T>)
+            return {.type = typeName<T>(),
+                    .material = std::is_same_v<T, physics::FemMaterial>,
+                    .read = &SceneReader::readAs<T, Variant>,
+                    .makeDefault = [](void* variant) { *static_cast<Variant*>(variant) = T{}; }};
+        else if constexpr (!kIsVariant<T>)
+            return {.takes = &takes<T>, .readPlain = &SceneReader::readPlain<T, Variant>};
+        else
+            return {};
     }
-    template <class T, class Variant> bool readAs(const Layers& from, std::string_view type, const Place& place,
-                                                  const std::vector<std::string>& beside, Variant& out)
+    template <class T, class Variant>
+    void readAs(const Layers& from, const Place& place, const std::vector<std::string>& beside, void* variant)
     {
-        if constexpr (HasFields<T>) {
-            if (type != typeName<T>()) return false;
-            if (!std::holds_alternative<T>(out)) out = T{};
-            if (beside.empty())
-                read(from, place, {}, std::get<T>(out));
-            else
-                readObject(from, place, beside, std::get<T>(out));
-            return true;
-        }
-        return false;
-    }
-    template <class T, class Variant> static bool makeDefault(std::string_view type, Variant& out)
-    {
-        if constexpr (HasFields<T>) {
-            if (type == typeName<T>()) out = T{};
-            return type == typeName<T>();
-        }
-        return false;
+        Variant& out = *static_cast<Variant*>(variant);
+        if (!std::holds_alternative<T>(out)) out = T{};
+        if (beside.empty())
+            read(from, place, {}, std::get<T>(out));
+        else
+            readObject(from, place, beside, std::get<T>(out));
     }
     /// Numbers and flags of a material's parameters: 1 is an integer, 1.0 a number.
-    template <class T, class Variant>
-    bool readPlain(const Layers& from, const Place& place, const Bound& bound, Variant& out)
+    template <class T> static bool takes(const Json& json)
     {
-        if constexpr (!HasFields<T> && !kIsVariant<T>) {
-            const Json& json = *from.front().json;
-            const bool takes = std::is_same_v<T, bool>     ? json.is_boolean()
-                               : std::is_same_v<T, int>    ? json.is_number_integer()
-                               : std::is_same_v<T, double> ? json.is_number_float()
-                                                           : json.is_array();
-            if (!takes) return false;
-            T value{};
-            read(from, place, bound, value);
-            out = value;
-            return true;
-        }
-        return false;
+        return std::is_same_v<T, bool>     ? json.is_boolean()
+               : std::is_same_v<T, int>    ? json.is_number_integer()
+               : std::is_same_v<T, double> ? json.is_number_float()
+                                           : json.is_array();
     }
-    template <class... Each> static std::vector<std::string> alternatives()
+    template <class T, class Variant>
+    void readPlain(const Layers& from, const Place& place, const Bound& bound, void* variant)
     {
-        std::vector<std::string> names;
-        const auto add = [&]<class T>() {
-            if constexpr (HasFields<T>) names.emplace_back(typeName<T>());
-        };
-        (add.template operator()<Each>(), ...);
-        return names;
+        T value{};
+        read(from, place, bound, value);
+        *static_cast<Variant*>(variant) = value;
     }
     static std::string listed(const std::vector<std::string>& names);
 

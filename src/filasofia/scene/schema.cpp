@@ -20,6 +20,47 @@ void addBounds(const Range& range, Schema& to)
     if (std::isfinite(range.high)) to[range.highOpen ? "exclusiveMaximum" : "maximum"] = range.high;
 }
 
+// What needs no types is no template: JSON is built by much code, which took each of hundreds of types a third of a
+// second to compile.
+Schema typed(const char* type) { return {{"type", type}}; }
+Schema described(const char* type, const char* meaning) { return {{"type", type}, {"description", meaning}}; }
+Schema anyOf(const std::vector<Schema>& each) { return {{"anyOf", each}}; }
+Schema number(const Range& range)
+{
+    Schema out = {{"type", {"number", "string"}}};
+    addBounds(range, out);
+    return out;
+}
+Schema whole(const Range& range)
+{
+    Schema out = typed("integer");
+    addBounds(range, out);
+    return out;
+}
+Schema list(const Schema& items) { return {{"type", "array"}, {"items", items}}; }
+Schema list(const Schema& items, std::size_t count)
+{
+    return {{"type", "array"}, {"items", items}, {"minItems", count}, {"maxItems", count}};
+}
+Schema numbers(const Range& range, std::size_t count) { return anyOf({list(number(range), count), typed("string")}); }
+Schema rotation(const Range& range)
+{
+    return anyOf({numbers(range, 4),
+                  {{"type", "object"},
+                   {"properties", {{"axis", numbers(finite(), 3)}, {"angle", number(finite())}}},
+                   {"required", {"axis", "angle"}},
+                   {"additionalProperties", false}}});
+}
+Schema oneWord(const std::vector<std::string>& words) { return {{"enum", words}}; }
+Schema withType(std::string_view type) { return {{"allOf", {reference(type)}}, {"required", {"type"}}}; }
+
+/// Adds a Def to the alternatives of a variant. The first one needs no type: it is the one that fields have by default.
+void addDef(std::string_view type, std::vector<Schema>& all, std::vector<std::string>& words)
+{
+    all.push_back(all.empty() ? reference(type) : withType(type));
+    words.emplace_back(type);
+}
+
 /// The schema of a type's values, with the bounds and the unit of their field.
 template <class T> struct ValueSchema {
     static Schema of(const Range& range)
@@ -27,125 +68,98 @@ template <class T> struct ValueSchema {
         if constexpr (std::is_same_v<T, double>)
             return number(range);
         else if constexpr (std::is_same_v<T, bool>)
-            return {{"type", "boolean"}};
+            return typed("boolean");
         else if constexpr (std::is_integral_v<T>)
             return whole(range);
         else if constexpr (std::is_same_v<T, std::string> || IsFile<T>)
-            return {{"type", "string"}};
+            return typed("string");
         else if constexpr (std::is_same_v<T, BodyId>)
-            return {{"type", "string"}, {"description", "name of a body before this one"}};
+            return described("string", "name of a body before this one");
         else if constexpr (std::is_same_v<T, AttachmentId>)
-            return {{"type", "string"}, {"description", "name of an attachment"}};
-        else if constexpr (std::is_enum_v<T>)
-            return {{"enum", names(static_cast<const T*>(nullptr))}};
-        else if constexpr (IsMesh<T>)
-            return anyOf({{{"type", "string"}}, ValueSchema<typename MeshShapes<T>::Shapes>::typed()});
+            return described("string", "name of an attachment");
+        else if constexpr (std::is_enum_v<T>) {
+            const auto all = names(static_cast<const T*>(nullptr));
+            return oneWord({all.begin(), all.end()});
+        } else if constexpr (IsMesh<T>)
+            return anyOf({typed("string"), ValueSchema<typename MeshShapes<T>::Shapes>::typed()});
         else if constexpr (std::is_same_v<T, Vec3>)
             return numbers(range, 3);
         else if constexpr (std::is_same_v<T, Quat>)
-            return anyOf({numbers(range, 4), axisAndAngle()});
+            return rotation(range);
         else if constexpr (std::is_same_v<T, Pose>)
             return anyOf({reference("Pose"), numbers(range, 3)});
         else if constexpr (std::is_same_v<T, visual::Color>)
             return anyOf({numbers(closed(0, 1), 3), reference("Color")});
         else if constexpr (std::is_same_v<T, geometry::Box>)
-            return anyOf({{{"type", "array"}, {"items", numbers(range, 3)}, {"minItems", 2}, {"maxItems", 2}},
-                          reference("Box")});
+            return anyOf({list(numbers(range, 3), 2), reference("Box")});
         else
             return reference(typeName<T>());
     }
-    static Schema number(const Range& range)
-    {
-        Schema out = {{"type", {"number", "string"}}};
-        addBounds(range, out);
-        return out;
-    }
-    static Schema whole(const Range& range)
-    {
-        Schema out = {{"type", "integer"}};
-        addBounds(range, out);
-        return out;
-    }
-    static Schema numbers(const Range& range, std::size_t count)
-    {
-        const Schema list = {{"type", "array"}, {"items", number(range)}, {"minItems", count}, {"maxItems", count}};
-        return anyOf({list, {{"type", "string"}}});
-    }
-    static Schema axisAndAngle()
-    {
-        return {{"type", "object"},
-                {"properties", {{"axis", numbers(finite(), 3)}, {"angle", number(finite())}}},
-                {"required", {"axis", "angle"}},
-                {"additionalProperties", false}};
-    }
-    static Schema anyOf(const std::vector<Schema>& each) { return {{"anyOf", each}}; }
 };
 template <class T> struct ValueSchema<std::optional<T>> {
-    static Schema of(const Range& range) { return {{"anyOf", {ValueSchema<T>::of(range), {{"type", "null"}}}}}; }
+    static Schema of(const Range& range) { return anyOf({ValueSchema<T>::of(range), typed("null")}); }
 };
 template <class T> struct ValueSchema<std::vector<T>> {
-    static Schema of(const Range& range) { return {{"type", "array"}, {"items", ValueSchema<T>::of(range)}}; }
+    static Schema of(const Range& range) { return list(ValueSchema<T>::of(range)); }
 };
 template <class T, std::size_t n> struct ValueSchema<std::array<T, n>> {
     static Schema of(const Range& range)
     {
         if constexpr (std::is_same_v<T, double>)
-            return ValueSchema<double>::numbers(range, n);
+            return numbers(range, n);
         else
-            return {{"type", "array"}, {"items", ValueSchema<T>::of(range)}, {"minItems", n}, {"maxItems", n}};
+            return list(ValueSchema<T>::of(range), n);
     }
 };
 template <class... Each>
 requires(!IsMesh<std::variant<Each...>> && !IsFile<std::variant<Each...>>) struct ValueSchema<std::variant<Each...>> {
-    /// The first alternative needs no type: it is the one that fields have by default.
     static Schema of(const Range& range)
     {
-        Schema out = Schema::array();
-        Schema words = Schema::array();
+        std::vector<Schema> all;
+        std::vector<std::string> words;
         const auto add = [&]<class T>() {
-            if constexpr (HasFields<T> && !std::is_same_v<T, Vec3>) {
-                out.push_back(out.empty() ? reference(typeName<T>()) : withType<T>());
-                words.push_back(typeName<T>());
-            } else if constexpr (!std::is_same_v<T, Vec3>) {
-                out.push_back(ValueSchema<T>::of(range));
-            }
+            if constexpr (HasFields<T> && !std::is_same_v<T, Vec3>)
+                addDef(typeName<T>(), all, words);
+            else if constexpr (!std::is_same_v<T, Vec3>)
+                all.push_back(ValueSchema<T>::of(range));
         };
         (add.template operator()<Each>(), ...);
-        out.push_back({{"enum", words}});
-        return {{"anyOf", out}};
+        all.push_back(oneWord(words));
+        return anyOf(all);
     }
-    static Schema typed() { return {{"anyOf", {withType<Each>()...}}}; }
-
-private:
-    template <class T> static Schema withType()
-    {
-        return {{"allOf", {reference(typeName<T>())}}, {"required", {"type"}}};
-    }
+    static Schema typed() { return anyOf({withType(typeName<Each>())...}); }
 };
 
-/// A field with its meaning and unit.
-template <class Value> Schema fieldSchema(const auto& field)
+/// A field, with the schema of its value.
+struct Property {
+    std::string_view name, unit, meaning;
+    Schema value;
+};
+Schema propertiesOf(std::string_view type, const std::vector<Property>& fields)
 {
-    Schema out = ValueSchema<Value>::of(field.range);
-    const bool bare = field.unit.empty() || field.unit == "-";
-    out["description"] = bare ? std::string(field.meaning) : text(field.meaning, " [", field.unit, "]");
+    Schema out = {{"type", {{"const", type}}}, {"class", typed("string")}};
+    if (type == typeName<physics::FemMaterial>()) {
+        std::vector<std::string> known;
+        for (const physics::Tissue& each : physics::tissues()) known.emplace_back(each.name);
+        out["tissue"] = oneWord(known);
+        out["tissue"]["description"] = "a tissue of the library, with whose constants and density it begins";
+    }
+    for (const Property& each : fields) {
+        if (each.name.empty()) continue;
+        const bool bare = each.unit.empty() || each.unit == "-";
+        Schema& member = out[std::string(each.name)] = each.value;
+        member["description"] = bare ? std::string(each.meaning) : text(each.meaning, " [", each.unit, "]");
+    }
     return out;
 }
-
 template <HasFields T> Schema properties()
 {
-    Schema out = {{"type", {{"const", typeName<T>()}}}, {"class", {{"type", "string"}}}};
-    if constexpr (std::is_same_v<T, physics::FemMaterial>) {
-        Schema known = Schema::array();
-        for (const physics::Tissue& each : physics::tissues()) known.push_back(each.name);
-        out["tissue"] = {{"enum", known},
-                         {"description", "a tissue of the library, with whose constants and density it begins"}};
-    }
+    std::vector<Property> list;
     forEachField<T>([&](const auto& each) {
         using Value = std::remove_cvref_t<decltype(std::declval<T&>().*(each.member))>;
-        if (!each.name.empty()) out[std::string(each.name)] = fieldSchema<Value>(each);
+        list.push_back({each.name, each.unit, each.meaning, ValueSchema<Value>::of(each.range)});
     });
-    return out;
+    return propertiesOf(typeName<T>(), list);
 }
 
 Schema objectOf(Schema members)

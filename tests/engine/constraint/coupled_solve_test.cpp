@@ -135,7 +135,7 @@ TEST_CASE("impulses of constraints balance the bodies' equations for every kind 
     }
 }
 
-TEST_CASE("impulses carried from one solve to the next converge to the exact constraint law")
+TEST_CASE("impulses carried from one solve to the next converge to the exact constraint law", "[cases]")
 {
     Random random(11);
     for (int trial = 0; trial < cases(20); ++trial) {

@@ -271,7 +271,7 @@ TEST_CASE("crossings beyond the limit of one step wait for the next, and the mes
     CHECK(Pieces(mesh.data()).count() == 2);
 }
 
-TEST_CASE("elements, boundary, positions and embedded points can be followed from the edits alone")
+TEST_CASE("elements, boundary, positions and embedded points can be followed from the edits alone", "[cases]")
 {
     std::mt19937 random(5);
     const auto uniform = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };

@@ -20,7 +20,7 @@ PlacedSurface placed(const geometry::TriangleMesh& mesh, Vec3 at, bool closed = 
 
 } // namespace
 
-TEST_CASE("bodies that fall, are pressed and squeezed at random do nothing in silence, the same every time")
+TEST_CASE("bodies that fall, are pressed and squeezed at random do nothing in silence, the same every time", "[cases]")
 {
     // One scene of each kind; under the sanitizers a shorter one.
     const ContactFuzzReport report = fuzzContacts({.seed = 3, .scenes = 6, .calm = cases(1000) * 1e-3, .twice = true});

@@ -6,7 +6,7 @@ namespace fuzz_knots_test {
 
 using namespace filasofia;
 
-TEST_CASE("threads that are tied and pulled at random pass through nothing, and the same again")
+TEST_CASE("threads that are tied and pulled at random pass through nothing, and the same again", "[cases]")
 {
     // One scene of each kind.
     const testing::KnotFuzzReport report =

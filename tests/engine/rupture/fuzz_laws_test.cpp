@@ -8,7 +8,8 @@ using namespace filasofia;
 using namespace filasofia::testing;
 
 TEST_CASE("small bodies of every law are cut, torn, pulled and pressed at random: finite, flagged, and the same when "
-          "replayed")
+          "replayed",
+          "[cases]")
 {
     const int scenes = cases(36); // four of each law and of shells
     const LawFuzzReport report = fuzzLaws({.seed = 5, .scenes = scenes});

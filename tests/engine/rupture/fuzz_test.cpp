@@ -21,7 +21,7 @@ testing::CutFuzzDef fuzzOf(int cuts, std::uint64_t seed)
 
 } // namespace
 
-TEST_CASE("random cuts and tears keep meshes valid, leave hardly any bridge, and repeat bit-identically")
+TEST_CASE("random cuts and tears keep meshes valid, leave hardly any bridge, and repeat bit-identically", "[cases]")
 {
     const testing::CutFuzzReport report = testing::fuzzCuts(fuzzOf(cases(2000), 1));
     CHECK(report.cuts == cases(2000));

@@ -80,7 +80,7 @@ Punched punch(const std::vector<Vec3>& ring, Vec3 at, int cells, double twist = 
 
 } // namespace
 
-TEST_CASE("a ring of any number of sides that is pushed through a slab frees its core")
+TEST_CASE("a ring of any number of sides that is pushed through a slab frees its core", "[cases]")
 {
     std::mt19937 random(11);
     const auto uniform = [&](double low, double high) { return std::uniform_real_distribution(low, high)(random); };

@@ -132,7 +132,8 @@ TEST_CASE("a tear in the middle of a sheet opens two edges across the stress, an
 }
 
 TEST_CASE(
-    "random cuts and tears keep shells manifolds of the same area, leave hardly any bridge and repeat bit for bit")
+    "random cuts and tears keep shells manifolds of the same area, leave hardly any bridge and repeat bit for bit",
+    "[cases]")
 {
     const testing::CutFuzzReport report =
         testing::fuzzCuts({.seed = 1, .cuts = cases(1000), .meshes = testing::shellFuzzShapes()});

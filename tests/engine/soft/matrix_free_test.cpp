@@ -209,7 +209,8 @@ TEST_CASE("bodies of all sizes and solvers step side by side as they do alone")
     }
 }
 
-TEST_CASE("a solve ten times looser than the default ends where a tight one does, since its residual is carried on")
+TEST_CASE("a solve ten times looser than the default ends where a tight one does, since its residual is carried on",
+          "[cases]")
 {
     for (double tolerance : {0.05, 1e-6}) {
         Stage loose = hangingBunny(756, FemMaterial{}, 0.005, ConjugateGradient{.tolerance = tolerance}, {5.0, 0.05});
