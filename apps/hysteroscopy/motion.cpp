@@ -1,6 +1,6 @@
 #include "apps/hysteroscopy/motion.h"
 
-#include <random>
+#include <filasofia/core/random.h>
 
 using namespace filasofia;
 
@@ -58,27 +58,28 @@ std::vector<HandMove> expertMotion(const Motion& with)
 
 std::vector<HandMove> clumsyMotion(const Motion& with, std::uint64_t seed)
 {
-    std::mt19937_64 random(seed);
-    const auto any = [&](double low, double high) {
-        return low + (high - low) * static_cast<double>(random() % 1001) / 1000.0;
-    };
+    Random random(seed);
     const auto open = [&forceps = with.forceps] { forceps.open(); };
     const auto shut = [&forceps = with.forceps] { forceps.close(); };
     const auto astray = [&](double low, double high) {
-        return ScopeHand{
-            {any(-0.35, 0.35), 1, any(-0.35, 0.35)}, any(low, high), any(-90_deg, 90_deg), any(-6_mm, 10_mm)};
+        return ScopeHand{{random.between(-0.35, 0.35), 1, random.between(-0.35, 0.35)},
+                         random.between(low, high),
+                         random.between(-90_deg, 90_deg),
+                         random.between(-6_mm, 10_mm)};
     };
-    std::vector<HandMove> moves = {{.seconds = any(0.3, 0.8), .to = axial(any(-8_mm, -3_mm))}};
-    for (int i = 0; i < 4; ++i) moves.push_back({.seconds = any(0.3, 1.0), .to = astray(-24_mm, 10_mm)});
-    for (int i = 0; i < 8; ++i) moves.push_back({.seconds = any(0.3, 1.0), .to = astray(0.0, 40_mm)});
+    std::vector<HandMove> moves = {{.seconds = random.between(0.3, 0.8), .to = axial(random.between(-8_mm, -3_mm))}};
+    for (int i = 0; i < 4; ++i) moves.push_back({.seconds = random.between(0.3, 1.0), .to = astray(-24_mm, 10_mm)});
+    for (int i = 0; i < 8; ++i) moves.push_back({.seconds = random.between(0.3, 1.0), .to = astray(0.0, 40_mm)});
     for (int i = 0; i < 4; ++i) {
-        const double close = any(0.0, 8_mm), side = any(-90_deg, 90_deg);
-        moves.push_back({.seconds = any(0.3, 0.7), .aim = before(with, close + any(2_mm, 8_mm), side), .begin = open});
-        moves.push_back({.seconds = any(0.2, 0.5), .aim = before(with, close, side)});
-        moves.push_back({.seconds = any(0.3, 0.7), .aim = before(with, close, side), .begin = shut});
-        moves.push_back({.seconds = any(0.2, 0.6), .to = astray(0.0, 25_mm)});
+        const double close = random.between(0.0, 8_mm), side = random.between(-90_deg, 90_deg);
+        moves.push_back({.seconds = random.between(0.3, 0.7),
+                         .aim = before(with, close + random.between(2_mm, 8_mm), side),
+                         .begin = open});
+        moves.push_back({.seconds = random.between(0.2, 0.5), .aim = before(with, close, side)});
+        moves.push_back({.seconds = random.between(0.3, 0.7), .aim = before(with, close, side), .begin = shut});
+        moves.push_back({.seconds = random.between(0.2, 0.6), .to = astray(0.0, 25_mm)});
     }
-    moves.push_back({.seconds = any(0.8, 1.5), .to = axial(-25_mm)});
+    moves.push_back({.seconds = random.between(0.8, 1.5), .to = axial(-25_mm)});
     return moves;
 }
 

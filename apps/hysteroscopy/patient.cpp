@@ -1,11 +1,10 @@
 #include "apps/hysteroscopy/patient.h"
 
+#include <filasofia/core/random.h>
 #include <filasofia/core/user_file.h>
 #include <filasofia/core/word.h>
 
 #include <nlohmann/json.hpp>
-
-#include <random>
 
 using namespace filasofia;
 
@@ -67,16 +66,17 @@ Patient makePatient(const std::string& caseName, std::uint64_t seed)
             patient.width = each.at("width");
             patient.base = each.at("base").get<std::vector<int>>();
         }
-    // Tries sites until one suits. mt19937_64 yields the same numbers on every machine.
-    std::mt19937_64 random(seed);
+    // Tries sites until one suits.
+    Random random(seed);
     for (int attempt = 0; attempt < 200; ++attempt) {
-        const auto& site = uterus.at("sites").at(random() % uterus.at("sites").size());
+        const auto& site =
+            uterus.at("sites").at(static_cast<std::size_t>(random.below(static_cast<int>(uterus.at("sites").size()))));
         patient.normal = normalized(vec(site.at("normal")));
         patient.free = site.at("free");
         // Rotates +Y onto the normal, after a rotation about +Y itself.
         const Vec3 up = {0, 1, 0}, across = cross(up, patient.normal);
         const Quat lean = axisAngle(across, std::atan2(length(across), dot(up, patient.normal)));
-        patient.pose = {vec(site.at("at")), lean * axisAngle(up, 1_deg * static_cast<double>(random() % 360))};
+        patient.pose = {vec(site.at("at")), lean * axisAngle(up, 1_deg * static_cast<double>(random.below(360)))};
         // Forceps take the polyp by its head or, if the jaws do not reach around the head, by its neck.
         const double above = patient.width < 6_mm ? patient.height - 0.5 * patient.width : 0.4 * patient.height;
         patient.middle = patient.pose.position + above * patient.normal;

@@ -1,7 +1,8 @@
 #include "apps/laparoscopy/box.h"
 
+#include <filasofia/core/random.h>
+
 #include <numbers>
-#include <random>
 
 using namespace filasofia;
 
@@ -100,14 +101,12 @@ PegBox addBox(Simulation& sim, int rings, std::uint64_t seed)
     table.collision = {{.primitives = {.points = false, .lines = false}, .group = OnTable}};
     sim.show(sim.add(table), {.material = plain({0.05, 0.16, 0.20}, 0.0)});
 
-    std::mt19937_64 random(seed);
-    const auto any = [&](double low, double high) {
-        return low + (high - low) * static_cast<double>(random() % 1001) / 1000.0;
-    };
+    Random random(seed);
     const auto look = ringMesh(64, 0.9_mm), solid = ringMesh(16, 0.0), feet = ringMesh(8, 0.0);
     const std::array<Color, 3> colors = {{{0.75, 0.30, 0.06}, {0.08, 0.35, 0.55}, {0.60, 0.55, 0.10}}};
     for (int i = 0; i < rings; ++i) {
-        const Vec3 shift = {any(-2.5_mm, 2.5_mm), 0.5 * kRingHeight + 0.2_mm, any(-2.5_mm, 2.5_mm)};
+        const Vec3 shift = {random.between(-2.5_mm, 2.5_mm), 0.5 * kRingHeight + 0.2_mm,
+                            random.between(-2.5_mm, 2.5_mm)};
         RigidBodyDef ring{.name = text("ring ", i + 1),
                           .elements = {{pegAt(LeftSide, i) + shift, {}}},
                           .mesh = solid,

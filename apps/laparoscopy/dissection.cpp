@@ -1,6 +1,6 @@
 #include "apps/laparoscopy/gallbladder.h"
 
-#include <random>
+#include <filasofia/core/random.h>
 
 using namespace filasofia;
 
@@ -198,16 +198,13 @@ std::vector<TrocarMove> expertMotion(const GallbladderMotion& with)
 std::vector<TrocarMove> clumsyMotion(const GallbladderMotion& with, std::uint64_t seed)
 {
     const Shared plan = planOf(with);
-    std::mt19937_64 random(seed);
-    const auto any = [&](double low, double high) {
-        return low + (high - low) * static_cast<double>(random() % 1001) / 1000.0;
-    };
+    Random random(seed);
     addGrasp(plan);
     for (int i = 0; i < 8; ++i) {
-        const auto tool = static_cast<InHand>(random() % 3);
-        const bool duct = random() % 2 == 0;
-        const double part = any(0.1, 0.9);
-        const Vec3 off = {any(-4_mm, 4_mm), any(-4_mm, 4_mm), any(-5_mm, 3_mm)};
+        const auto tool = static_cast<InHand>(random.below(3));
+        const bool duct = random.onceIn(2);
+        const double part = random.between(0.1, 0.9);
+        const Vec3 off = {random.between(-4_mm, 4_mm), random.between(-4_mm, 4_mm), random.between(-5_mm, 3_mm)};
         const auto near = [=](double back) {
             return [=] {
                 const PatientTube& tube = duct ? plan->with.patient.duct : plan->with.patient.artery;
@@ -216,11 +213,12 @@ std::vector<TrocarMove> clumsyMotion(const GallbladderMotion& with, std::uint64_
             };
         };
         take(plan, tool);
-        add(plan, any(0.3, 0.6), {}, near(15_mm));
-        add(plan, any(0.2, 0.4), {}, near(0.0));
-        rest(plan, any(0.2, 0.5), press(plan, true));
-        const Vec3 pull = {any(-12_mm, 12_mm), any(-12_mm, 12_mm), any(-4_mm, 14_mm)};
-        add(plan, any(0.3, 0.8), random() % 2 == 0 ? draw(plan, pull) : Aim(), near(any(-3_mm, 6_mm)));
+        add(plan, random.between(0.3, 0.6), {}, near(15_mm));
+        add(plan, random.between(0.2, 0.4), {}, near(0.0));
+        rest(plan, random.between(0.2, 0.5), press(plan, true));
+        const Vec3 pull = {random.between(-12_mm, 12_mm), random.between(-12_mm, 12_mm), random.between(-4_mm, 14_mm)};
+        add(plan, random.between(0.3, 0.8), random.onceIn(2) ? draw(plan, pull) : Aim(),
+            near(random.between(-3_mm, 6_mm)));
         rest(plan, 0.2, press(plan, false));
     }
     return std::move(plan->moves);

@@ -1,6 +1,6 @@
 #include "apps/laparoscopy/drain.h"
 
-#include <random>
+#include <filasofia/core/random.h>
 
 using namespace filasofia;
 
@@ -145,13 +145,10 @@ Vec3 Drain::inward(const frame::Frame& now, double angle) const
 
 Drain addDrain(Simulation& sim, const TrocarDef& towards, std::uint64_t seed)
 {
-    std::mt19937_64 random(seed);
-    const auto any = [&](double low, double high) {
-        return low + (high - low) * static_cast<double>(random() % 1001) / 1000.0;
-    };
+    Random random(seed);
     Drain drain;
-    const Vec3 place{any(-4_mm, 4_mm), kTop, any(-4_mm, 4_mm)}, away = towards.fulcrum - place;
-    drain.pose = {place, axisAngle({0, 1, 0}, std::atan2(away.x, away.z) + any(-4_deg, 4_deg))};
+    const Vec3 place{random.between(-4_mm, 4_mm), kTop, random.between(-4_mm, 4_mm)}, away = towards.fulcrum - place;
+    drain.pose = {place, axisAngle({0, 1, 0}, std::atan2(away.x, away.z) + random.between(-4_deg, 4_deg))};
     for (const Wall wall : {LeftWall, RightWall}) addWall(sim, drain, wall);
 
     const double under = kTop - kWall.y - 0.6_mm; // glued walls need no contacts

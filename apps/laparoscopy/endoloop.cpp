@@ -1,9 +1,10 @@
 #include "apps/laparoscopy/endoloop.h"
 
+#include <filasofia/core/random.h>
+
 #include "apps/laparoscopy/box.h"
 
 #include <numbers>
-#include <random>
 
 using namespace filasofia;
 
@@ -127,14 +128,12 @@ double Foam::narrowing(const FrameRef& frame, double place) const
 
 Foam addFoam(Simulation& sim, std::uint64_t seed)
 {
-    std::mt19937_64 random(seed);
-    const auto any = [&](double low, double high) {
-        return low + (high - low) * static_cast<double>(random() % 1001) / 1000.0;
-    };
+    Random random(seed);
     Foam foam;
-    const Vec3 place{any(-8_mm, 8_mm), any(-3_mm, 3_mm), any(-6_mm, 6_mm)};
-    const Quat lean = axisAngle({1, 0, 0}, -28_deg + any(-6_deg, 6_deg)) * axisAngle({0, 0, 1}, any(-6_deg, 10_deg));
-    const Pose stand{place, axisAngle({0, 1, 0}, any(-15_deg, 15_deg)) * lean};
+    const Vec3 place{random.between(-8_mm, 8_mm), random.between(-3_mm, 3_mm), random.between(-6_mm, 6_mm)};
+    const Quat lean = axisAngle({1, 0, 0}, -28_deg + random.between(-6_deg, 6_deg)) *
+                      axisAngle({0, 0, 1}, random.between(-6_deg, 10_deg));
+    const Pose stand{place, axisAngle({0, 1, 0}, random.between(-15_deg, 15_deg)) * lean};
     constexpr std::array kNames = {"left appendage", "middle appendage", "right appendage"};
     for (std::size_t i = 0; i < 3; ++i) {
         const double side = static_cast<double>(i) - 1.0;

@@ -1,6 +1,7 @@
 #include "apps/laparoscopy/gallbladder.h"
 
-#include <random>
+#include <filasofia/core/random.h>
+
 #include <utility>
 
 using namespace filasofia;
@@ -93,12 +94,10 @@ Vec3 PatientTube::along_(const FrameRef& frame, double part) const
 GallbladderPatient addGallbladder(Simulation& sim, std::uint64_t seed)
 {
     scene::SceneDef scene = scene::loadScene(asset("scenes/gallbladder.json"));
-    std::mt19937_64 random(seed);
-    const auto any = [&](double low, double high) {
-        return low + (high - low) * static_cast<double>(random() % 1001) / 1000.0;
-    };
-    const Pose patient{{any(-2.5_mm, 2.5_mm), any(-2.5_mm, 2.5_mm), 0}, axisAngle({0, 0, 1}, any(-4_deg, 4_deg))};
-    const double firmness = any(0.8, 1.25); // how the layer between liver and gall bladder holds
+    Random random(seed);
+    const Pose patient{{random.between(-2.5_mm, 2.5_mm), random.between(-2.5_mm, 2.5_mm), 0},
+                       axisAngle({0, 0, 1}, random.between(-4_deg, 4_deg))};
+    const double firmness = random.between(0.8, 1.25); // how the layer between liver and gall bladder holds
     for (scene::SceneBody& each : scene.bodies) place(patient, each);
     auto& gallbladder = std::get<SoftBodyDef>(scene.bodies[Gallbladder].def);
     GallbladderPatient out;

@@ -1,10 +1,10 @@
 #include "apps/laparoscopy/gauze.h"
 
 #include <filasofia/core/disjoint_sets.h>
+#include <filasofia/core/random.h>
 
 #include <map>
 #include <numbers>
-#include <random>
 
 using namespace filasofia;
 
@@ -96,14 +96,11 @@ Vec3 Gauze::normalAt(const FrameRef& frame, double x, double z) const
 
 Gauze addGauze(Simulation& sim, std::uint64_t seed)
 {
-    std::mt19937_64 random(seed);
-    const auto any = [&](double low, double high) {
-        return low + (high - low) * static_cast<double>(random() % 1001) / 1000.0;
-    };
+    Random random(seed);
     Gauze gauze;
-    const Vec3 place{any(-4_mm, 4_mm), 46_mm + any(-3_mm, 3_mm), any(-4_mm, 4_mm)};
-    const Quat tilted = axisAngle({1, 0, 0}, any(-4_deg, 4_deg));
-    gauze.pose = {place, axisAngle({0, 1, 0}, any(-6_deg, 6_deg)) * tilted};
+    const Vec3 place{random.between(-4_mm, 4_mm), 46_mm + random.between(-3_mm, 3_mm), random.between(-4_mm, 4_mm)};
+    const Quat tilted = axisAngle({1, 0, 0}, random.between(-4_deg, 4_deg));
+    gauze.pose = {place, axisAngle({0, 1, 0}, random.between(-6_deg, 6_deg)) * tilted};
     const auto mesh = printed();
     SoftBodyDef cloth{.name = "gauze", .mesh = mesh, .pose = gauze.pose};
     cloth.material =

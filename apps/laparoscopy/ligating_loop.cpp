@@ -1,7 +1,8 @@
 #include "apps/laparoscopy/box.h"
-#include "apps/laparoscopy/endoloop.h"
 
-#include <random>
+#include "apps/laparoscopy/endoloop.h"
+#include <filasofia/core/random.h>
+
 #include <utility>
 
 using namespace filasofia;
@@ -154,31 +155,29 @@ TrocarPlan expertMotion(const Motion& with)
 /// Lowers the loop more or less over the foam, snaps at tips, draws the thread now and then, and lets it go.
 TrocarPlan clumsyMotion(const Motion& with, std::uint64_t seed)
 {
-    std::mt19937_64 random(seed);
-    const auto any = [&](double low, double high) {
-        return low + (high - low) * static_cast<double>(random() % 1001) / 1000.0;
-    };
+    Random random(seed);
     TrocarPlan plan(with.left, with.right, with.scope);
     plan.rest(0.4);
     for (int i = 0; i < 5; ++i) {
-        const Vec3 off = {any(-12_mm, 12_mm), any(-3_mm, 8_mm), any(-8_mm, 8_mm)};
-        const double down = any(0.0, kLength), draws = any(0.5, 2.5);
-        plan.add(any(0.3, 0.8), {}, loopAt(with, kLength + 8_mm, 18_mm, off));
-        plan.add(any(0.3, 0.8), {}, loopAt(with, down, any(8_mm, 18_mm), i % 2 == 0 ? Vec3{} : off));
-        if (random() % 2 == 0) {
-            const double place = any(0.5 * kLength, kLength);
-            plan.add(any(0.3, 0.6), graspAt(with, place, 25_mm), {}).begin = [&left = with.left] {
+        const Vec3 off = {random.between(-12_mm, 12_mm), random.between(-3_mm, 8_mm), random.between(-8_mm, 8_mm)};
+        const double down = random.between(0.0, kLength), draws = random.between(0.5, 2.5);
+        plan.add(random.between(0.3, 0.8), {}, loopAt(with, kLength + 8_mm, 18_mm, off));
+        plan.add(random.between(0.3, 0.8), {},
+                 loopAt(with, down, random.between(8_mm, 18_mm), i % 2 == 0 ? Vec3{} : off));
+        if (random.onceIn(2)) {
+            const double place = random.between(0.5 * kLength, kLength);
+            plan.add(random.between(0.3, 0.6), graspAt(with, place, 25_mm), {}).begin = [&left = with.left] {
                 left.tool().open(0.6);
             };
-            plan.add(any(0.2, 0.5), graspAt(with, place, any(-3_mm, 4_mm)), {});
+            plan.add(random.between(0.2, 0.5), graspAt(with, place, random.between(-3_mm, 4_mm)), {});
             plan.rest(0.3).begin = [&left = with.left] { left.tool().close(); };
         }
-        if (random() % 2 == 0) {
+        if (random.onceIn(2)) {
             plan.rest(draws).begin = pull(with, true);
             plan.rest(0.1).begin = pull(with, false);
         }
     }
-    if (random() % 2 == 0) plan.rest(0.2).begin = [&loop = with.loop] { loop.letGo(); };
+    if (random.onceIn(2)) plan.rest(0.2).begin = [&loop = with.loop] { loop.letGo(); };
     plan.add(0.6, {}, [with] { return with.right.def().start; });
     plan.rest(1.2);
     return plan;

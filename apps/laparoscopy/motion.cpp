@@ -1,6 +1,6 @@
 #include "apps/laparoscopy/motion.h"
 
-#include <random>
+#include <filasofia/core/random.h>
 
 using namespace filasofia;
 
@@ -151,15 +151,12 @@ std::vector<TrocarMove> expertMotion(const Motion& with)
 std::vector<TrocarMove> clumsyMotion(const Motion& motion, std::uint64_t seed)
 {
     const Shared plan = planOf(motion);
-    std::mt19937_64 random(seed);
-    const auto any = [&](double low, double high) {
-        return low + (high - low) * static_cast<double>(random() % 1001) / 1000.0;
-    };
+    Random random(seed);
     std::vector<TrocarMove> moves = {rest(plan, 0.2)}; // the rings come to rest
     for (int i = 0; i < 10; ++i) {
-        const Side side = random() % 3 == 0 ? RightSide : LeftSide;
-        const int ring = static_cast<int>(random() % motion.box.rings.size());
-        const Vec3 off = {any(-3_mm, 3_mm), any(-4_mm, 2_mm), any(-3_mm, 3_mm)};
+        const Side side = random.onceIn(3) ? RightSide : LeftSide;
+        const int ring = random.below(static_cast<int>(motion.box.rings.size()));
+        const Vec3 off = {random.between(-3_mm, 3_mm), random.between(-4_mm, 2_mm), random.between(-3_mm, 3_mm)};
         const auto near = [=](double back) {
             return [=] {
                 TrocarPose pose = atWall(*plan, side, ring, back);
@@ -167,14 +164,15 @@ std::vector<TrocarMove> clumsyMotion(const Motion& motion, std::uint64_t seed)
                 return poseAt(plan->trocar(side), at, pose.roll, kGrip);
             };
         };
-        const Vec3 astray = {any(-60_mm, 60_mm), any(-4_mm, 70_mm), any(-40_mm, 40_mm)};
-        const double roll = any(-90_deg, 90_deg);
-        moves.push_back(with(move(plan, side, any(0.3, 0.6), near(20_mm)), open(plan, side)));
-        moves.push_back(move(plan, side, any(0.2, 0.5), near(0.0)));
-        moves.push_back(with(rest(plan, any(0.2, 0.5)), shut(plan, side)));
-        moves.push_back(
-            move(plan, side, any(0.3, 0.7), [=] { return poseAt(plan->trocar(side), astray, roll, kGrip); }));
-        if (random() % 3 != 0) moves.push_back(with(rest(plan, any(0.1, 0.3)), open(plan, side)));
+        const Vec3 astray = {random.between(-60_mm, 60_mm), random.between(-4_mm, 70_mm),
+                             random.between(-40_mm, 40_mm)};
+        const double roll = random.between(-90_deg, 90_deg);
+        moves.push_back(with(move(plan, side, random.between(0.3, 0.6), near(20_mm)), open(plan, side)));
+        moves.push_back(move(plan, side, random.between(0.2, 0.5), near(0.0)));
+        moves.push_back(with(rest(plan, random.between(0.2, 0.5)), shut(plan, side)));
+        moves.push_back(move(plan, side, random.between(0.3, 0.7),
+                             [=] { return poseAt(plan->trocar(side), astray, roll, kGrip); }));
+        if (!random.onceIn(3)) moves.push_back(with(rest(plan, random.between(0.1, 0.3)), open(plan, side)));
     }
     return moves;
 }

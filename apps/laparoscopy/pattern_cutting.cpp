@@ -1,8 +1,9 @@
 #include "apps/laparoscopy/box.h"
+
 #include "apps/laparoscopy/gauze.h"
+#include <filasofia/core/random.h>
 
 #include <numbers>
-#include <random>
 #include <utility>
 
 using namespace filasofia;
@@ -147,35 +148,32 @@ TrocarPlan expertMotion(const Motion& with)
 /// Snips here and there, and pulls.
 TrocarPlan clumsyMotion(const Motion& with, std::uint64_t seed)
 {
-    std::mt19937_64 random(seed);
-    const auto any = [&](double low, double high) {
-        return low + (high - low) * static_cast<double>(random() % 1001) / 1000.0;
-    };
+    Random random(seed);
     TrocarPlan plan(with.left, with.right, with.scope);
     addHold(with, plan);
     for (int i = 0; i < 8; ++i) {
-        double x = any(-40_mm, 40_mm), z = any(-40_mm, 60_mm);
-        const double height = any(15_mm, 40_mm);
-        plan.add(any(0.3, 0.7), {}, bladesAt(with, x, z, height)).begin = [&right = with.right] {
+        double x = random.between(-40_mm, 40_mm), z = random.between(-40_mm, 60_mm);
+        const double height = random.between(15_mm, 40_mm);
+        plan.add(random.between(0.3, 0.7), {}, bladesAt(with, x, z, height)).begin = [&right = with.right] {
             right.tool().open(0.6);
         };
-        plan.add(any(0.2, 0.5), {}, bladesAt(with, x, z));
-        const int strokes = 1 + static_cast<int>(random() % 4);
+        plan.add(random.between(0.2, 0.5), {}, bladesAt(with, x, z));
+        const int strokes = 1 + random.below(4);
         for (int k = 0; k < strokes; ++k) {
-            x += any(-15_mm, 15_mm), z += any(-15_mm, 15_mm);
-            const double above = any(-6_mm, 3_mm);
-            TrocarMove& move = plan.add(any(0.2, 0.8), {}, bladesAt(with, x, z, above));
-            if (random() % 2 == 0) move.begin = [&right = with.right] { right.tool().close(); };
+            x += random.between(-15_mm, 15_mm), z += random.between(-15_mm, 15_mm);
+            const double above = random.between(-6_mm, 3_mm);
+            TrocarMove& move = plan.add(random.between(0.2, 0.8), {}, bladesAt(with, x, z, above));
+            if (random.onceIn(2)) move.begin = [&right = with.right] { right.tool().close(); };
         }
-        if (random() % 3 != 0) continue;
-        const Vec3 pull = {any(-20_mm, 10_mm), any(-10_mm, 25_mm), any(-10_mm, 20_mm)};
-        plan.add(any(0.3, 0.8),
+        if (!random.onceIn(3)) continue;
+        const Vec3 pull = {random.between(-20_mm, 10_mm), random.between(-10_mm, 25_mm), random.between(-10_mm, 20_mm)};
+        plan.add(random.between(0.3, 0.8),
                  [with, pull] {
                      const Vec3 grip = transform(with.left.report().pivot, kGrip);
                      return poseAt(with.left.def().trocar, grip + pull, with.left.report().pose.roll, kGrip);
                  },
                  {});
-        if (random() % 2 == 0) plan.rest(0.2).begin = [&left = with.left] { left.tool().open(0.5); };
+        if (random.onceIn(2)) plan.rest(0.2).begin = [&left = with.left] { left.tool().open(0.5); };
     }
     return plan;
 }

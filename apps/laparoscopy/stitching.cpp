@@ -1,7 +1,8 @@
 #include "apps/laparoscopy/drain.h"
 
+#include <filasofia/core/random.h>
+
 #include <numbers>
-#include <random>
 #include <utility>
 
 using namespace filasofia;
@@ -116,22 +117,21 @@ TrocarPlan expertMotion(const Motion& with)
 
 TrocarPlan clumsyMotion(const Motion& with, std::uint64_t seed)
 {
-    std::mt19937_64 random(seed);
-    const auto any = [&](double low, double high) {
-        return low + (high - low) * static_cast<double>(random() % 1001) / 1000.0;
-    };
+    Random random(seed);
     TrocarPlan plan(with.left, with.right, with.scope);
     plan.rest(0.3);
     for (int i = 0; i < 3; ++i) {
-        addTake(with, plan, any(0.0, kArc));
-        double angle = any(-60_deg, 0.0);
-        plan.add(any(0.5, 1.2), {}, needleAt(with, angle, any(4_mm, 14_mm)));
-        const int strokes = 4 + static_cast<int>(random() % 6);
+        addTake(with, plan, random.between(0.0, kArc));
+        double angle = random.between(-60_deg, 0.0);
+        plan.add(random.between(0.5, 1.2), {}, needleAt(with, angle, random.between(4_mm, 14_mm)));
+        const int strokes = 4 + random.below(6);
         for (int k = 0; k < strokes; ++k) {
-            angle -= any(-10_deg, 40_deg);
-            plan.add(any(0.1, 0.5), {}, needleAt(with, angle, any(-3_mm, 6_mm)));
+            angle -= random.between(-10_deg, 40_deg);
+            plan.add(random.between(0.1, 0.5), {}, needleAt(with, angle, random.between(-3_mm, 6_mm)));
         }
-        plan.add(any(0.2, 0.6), {}, onwards(with, {any(-20_mm, 20_mm), any(0.0, 25_mm), any(-10_mm, 10_mm)}));
+        plan.add(
+            random.between(0.2, 0.6), {},
+            onwards(with, {random.between(-20_mm, 20_mm), random.between(0.0, 25_mm), random.between(-10_mm, 10_mm)}));
         addLetGo(with, plan);
     }
     return plan;

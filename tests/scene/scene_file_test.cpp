@@ -337,6 +337,59 @@ TEST_CASE("scene files: damaged files are refused or read, and nothing else", "[
     }
 }
 
+TEST_CASE("scene files: the defaults in the schema are those of a reader")
+{
+    const auto defs = nlohmann::json::parse(sceneSchema()).at("$defs");
+    const auto propertiesOf = [&](const std::string& type) -> const nlohmann::json& {
+        if (!defs.contains(type) || !defs.at(type).contains("properties"))
+            for (const auto& each : defs.at("SceneBody").at("anyOf"))
+                if (each.at("properties").at("type").at("const") == type) return each.at("properties");
+        return defs.at(type).at("properties");
+    };
+    nlohmann::json scene = {{"physics", nlohmann::json::object()},
+                            {"window", nlohmann::json::object()},
+                            {"look", nlohmann::json::object()},
+                            {"smoke", {{"room", {{0, 0, 0}, {1, 1, 1}}}}},
+                            {"bodies",
+                             {{{"type", "SoftBodyDef"},
+                               {"name", "liver"},
+                               {"mesh", {{"type", "block"}, {"size", {0.1, 0.1, 0.1}}}},
+                               {"material", {{"type", "FemMaterial"}, {"law", {{"type", "NeoHookean"}}}}},
+                               {"collision", {nlohmann::json::object()}},
+                               {"attachments", {{{"nodes", {0}}}}}},
+                              {{"type", "RigidBodyDef"},
+                               {"name", "tool"},
+                               {"mesh", {{"type", "sphere"}, {"radius", 0.01}}},
+                               {"collision", {nlohmann::json::object()}}},
+                              {{"type", "RodBodyDef"}, {"name", "thread"}, {"points", {{0, 0, 0}, {0, 0, 1}}}}}}};
+    const SceneFolder folder;
+    const auto saved = [&] {
+        saveScene(folder.load(scene.dump()), folder.file("saved.json"), {.overwrite = true});
+        std::ifstream file(folder.file("saved.json"));
+        return std::string((std::istreambuf_iterator<char>(file)), {});
+    };
+    const std::string before = saved();
+    int filled = 0;
+    const auto fill = [&](nlohmann::json& object, const std::string& type) {
+        for (const auto& [name, property] : propertiesOf(type).items())
+            if (property.contains("default") && !object.contains(name)) {
+                object[name] = property.at("default");
+                ++filled;
+            }
+    };
+    fill(scene["physics"], "PhysicsDef");
+    fill(scene["window"], "WindowDef");
+    fill(scene["look"], "LookDef");
+    fill(scene["smoke"], "SmokeDef");
+    for (auto& body : scene["bodies"]) fill(body, body.at("type"));
+    fill(scene["bodies"][0]["material"], "FemMaterial");
+    fill(scene["bodies"][0]["collision"][0], "CollisionDef");
+    fill(scene["bodies"][1]["collision"][0], "CollisionDef");
+    fill(scene["bodies"][0]["attachments"][0], "AttachmentDef");
+    CHECK(filled > 60);
+    CHECK(saved() == before); // a writer leaves out what equals its default
+}
+
 TEST_CASE("scene files: the schema that comes with Filasofia is that of the Defs")
 {
     const std::string schema = sceneSchema();

@@ -2,9 +2,6 @@
 
 #include "filasofia/runtime/assets.h"
 #include "filasofia/scene/path_within.h"
-#include "filasofia/scene/quantity.h"
-
-#include <cmath>
 
 namespace filasofia::scene {
 namespace {
@@ -16,16 +13,6 @@ constexpr int kClassRank = 1000; // classes have ranks below it, one for each le
 std::string hintFor(std::string_view word, const std::vector<std::string>& known)
 {
     return word.size() <= kMaxHinted ? didYouMean(word, known) : std::string();
-}
-
-/// A number that the field takes, and the same one with its unit, if it has one.
-std::string exampleOf(const Bound& bound)
-{
-    constexpr double kCandidates[] = {0.01, 1.0, 100.0, -1.0, 0.0};
-    const auto* taken = std::ranges::find_if(kCandidates, [&](double each) { return bound.range.contains(each); });
-    const double value = taken == std::end(kCandidates) ? bound.range.low : *taken;
-    const bool bare = bound.unit.empty() || bound.unit == "-";
-    return bare ? text(value) : text(value, " or \"", value, " ", bound.unit, "\"");
 }
 
 std::string shown(const Json& json)
@@ -145,13 +132,13 @@ const Json& SceneReader::classNamed(const Json& name, const Place& place) const
     refuseWord(name, place, known);
 }
 
-SceneReader::Opened SceneReader::open(const Layers& from, const Place& place, const Shape& shape,
-                                      const Members& members, const std::vector<std::string>& beside)
+OpenedObject SceneReader::open(const Layers& from, const Place& place, const ObjectShape& shape,
+                               const ReadMembers& members, const std::vector<std::string>& beside)
 {
     const Json& json = *from.front().json;
     if (!json.is_object()) refuse(json, place, text("must be an object (", shape.type, ")"));
-    Opened object{openClasses(from, place), withDefaults(from, shape.type), {}};
-    for (const Member& each : members)
+    OpenedObject object{openClasses(from, place), withDefaults(from, shape.type), {}};
+    for (const ReadMember& each : members)
         if (!each.name.empty()) object.known.emplace_back(each.name);
     object.known.insert(object.known.end(), {kType, kClass});
     object.known.insert(object.known.end(), beside.begin(), beside.end());
@@ -164,9 +151,10 @@ SceneReader::Opened SceneReader::open(const Layers& from, const Place& place, co
     return object;
 }
 
-void SceneReader::readMembers(const Opened& object, const Layers& from, const Place& place, const Members& members)
+void SceneReader::readMembers(const OpenedObject& object, const Layers& from, const Place& place,
+                              const ReadMembers& members)
 {
-    for (const Member& each : members) {
+    for (const ReadMember& each : members) {
         if (each.name.empty()) {
             (this->*each.readBeside)(from, place, object.known, each.value);
             continue;
@@ -188,22 +176,22 @@ void SceneReader::checkKeyPose(const Layers& layers, const Place& place) const
             refuseWithout(*pose.json, Place{&place, "pose"}, "position", typeName<KeyPose>());
 }
 
-bool SceneReader::readOneOf(const Alternatives& all, const Layers& from, const Place& place, const Bound& bound,
+bool SceneReader::readOneOf(const ReadAlternatives& all, const Layers& from, const Place& place, const Bound& bound,
                             const std::vector<std::string>& beside, std::string_view present, void* variant)
 {
     const Json& json = *from.front().json;
     std::vector<std::string> known;
-    for (const Alternative& each : all)
+    for (const ReadAlternative& each : all)
         if (!each.type.empty()) known.emplace_back(each.type);
     const auto ofType = [&](std::string_view type) {
-        const auto found = std::ranges::find(all, type, &Alternative::type);
+        const auto found = std::ranges::find(all, type, &ReadAlternative::type);
         return type.empty() || found == all.end() ? nullptr : &*found;
     };
     if (json.is_object()) {
         const Place inner{&place, kType};
         const Json* named = typeOf(from);
         const std::string type = named ? word(*named, inner) : std::string(present);
-        const Alternative* found = ofType(type);
+        const ReadAlternative* found = ofType(type);
         if (!found)
             named ? refuseWord(*named, inner, known)
                   : refuse(json, place, text("must have a type, one of ", listed(known)));
@@ -212,9 +200,9 @@ bool SceneReader::readOneOf(const Alternatives& all, const Layers& from, const P
     }
     if (json.is_string()) {
         const std::string given = word(json);
-        const Alternative* found = ofType(given);
+        const ReadAlternative* found = ofType(given);
         if (!found) {
-            const bool takesMaterial = std::ranges::any_of(all, &Alternative::material);
+            const bool takesMaterial = std::ranges::any_of(all, &ReadAlternative::material);
             const bool tissue = std::ranges::count(physics::tissues(), given, &physics::Tissue::name) > 0;
             refuseWord(json, place, known,
                        takesMaterial && tissue ? text(" (did you mean {\"tissue\": \"", given, "\"}?)") : "");
@@ -223,7 +211,7 @@ bool SceneReader::readOneOf(const Alternatives& all, const Layers& from, const P
         return true;
     }
     const auto found =
-        std::ranges::find_if(all, [&](const Alternative& each) { return each.takes && each.takes(json); });
+        std::ranges::find_if(all, [&](const ReadAlternative& each) { return each.takes && each.takes(json); });
     if (found == all.end()) refuse(json, place, text("must be an object, one of ", listed(known)));
     (this->*found->readPlain)(from, place, bound, variant);
     return false;
@@ -246,124 +234,6 @@ Layers SceneReader::ofType(const Layers& from, std::string_view type, std::strin
         reached = reached || named;
     }
     return out;
-}
-
-double SceneReader::inUnit(const Json& json, const Place& place, const Bound& bound, double value,
-                           std::string_view unit) const
-{
-    if (unit.empty()) return value;
-    const auto scale = convert(unit, bound.unit);
-    if (!scale) {
-        if (unit.find(',') != std::string_view::npos)
-            refuse(json, place, "must be written without commas, such as \"10.5 mm\" or \"0 10 0 mm\"");
-        const bool bare = bound.unit.empty() || bound.unit == "-";
-        const std::string must =
-            bare ? "must be a number without a unit" : text("must be in ", bound.unit, " or a unit like it");
-        const std::string near = nearestUnit(unit);
-        refuse(json, place, must, near.empty() ? "" : text(" (did you mean '", near, "'?)"));
-    }
-    return value * scale->factor / scale->divisor;
-}
-
-double SceneReader::number(const Json& json, const Place& place, const Bound& bound) const
-{
-    double value = 0.0;
-    if (json.is_number()) {
-        value = json.get<double>();
-    } else if (json.is_string()) {
-        const std::string given = word(json);
-        const auto quantity = parseQuantity(given);
-        if (given == record::kInfinite || given == record::kMinusInfinite)
-            value = (given == record::kInfinite ? 1.0 : -1.0) * std::numeric_limits<double>::infinity();
-        else if (quantity && quantity->values.size() == 1)
-            value = inUnit(json, place, bound, quantity->values[0], quantity->unit);
-        else
-            refuse(json, place, text("must be a number, such as ", exampleOf(bound)));
-    } else {
-        refuse(json, place, "must be a number");
-    }
-    if (!bound.range.contains(value)) {
-        const std::string must = bound.range.text(bound.unit);
-        refuse(json, place, text(must, std::isinf(value) && must != "must be finite" ? " and finite" : ""));
-    }
-    return value;
-}
-
-std::int64_t SceneReader::whole(const Json& json, const Place& place, const Bound& bound, double low, double high) const
-{
-    const double value = json.is_number() ? json.get<double>() : 0.5;
-    const bool named = json.is_string() && place.name == "label"; // in a region
-    if (value != std::floor(value))
-        refuse(json, place, "must be a whole number", named ? " (the name of a label goes into the field 'name')" : "");
-    if (value < low || value > high) refuse(json, place, text("must be in [", low, ", ", high, "]"));
-    if (!bound.range.contains(value)) refuse(json, place, bound.range.text(bound.unit));
-    return static_cast<std::int64_t>(value);
-}
-
-bool SceneReader::flag(const Json& json, const Place& place) const
-{
-    if (!json.is_boolean()) refuse(json, place, "must be true or false");
-    return json.get<bool>();
-}
-
-std::string SceneReader::word(const Json& json) { return json.get<std::string>(); }
-std::string SceneReader::word(const Json& json, const Place& place) const
-{
-    if (!json.is_string()) refuse(json, place, "must be a text");
-    return word(json);
-}
-
-void SceneReader::readNumbers(const Json& json, const Place& place, const Bound& bound, std::span<double> out) const
-{
-    const auto refuseCount = [&] {
-        const bool commas = json.is_string() && word(json).find(',') != std::string::npos;
-        refuse(json, place,
-               text("must be ", out.size(), " numbers", commas ? " without commas, such as \"0 10 0 mm\"" : ""));
-    };
-    if (json.is_array()) {
-        if (json.size() != out.size()) refuseCount();
-        for (std::size_t i = 0; i < out.size(); ++i) out[i] = number(json[i], Place{&place, {}, i}, bound);
-        return;
-    }
-    const std::string given = json.is_string() ? word(json) : std::string();
-    const auto quantity = parseQuantity(given);
-    if (!quantity || quantity->values.size() != out.size()) refuseCount();
-    for (std::size_t i = 0; i < out.size(); ++i) {
-        out[i] = inUnit(json, place, bound, quantity->values[i], quantity->unit);
-        if (!bound.range.contains(out[i])) refuse(json, Place{&place, {}, i}, bound.range.text(bound.unit));
-    }
-}
-
-Quat SceneReader::rotation(const Json& json, const Place& place)
-{
-    Quat q;
-    if (!json.is_object()) {
-        readNumbers(json, place, {}, std::span(&q.w, 4));
-        return q;
-    }
-    refuseUnknown(json, place, {"axis", "angle"});
-    Vec3 axis;
-    double angle = 0.0;
-    for (const char* name : {"axis", "angle"})
-        if (!find(json, name))
-            refuse(json, place, text("must be 4 numbers (w, x, y, z), or have an axis and an angle"));
-    read({{find(json, "axis")}}, Place{&place, "axis"}, {}, axis);
-    read({{find(json, "angle")}}, Place{&place, "angle"}, {.unit = "rad"}, angle);
-    if (!(length(axis) > 0.0)) refuse(*find(json, "axis"), Place{&place, "axis"}, "must have a length > 0");
-    return axisAngle(axis, angle);
-}
-
-void SceneReader::readCorners(const Json& json, const Place& place, geometry::Box& out)
-{
-    if (json.size() != 2) refuse(json, place, "must be a lower and an upper corner");
-    read({{&json[0]}}, Place{&place, {}, 0}, {.unit = "m"}, out.low);
-    read({{&json[1]}}, Place{&place, {}, 1}, {.unit = "m"}, out.high);
-    checkCorners(json, place, out);
-}
-
-void SceneReader::checkCorners(const Json& json, const Place& place, const geometry::Box& box) const
-{
-    if (geometry::isEmpty(box)) refuse(json, place, "must have a lower corner that is <= the upper one in every axis");
 }
 
 const physics::Tissue* SceneReader::readTissue(const Layers& layers, const Place& place) const

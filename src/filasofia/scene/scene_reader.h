@@ -5,8 +5,7 @@
 #include "filasofia/core/word.h"
 #include "filasofia/physics/tissue.h"
 #include "filasofia/record/json_reader.h"
-#include "filasofia/scene/def_shapes.h"
-#include "filasofia/scene/json_source.h"
+#include "filasofia/scene/read_parts.h"
 #include "filasofia/scene/scene_file.h"
 
 #include <algorithm>
@@ -16,16 +15,6 @@
 #include <span>
 
 namespace filasofia::scene {
-
-using record::Place;
-
-/// A value that a file says of a thing, itself or as a default.
-struct Layer {
-    const Json* json = nullptr;
-    int rank = 0; ///< lower ones come first: 0 is what the thing says itself
-};
-/// A value and the defaults behind it, the most specific first.
-using Layers = std::vector<Layer>;
 
 /// Turns the JSON of scene files into Defs. Strict: an unknown field or a wrong value is an Error with its place in the
 /// file; what is missing keeps its default.
@@ -216,19 +205,6 @@ private:
     void readCorners(const Json& json, const Place& place, geometry::Box& out);
     void checkCorners(const Json& json, const Place& place, const geometry::Box& box) const;
 
-    /// `beside`: names that are known besides the Def's own fields.
-    /// A member of an object that is read. Without types: the code for each member of each Def, inlined into the code
-    /// for its Def, took four minutes to compile.
-    struct Member {
-        std::string_view name; ///< empty: its members stand beside the others
-        Bound bound;
-        void* value = nullptr;
-        void (SceneReader::*read)(const Layers& from, const Place& place, const Bound& bound, void* value) = nullptr;
-        void (SceneReader::*readBeside)(const Layers& from, const Place& place, const std::vector<std::string>& known,
-                                        void* value) = nullptr;
-        void (SceneReader::*fill)(const Place& place, void* value) = nullptr;
-    };
-    using Members = std::vector<Member>;
     template <class T> void readValue(const Layers& from, const Place& place, const Bound& bound, void* value)
     {
         read(from, place, bound, *static_cast<T*>(value));
@@ -242,34 +218,22 @@ private:
             readObject(from, place, known, *static_cast<T*>(value));
     }
     template <class T> void fillValue(const Place& place, void* value) { fill(place, *static_cast<T*>(value)); }
-    template <class T> static Member memberOf(std::string_view name, const Bound& bound, T& value)
+    template <class T> static ReadMember memberOf(std::string_view name, const Bound& bound, T& value)
     {
         return {
             name, bound, &value, &SceneReader::readValue<T>, &SceneReader::readBeside<T>, &SceneReader::fillValue<T>};
     }
-    template <class T> static Members membersOf(T& object)
+    template <class T> static ReadMembers membersOf(T& object)
     {
-        Members out;
+        ReadMembers out;
         forEachField<T>([&](const auto& each) {
             out.push_back(memberOf(each.name, {each.range, each.unit}, object.*(each.member)));
         });
         return out;
     }
-    /// An object that is being read.
-    struct Opened {
-        std::size_t classes = 0; ///< that were open before
-        Layers layers;
-        std::vector<std::string> known; ///< the names that its members may have
-    };
-    /// What an object of a type must be, whatever its members are.
-    struct Shape {
-        std::string_view type;
-        std::vector<std::string_view> required;
-        bool flat = false; ///< kFlat
-    };
-    [[nodiscard]] Opened open(const Layers& from, const Place& place, const Shape& shape, const Members& members,
-                              const std::vector<std::string>& beside);
-    void readMembers(const Opened& object, const Layers& from, const Place& place, const Members& members);
+    [[nodiscard]] OpenedObject open(const Layers& from, const Place& place, const ObjectShape& shape,
+                                    const ReadMembers& members, const std::vector<std::string>& beside);
+    void readMembers(const OpenedObject& object, const Layers& from, const Place& place, const ReadMembers& members);
     void checkKeyPose(const Layers& layers, const Place& place) const;
 
     /// `beside`: names that are known besides the Def's own fields.
@@ -277,8 +241,8 @@ private:
     void readObject(const Layers& from, const Place& place, const std::vector<std::string>& beside, T& out)
     {
         if constexpr (std::is_same_v<T, physics::SoftBodyDef>) tissue_ = nullptr;
-        const Members all = membersOf(out);
-        const Opened object = open(from, place, {typeName<T>(), required<T>(), kFlat<T>}, all, beside);
+        const ReadMembers all = membersOf(out);
+        const OpenedObject object = open(from, place, {typeName<T>(), required<T>(), kFlat<T>}, all, beside);
         if constexpr (std::is_same_v<T, physics::FemMaterial>) {
             tissue_ = readTissue(object.layers, place);
             if (tissue_) out = tissue_->material;
@@ -301,30 +265,17 @@ private:
     /// The tissue of the library that a material begins with, or null.
     [[nodiscard]] const physics::Tissue* readTissue(const Layers& layers, const Place& place) const;
 
-    /// An alternative of a variant that is read.
-    struct Alternative {
-        std::string_view type = {}; ///< empty: no Def, but a plain value
-        bool material = false;      ///< FemMaterial, which may be the name of a tissue
-        void (SceneReader::*read)(const Layers& from, const Place& place, const std::vector<std::string>& beside,
-                                  void* variant) = nullptr;
-        void (*makeDefault)(void* variant) = nullptr;
-        bool (*takes)(const Json& json) = nullptr; ///< null: none is a plain value of this type
-        void (SceneReader::*readPlain)(const Layers& from, const Place& place, const Bound& bound,
-                                       void* variant) = nullptr;
-    };
-    using Alternatives = std::vector<Alternative>;
-
     template <class... Each> void readAlternative(const Layers& from, const Place& place, const Bound& bound,
                                                   const std::vector<std::string>& beside, std::variant<Each...>& out)
     {
         using Variant = std::variant<Each...>;
-        const Alternatives all = {alternative<Each, Variant>()...};
+        const ReadAlternatives all = {alternative<Each, Variant>()...};
         if (readOneOf(all, from, place, bound, beside, all[out.index()].type, &out)) fill(place, out);
     }
     /// Returns whether `variant` holds an alternative with its defaults now, which must be filled.
-    bool readOneOf(const Alternatives& all, const Layers& from, const Place& place, const Bound& bound,
+    bool readOneOf(const ReadAlternatives& all, const Layers& from, const Place& place, const Bound& bound,
                    const std::vector<std::string>& beside, std::string_view present, void* variant);
-    template <class T, class Variant> static Alternative alternative()
+    template <class T, class Variant> static ReadAlternative alternative()
     {
         if constexpr (HasFields<T>)
             return {.type = typeName<T>(),

@@ -130,10 +130,29 @@ requires(!IsMesh<std::variant<Each...>> && !IsFile<std::variant<Each...>>) struc
     static Schema typed() { return anyOf({withType(typeName<Each>())...}); }
 };
 
-/// A field, with the schema of its value.
+/// The default of a field as a file would write it; null if that is no number, flag, word or vector.
+template <class T> Schema preset(const T& value)
+{
+    if constexpr (std::is_same_v<T, double>)
+        return std::isnan(value)      ? Schema()
+               : std::isfinite(value) ? Schema(value)
+                                      : Schema(value > 0.0 ? record::kInfinite : record::kMinusInfinite);
+    else if constexpr (std::is_same_v<T, bool> || std::is_integral_v<T>)
+        return value;
+    else if constexpr (std::is_same_v<T, std::string>)
+        return value.empty() ? Schema() : Schema(value);
+    else if constexpr (std::is_enum_v<T>)
+        return names(&value)[static_cast<std::size_t>(value)];
+    else if constexpr (std::is_same_v<T, Vec3>)
+        return Schema::array({value.x, value.y, value.z});
+    else
+        return {};
+}
+
+/// A field, with the schema of its value and its default.
 struct Property {
     std::string_view name, unit, meaning;
-    Schema value;
+    Schema value, preset;
 };
 Schema propertiesOf(std::string_view type, const std::vector<Property>& fields)
 {
@@ -149,15 +168,20 @@ Schema propertiesOf(std::string_view type, const std::vector<Property>& fields)
         const bool bare = each.unit.empty() || each.unit == "-";
         Schema& member = out[std::string(each.name)] = each.value;
         member["description"] = bare ? std::string(each.meaning) : text(each.meaning, " [", each.unit, "]");
+        if (!each.preset.is_null()) member["default"] = each.preset;
     }
     return out;
 }
 template <HasFields T> Schema properties()
 {
     std::vector<Property> list;
+    const T object{};
+    const std::vector<std::string_view> needed = required<T>(); // they have no default that a file may rely on
     forEachField<T>([&](const auto& each) {
         using Value = std::remove_cvref_t<decltype(std::declval<T&>().*(each.member))>;
-        list.push_back({each.name, each.unit, each.meaning, ValueSchema<Value>::of(each.range)});
+        const bool isNeeded = std::ranges::find(needed, each.name) != needed.end();
+        list.push_back({each.name, each.unit, each.meaning, ValueSchema<Value>::of(each.range),
+                        isNeeded ? Schema() : preset(object.*(each.member))});
     });
     return propertiesOf(typeName<T>(), list);
 }
