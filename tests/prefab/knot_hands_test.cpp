@@ -111,7 +111,7 @@ private:
 
 } // namespace
 
-TEST_CASE("a surgeon's knot that hands tie around two bars holds 2 N with a friction of 0.3")
+TEST_CASE("a surgeon's knot that hands tie around two bars holds 2 N with a friction of 0.3", "[long]")
 {
     TiedBars scene(0.3);
     scene.tieAndLoad(2.0);

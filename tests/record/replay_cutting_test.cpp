@@ -92,7 +92,7 @@ TEST_CASE("a session of cutting, tearing and a hand that presses is replayed wit
     CHECK(pushing > 100);
     const record::Recording recording = record::readRecording(file.path());
     REQUIRE(recording.steps.size() == 150);
-    for (int threads : {1, 2, kManyThreads}) {
+    for (int threads : {1, kManyThreads}) {
         CAPTURE(threads);
         CHECK_FALSE(record::replay(recording.steps, *engine::makeNativeEngine({.threads = threads})));
     }

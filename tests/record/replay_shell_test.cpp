@@ -95,7 +95,7 @@ TEST_CASE("a session in which a shell is cut, torn and pressed is replayed with 
     CHECK(touching > 100);
     const record::Recording recording = record::readRecording(file.path());
     REQUIRE(recording.steps.size() == 200);
-    for (int threads : {1, 2, kManyThreads}) {
+    for (int threads : {1, kManyThreads}) {
         CAPTURE(threads);
         CHECK_FALSE(record::replay(recording.steps, *engine::makeNativeEngine({.threads = threads})));
     }

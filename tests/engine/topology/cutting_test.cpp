@@ -564,7 +564,7 @@ TEST_CASE(
         def.mesh = shared(mesh);
         def.material = material;
         std::set<std::uint64_t> hashes;
-        for (int threads : {1, 2, kManyThreads}) {
+        for (int threads : {1, kManyThreads}) {
             INFO(name << ", " << threads << " threads");
             CutScene scene(def, 0.023, 0.1, {.threads = threads});
             const StepReport report = scene.move(0.035, 0.012, 0.2);

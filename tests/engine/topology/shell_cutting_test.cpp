@@ -224,7 +224,7 @@ TEST_CASE("the default solver follows a cut as a new one and as Cholesky would h
 TEST_CASE("a cut shell is the same for any number of threads, and after a saved state is restored")
 {
     std::vector<std::uint64_t> hashes;
-    for (int threads : {1, 2, kManyThreads}) {
+    for (int threads : {1, kManyThreads}) {
         ShellScene scene(cuttable(40), {.threads = threads});
         scene.stage.post(SetGravity{{0, 0, -0.1}});
         scene.move({0.0237, -0.01, 0}, {0.0237, 0.03, 0});
@@ -235,14 +235,14 @@ TEST_CASE("a cut shell is the same for any number of threads, and after a saved 
             return scene.stage.world.hash();
         };
         hashes.push_back(rest());
-        if (threads != 2) continue;
+        if (threads == 1) continue;
         scene.stage.world.restore(*middle);
         const std::size_t nodes = scene.stage.model().rest.size();
         hashes.push_back(rest());
         CHECK(scene.stage.model().rest.size() > nodes);
         CHECK(scene.faults().empty());
     }
-    CHECK(std::ranges::count(hashes, hashes[0]) == 4);
+    CHECK(std::ranges::count(hashes, hashes[0]) == 3);
 }
 
 TEST_CASE("a closed shell that is cut loses its pressure, and a reset closes it again")
