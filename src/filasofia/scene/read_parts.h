@@ -4,6 +4,10 @@
 #include "filasofia/scene/def_shapes.h"
 #include "filasofia/scene/json_source.h"
 
+#include <string>
+#include <string_view>
+#include <vector>
+
 /// The parts of what SceneReader reads, without their types.
 namespace filasofia::scene {
 
