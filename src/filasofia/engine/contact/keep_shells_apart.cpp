@@ -141,7 +141,7 @@ std::vector<std::size_t> holdTogether(const StepContext& context, Scene& scene, 
         zones.move(scene);
     }
     std::ranges::sort(held);
-    held.erase(std::ranges::unique(held).begin(), held.end());
+    held.erase(std::unique(held.begin(), held.end()), held.end());
     return held;
 }
 
