@@ -47,5 +47,5 @@ def test_what_cannot_be_is_one_error():
         sim.set_cavity(body, inflow=1e-6)
     with pytest.raises(fs.Error, match="SetCavity must give a pressure or an inflow"):
         sim.set_cavity(body)
-    with pytest.raises(fs.Error, match="soft body 'x': cavities.0.: the mesh has only 0 closed inner surfaces"):
+    with pytest.raises(fs.Error, match="soft body 'x': cavities.0.: the mesh has no closed inner surfaces"):
         sim.add(fs.SoftBodyDef(name="x", mesh=fs.shapes.block((0.1, 0.1, 0.1)), cavities=[fs.CavityDef()]))

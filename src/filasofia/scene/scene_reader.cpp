@@ -141,7 +141,8 @@ OpenedObject SceneReader::open(const Layers& from, const Place& place, const Obj
     for (const ReadMember& each : members)
         if (!each.name.empty()) object.known.emplace_back(each.name);
     object.known.insert(object.known.end(), {kType, kClass});
-    object.known.insert(object.known.end(), beside.begin(), beside.end());
+    for (const std::string& each : beside)
+        if (std::ranges::find(object.known, each) == object.known.end()) object.known.push_back(each);
     if (shape.type == typeName<physics::FemMaterial>()) object.known.emplace_back(kTissue);
     if (!shape.flat)
         for (const Layer& each : object.layers) refuseUnknown(*each.json, place, object.known, shape.type);

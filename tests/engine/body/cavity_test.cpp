@@ -293,11 +293,12 @@ TEST_CASE("a cavity that cannot be is one error with the body's name")
     CHECK_THROWS_WITH(stage.add(def), "soft body 'bag': cavities need integrator ImplicitEuler, got ExplicitEuler");
     def.integrator = ImplicitEuler{};
     def.mesh = shared(boxMesh({2, 2, 2}, {0.1, 0.1, 0.1}));
-    CHECK_THROWS_WITH(stage.add(def), "soft body 'bag': cavities[0]: the mesh has only 0 closed inner surfaces");
+    CHECK_THROWS_WITH(stage.add(def), "soft body 'bag': cavities[0]: the mesh has no closed inner surfaces");
     def.material = ShellMaterial{};
     def.mesh = shapes::sheet(0.1, 0.1);
-    CHECK_THROWS_WITH(stage.add(def),
-                      "soft body 'bag': cavities[0]: the mesh has only 0 closed shells that face outwards");
+    CHECK_THROWS_WITH(
+        stage.add(def),
+        "soft body 'bag': cavities[0]: the mesh has no closed shells that face outwards, but edges with one triangle");
 }
 
 TEST_CASE("a cut through the wall opens a cavity: what flows out obeys Torricelli, and all of it is counted")

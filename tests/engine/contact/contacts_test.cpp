@@ -125,6 +125,26 @@ TEST_CASE("only models of one group touch")
     }
 }
 
+TEST_CASE("tissue that falls since only blades meet it is told so")
+{
+    for (const bool alone : {true, false})
+        for (const bool held : {false, true}) {
+            std::string logged;
+            setLogSink([&](LogLevel, std::string_view line) { logged += line; });
+            Stage stage = onFloor();
+            physics::SoftBodyDef def{.name = "tissue", .mesh = shared(boxMesh({1, 1, 1}, {0.02, 0.02, 0.02}))};
+            def.pose.position = {0, 0.02, 0};
+            def.collision = {{.cutting = true}};
+            if (!alone) def.collision.emplace_back();
+            if (held) def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 0.0201, 1}}}};
+            stage.add(def);
+            stage.step(1e-3);
+            setLogSink({});
+            const bool told = logged.find("all its collision models have `cutting`") != std::string::npos;
+            CHECK(told == (alone && !held));
+        }
+}
+
 TEST_CASE("a body that collides among bodies that do not is told to collide with nothing")
 {
     // A floor whose collision was forgotten: the box fell through it for ever, without a word.

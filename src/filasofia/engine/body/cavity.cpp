@@ -243,6 +243,7 @@ void addCavities(const std::vector<physics::CavityDef>& defs, const std::string&
     const std::vector<int> parts = partsOf(neighbours);
     const std::vector<Space> spaces = spacesOf(model, neighbours, parts);
     const char* kind = isShell(model) ? "closed shells that face outwards" : "closed inner surfaces";
+    const bool open = std::ranges::any_of(neighbours, [](const auto& of) { return std::ranges::min(of) < 0; });
     std::vector<int> taken(spaces.size(), -1);
     for (std::size_t c = 0; c < defs.size(); ++c) {
         const std::string name = text(object, ": cavities[", c, "]");
@@ -254,7 +255,8 @@ void addCavities(const std::vector<physics::CavityDef>& defs, const std::string&
         if (s == spaces.size() && defs[c].at)
             fail(name, ".at must lie in a cavity of the mesh that no other entry has, got ", defs[c].at->x, " ",
                  defs[c].at->y, " ", defs[c].at->z, " m; the mesh has ", spaces.size(), " ", kind);
-        if (s == spaces.size()) fail(name, ": the mesh has only ", spaces.size(), " ", kind);
+        if (s == spaces.size() && s > 0) fail(name, ": the mesh has only ", s, " ", kind);
+        if (s == spaces.size()) fail(name, ": the mesh has no ", kind, open ? ", but edges with one triangle" : "");
         taken[s] = static_cast<int>(c);
     }
     model.wallOf.assign(model.surface.size(), -1);

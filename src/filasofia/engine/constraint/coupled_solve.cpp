@@ -17,6 +17,10 @@ constexpr int kJoinAfter = 16;
 // Bodies with a coarse level up to which that pays off. In a heap of fifty, 34 iterations with it took a fifth longer
 // than 41 without: there the impulses go from body to body.
 constexpr int kMostJoined = 4;
+// Iterations after which friction lags if the residual has not fallen by half, and up to which a solve has ended at
+// once: docs/lab/contact.md.
+constexpr int kLagAfter = 40;
+constexpr int kCalm = 2;
 // Multipliers are updated again if the last update has brought the worst constraint down to this share.
 constexpr double kUpdateHelps = 0.5;
 // [-] Mismatch beyond which a solve has not converged, frozen or swept: contacts pull, or slide uphill.
@@ -24,6 +28,24 @@ constexpr double kLawful = 0.05;
 // Iterations of Newton's method after which rigid bodies are solved by sweeps. Towers and heaps at rest take less.
 constexpr int kSweepAfter = 40;
 constexpr double kSteepEnough = 0.1; // a direction's derivative relative to that of z; if it is less, z is used instead
+
+/// How far a solve has come.
+class Progress {
+public:
+    /// Whether the residual has not fallen by half for kLagAfter iterations, although it is above the tolerance.
+    bool stalls(int iterations, double residual, double tolerance)
+    {
+        if (residual <= std::max(tolerance, 0.5 * halved_)) {
+            halved_ = residual;
+            at_ = iterations;
+        }
+        return iterations - at_ >= kLagAfter;
+    }
+
+private:
+    double halved_ = 1.0; ///< the residual when it had last fallen by half
+    int at_ = 0;          ///< iterations at that time
+};
 
 } // namespace
 
@@ -51,6 +73,7 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     const linalg::SolveLimits& linear = limits.linear;
     CoupledReport report;
     report.rounds = 1;
+    Progress progress;
     for (int updates = 0, nonlinear = 0;; ++report.iterations, ++nonlinear) {
         if (report.iterations == kCorrectAfter && !correction_.hasMotions()) correctCoarseLevels();
         if (report.iterations == linalg::kBlendAfter) blendRotations();
@@ -60,6 +83,13 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
         const bool nothing = std::abs(rz) <= linear.tolerance * linear.tolerance * energy_;
         const bool number = (rz >= 0.0 || nothing) && std::isfinite(rz);
         report.residual = !number ? 1.0 : rz <= 0.0 ? 0.0 : std::sqrt(rz / (rz + energy_));
+        if (number && progress.stalls(report.iterations, report.residual, linear.tolerance) && mayLag()) {
+            lagFriction();
+            beginAnew();
+            nonlinear = -1;
+            --report.iterations;
+            continue;
+        }
         report.converged = report.residual <= linear.tolerance && impulsesSettled();
         if (report.converged && !activeSetFrozen_ && updates < limits.multiplierUpdates && updateMultipliers()) {
             ++updates;
@@ -84,6 +114,7 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Constraint& solved = *rows.list[c].constraint;
         solved.multiplier = carried(c);
+        solved.contact.cached.frictionLags = frictionLags_ && report.iterations > kCalm && solved.softness == 0.0;
         solved.impulse = rows_[c].impulse;
     }
     return report;
@@ -102,7 +133,9 @@ Vec3 CoupledSolve::carried(std::size_t c) const
     if (staysAsleep(c, 0.0)) return {};
     // Where the law was linearised in a state that does not hold, it would ask for impulses that are many times those
     // that act: the next step threw three boxes of some grams apart at 2 m/s.
-    return activeSetFrozen_ ? project(rows_[c].law, rows_[c].impulse).impulse : law(c, velocityIn(c)).impulse;
+    const Vec3 impulse = rows_[c].impulse;
+    return activeSetFrozen_ ? project(rows_[c].law, impulse, coneAt(c, impulse)).impulse
+                            : law(c, velocityIn(c)).impulse;
 }
 
 void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
@@ -146,7 +179,9 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
     if (together_) filter_.begin(*bodies_, first_, *constraints_);
     smallest_ = mass * limits_->smallChange;
     energy_ = smallest_ * limits_->smallChange;
-    activeSetFrozen_ = swept_ = false;
+    activeSetFrozen_ = frictionLags_ = swept_ = false;
+    const auto lags = [](const ConstraintRow& row) { return row.constraint->contact.cached.frictionLags; };
+    if (std::ranges::any_of(constraints_->list, lags)) lagFriction();
     restart_ = true;
     missed_ = std::numeric_limits<double>::infinity();
 }
@@ -157,12 +192,21 @@ Vec3 CoupledSolve::reaction(std::size_t c, Vec3 u) const
     return row.law.impulse - times(row.stiffness, row.law.bias + u);
 }
 
-Projected CoupledSolve::law(std::size_t c, Vec3 u) const { return project(rows_[c].law, reaction(c, u)); }
+double CoupledSolve::coneAt(std::size_t c, Vec3 y) const
+{
+    return frictionLags_ ? rows_[c].cone : coneOf(rows_[c].law, y);
+}
+
+Projected CoupledSolve::law(std::size_t c, Vec3 u) const
+{
+    const Vec3 y = reaction(c, u);
+    return project(rows_[c].law, y, coneAt(c, y));
+}
 
 Vec3 CoupledSolve::lawAlong(std::size_t c, Vec3 u) const
 {
     const Row& row = rows_[c];
-    if (!activeSetFrozen_) return project(row.law, reaction(c, u), coneOf(row.law, row.impulse)).impulse;
+    if (!activeSetFrozen_) return project(row.law, reaction(c, u), coneAt(c, row.impulse)).impulse;
     return linearised(row.law, row.state, reaction(c, u));
 }
 
@@ -345,6 +389,21 @@ void CoupledSolve::projectImpulses()
     });
 }
 
+bool CoupledSolve::mayLag() const
+{
+    const auto rubs = [&](std::size_t c) { return rows_[c].law.friction > 0.0; };
+    return !limits_->sweeps && !frictionLags_ && std::ranges::any_of(active_, rubs);
+}
+
+void CoupledSolve::lagFriction()
+{
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        const Constraint& last = constraint(c);
+        rows_[c].cone = coneOf(last, last.impulse.x > 0.0 ? last.impulse : rows_[c].impulse);
+    }
+    frictionLags_ = true;
+}
+
 void CoupledSolve::freezeActiveSet()
 {
     makeFilter();
@@ -383,10 +442,15 @@ bool CoupledSolve::updateMultipliers()
         rows_[c].law.impulse = staysAsleep(c, 0.0) ? Vec3{} : law(c, velocityIn(c)).impulse;
         normals_[c].impulse = rows_[c].law.impulse.x;
     }
+    beginAnew();
+    return true;
+}
+
+void CoupledSolve::beginAnew()
+{
     projectImpulses();
     makeFilter();
     restart_ = true;
-    return true;
 }
 
 } // namespace filasofia::engine

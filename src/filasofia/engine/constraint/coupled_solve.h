@@ -66,9 +66,13 @@ struct CoupledReport : linalg::NodeSolveReport {
 /// meanwhile.
 ///
 /// Coulomb's law has no potential. The difference to Tresca's law is left to the iteration, which converges as long as
-/// friction does not feed back more than it takes. If it has not converged after `nonlinear` iterations, the active set
-/// and the slip are frozen, once: the problem is linear then, and conjugate gradients always solve it. Between rigid
-/// bodies, whose filter is exact, sweeps take over in place of that (ImpulseSweeps).
+/// friction does not feed back more than it takes. Where it does, as in stiff tissue that slides with a coefficient
+/// near 1, the impulses swing without end. If the residual has not fallen by half for kLagAfter iterations, the cones'
+/// radii are those of the last step's normal impulses (lagged friction, Li et al. 2020), the problem is convex, and the
+/// contacts remember it: the next solve begins so, until one ends at once. If the solve has not converged after
+/// `nonlinear` iterations, the active set and the slip are frozen, once: the problem is linear then, and conjugate
+/// gradients always solve it. Between rigid bodies, whose filter is exact, sweeps take over in place of that
+/// (ImpulseSweeps).
 ///
 /// The caller carries the multipliers to the next step. If that is too late, as in an impact, the multipliers are set
 /// to the impulses found, and the solve goes on.
@@ -98,6 +102,7 @@ private:
         ConstraintLaw law;    ///< a copy: constraints are large, and every pass over the rows reads this
         Vec3 stiffness;       ///< [kg] Sigma of an active constraint
         Vec3 impulse;         ///< [N s] impulse that acts
+        double cone = 0.0;    ///< [N s] radius of the friction cone, if friction lags
         Vec3 along;           ///< [m/s] velocity of the direction, in the frame; of rows that are awake
         Vec3 change;          ///< [N s] change of the impulse along the direction, for cones of fixed radius
         Vec3 passed;          ///< [N s] last change of the impulse
@@ -147,6 +152,7 @@ private:
     [[nodiscard]] Vec3 velocityIn(std::size_t c) const { return inFrame(rows_[c].law.frame, velocities_[c]); } ///< u
     double changesAlong(double length); ///< sum of along . change of the impulses; lists the rows that have any
     [[nodiscard]] Vec3 reaction(std::size_t c, Vec3 u) const; ///< y
+    [[nodiscard]] double coneAt(std::size_t c, Vec3 y) const; ///< [N s] radius of the friction cone
     [[nodiscard]] Projected law(std::size_t c, Vec3 u) const;
     [[nodiscard]] Vec3 lawAlong(std::size_t c, Vec3 u) const; ///< the law along a direction, which has an energy
     double multiply();
@@ -156,12 +162,15 @@ private:
     bool updateDirection(double rz); ///< false if the direction has no positive curvature
     void lineSearch();
     void projectImpulses(); ///< onto the constraint law; `scratch`: their change
+    [[nodiscard]] bool mayLag() const;
+    void lagFriction(); ///< the radii of the friction cones are those of the last step from now on
     void freezeActiveSet();
     void solveForImpulses();
     [[nodiscard]] bool sweepsAwake(std::size_t c, Vec3 u) const;
     double sweepOnce(double part, double& mismatch);
     bool sweep(CoupledReport& report); ///< until the impulses settle; false if D is not positive definite
     [[nodiscard]] bool isOutOfTime(int iterations) const;
+    void beginAnew();         ///< from the solution so far, after the law has changed
     bool updateMultipliers(); ///< false if none is needed
     [[nodiscard]] double mismatch() const;
     [[nodiscard]] Vec3 carried(std::size_t c) const; ///< [N s] the multiplier that the next step starts from
@@ -206,6 +215,7 @@ private:
     CoarseCorrection correction_;
     double energy_ = 0.0, smallest_ = 0.0;
 
+    bool frictionLags_ = false;    ///< behind the normal impulses: the friction cones keep their radii
     bool activeSetFrozen_ = false; ///< the active set is frozen, and the law is linear
     bool swept_ = false;           ///< the impulses are those of sweeps
     double missed_ = 0.0;          ///< by the worst constraint at the last update, relative to its tolerance

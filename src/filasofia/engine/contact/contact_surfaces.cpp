@@ -105,6 +105,20 @@ void warnOfLoneGroups(const Scene& scene, const std::vector<SurfaceOwner>& owner
     }
 }
 
+/// Logs a warning once per group if a soft body falls that only blades meet: all its collision models have `cutting`.
+void warnOfTissueForBlades(const Scene& scene, std::set<int>& warned)
+{
+    if (scene.soft.size() + scene.rigid.size() < 2 || scene.gravity == Vec3{}) return;
+    for (const SoftBody& body : scene.soft) {
+        const std::vector<CollisionModel>& models = body.model.collision;
+        const auto forBlades = [](const CollisionModel& each) { return each.shape->cutting; };
+        if (models.empty() || !std::ranges::all_of(models, forBlades)) continue;
+        if (!body.model.gravity || isHeld(scene, body)) continue;
+        if (warned.insert(models.front().shape->group).second)
+            logWarning(describe(body.model), ": all its collision models have `cutting`: it collides with nothing");
+    }
+}
+
 /// Surfaces at rest tell inside from outside only by their insets, a fraction of the proximities. Logs a warning once
 /// per group if two proximities add up to hardly more than rounding and the motion in a step may be.
 void warnOfThinProximity(const Scene& scene, const std::vector<SurfaceOwner>& owners, std::set<int>& warned)
@@ -194,6 +208,7 @@ std::vector<bool> placeSurfaces(double dt, const Scene& scene, const std::vector
                                 Coupling& coupling)
 {
     ContactDetection& detection = coupling.detection;
+    warnOfTissueForBlades(scene, detection.warnedForBlades); // such tissue is no owner
     if (owners.size() != detection.surfaces.size()) {
         warnOfLoneGroups(scene, owners, detection.warnedGroups);
         warnOfThinProximity(scene, owners, detection.warnedThin);

@@ -34,8 +34,9 @@ struct ContactDetection {
     /// Pairs that started inside each other, deeper than contacts are followed.
     std::vector<std::array<SurfaceName, 2>> startedInside;
     IntersectionWatch intersections;
-    std::set<int> warnedGroups; ///< collision groups for which the log has said that only one body has them
-    std::set<int> warnedThin;   ///< collision groups for which the log has said that the proximities are too small
+    std::set<int> warnedGroups;    ///< collision groups for which the log has said that only one body has them
+    std::set<int> warnedForBlades; ///< and that a soft body collides with nothing, since its models are for blades
+    std::set<int> warnedThin;      ///< collision groups for which the log has said that the proximities are too small
     ProximityScratch scratch;
     std::vector<Proximity> proximities;
     std::vector<char> followed;   ///< per proximity: whether it is a contact

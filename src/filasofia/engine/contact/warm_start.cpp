@@ -70,6 +70,7 @@ private:
     {
         taken_[cached] = true;
         contact.force = cache_[cached].force;
+        contact.frictionLags = cache_[cached].frictionLags;
     }
 
     const std::vector<CachedContact>& cache_;

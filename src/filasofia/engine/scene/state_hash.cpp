@@ -65,6 +65,7 @@ void addContacts(Hasher& hash, const Scene& scene)
         hash.add(contact.feature);
         add(hash, contact.point);
         add(hash, contact.force);
+        if (contact.frictionLags) addCount(hash, 1); // else the hash is as it was before this was known
     }
     addCount(hash, scene.sides.size());
     for (const SheetSide& kept : scene.sides) {
