@@ -298,7 +298,7 @@ TEST_CASE("a cavity that cannot be is one error with the body's name")
     def.mesh = shapes::sheet(0.1, 0.1);
     CHECK_THROWS_WITH(
         stage.add(def),
-        "soft body 'bag': cavities[0]: the mesh has no closed shells that face outwards, but edges with one triangle");
+        "soft body 'bag': cavities[0]: the mesh has no closed shells that face outwards; some edges have one triangle");
 }
 
 TEST_CASE("a cut through the wall opens a cavity: what flows out obeys Torricelli, and all of it is counted")

@@ -256,7 +256,7 @@ void addCavities(const std::vector<physics::CavityDef>& defs, const std::string&
             fail(name, ".at must lie in a cavity of the mesh that no other entry has, got ", defs[c].at->x, " ",
                  defs[c].at->y, " ", defs[c].at->z, " m; the mesh has ", spaces.size(), " ", kind);
         if (s == spaces.size() && s > 0) fail(name, ": the mesh has only ", s, " ", kind);
-        if (s == spaces.size()) fail(name, ": the mesh has no ", kind, open ? ", but edges with one triangle" : "");
+        if (s == spaces.size()) fail(name, ": the mesh has no ", kind, open ? "; some edges have one triangle" : "");
         taken[s] = static_cast<int>(c);
     }
     model.wallOf.assign(model.surface.size(), -1);

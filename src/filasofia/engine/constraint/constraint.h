@@ -25,7 +25,7 @@ struct CachedContact {
     std::uint64_t feature = 0; ///< the pair of features; the same from step to step (collision/proximity.h)
     Vec3 point;                ///< [m] in the world
     Vec3 force;                ///< [N] on the first body
-    bool frictionLags = false; ///< in its last solve (CoupledSolve)
+    bool frictionLags = false; ///< whether its next solve begins with lagged friction (CoupledSolve)
 };
 
 /// The data of a constraint of kind Contact beyond its law.

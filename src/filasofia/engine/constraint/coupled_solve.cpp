@@ -17,10 +17,8 @@ constexpr int kJoinAfter = 16;
 // Bodies with a coarse level up to which that pays off. In a heap of fifty, 34 iterations with it took a fifth longer
 // than 41 without: there the impulses go from body to body.
 constexpr int kMostJoined = 4;
-// Iterations after which friction lags if the residual has not fallen by half, and up to which a solve has ended at
-// once: docs/lab/contact.md.
-constexpr int kLagAfter = 40;
-constexpr int kCalm = 2;
+// Friction lags if the residual has not fallen by half for this many iterations: docs/lab/contact.md.
+constexpr int kLagAfter = 24;
 // Multipliers are updated again if the last update has brought the worst constraint down to this share.
 constexpr double kUpdateHelps = 0.5;
 // [-] Mismatch beyond which a solve has not converged, frozen or swept: contacts pull, or slide uphill.
@@ -29,22 +27,21 @@ constexpr double kLawful = 0.05;
 constexpr int kSweepAfter = 40;
 constexpr double kSteepEnough = 0.1; // a direction's derivative relative to that of z; if it is less, z is used instead
 
-/// How far a solve has come.
+/// How far a solve has come, from the iteration that it is made at.
 class Progress {
 public:
-    /// Whether the residual has not fallen by half for kLagAfter iterations, although it is above the tolerance.
-    bool stalls(int iterations, double residual, double tolerance)
+    explicit Progress(int iterations) : at_(iterations) {}
+    void note(int iterations, double residual, double tolerance)
     {
-        if (residual <= std::max(tolerance, 0.5 * halved_)) {
-            halved_ = residual;
-            at_ = iterations;
-        }
-        return iterations - at_ >= kLagAfter;
+        if (residual > std::max(tolerance, 0.5 * halved_)) return;
+        halved_ = residual;
+        at_ = iterations;
     }
+    [[nodiscard]] bool stalls(int iterations) const { return iterations - at_ >= kLagAfter; }
 
 private:
     double halved_ = 1.0; ///< the residual when it had last fallen by half
-    int at_ = 0;          ///< iterations at that time
+    int at_;              ///< iterations at that time
 };
 
 } // namespace
@@ -73,7 +70,7 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     const linalg::SolveLimits& linear = limits.linear;
     CoupledReport report;
     report.rounds = 1;
-    Progress progress;
+    Progress progress(0);
     for (int updates = 0, nonlinear = 0;; ++report.iterations, ++nonlinear) {
         if (report.iterations == kCorrectAfter && !correction_.hasMotions()) correctCoarseLevels();
         if (report.iterations == linalg::kBlendAfter) blendRotations();
@@ -83,10 +80,11 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
         const bool nothing = std::abs(rz) <= linear.tolerance * linear.tolerance * energy_;
         const bool number = (rz >= 0.0 || nothing) && std::isfinite(rz);
         report.residual = !number ? 1.0 : rz <= 0.0 ? 0.0 : std::sqrt(rz / (rz + energy_));
-        if (number && progress.stalls(report.iterations, report.residual, linear.tolerance) && mayLag()) {
+        if (number) progress.note(report.iterations, report.residual, linear.tolerance);
+        if (progress.stalls(report.iterations) && report.iterations < linear.maxIterations && mayLag()) {
             lagFriction();
             beginAnew();
-            nonlinear = -1;
+            nonlinear = -1; // a new problem, which starts from this solution
             --report.iterations;
             continue;
         }
@@ -94,7 +92,8 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
         if (report.converged && !activeSetFrozen_ && updates < limits.multiplierUpdates && updateMultipliers()) {
             ++updates;
             ++report.rounds;
-            nonlinear = -1; // a new problem, which starts from this solution
+            progress = Progress(report.iterations);
+            nonlinear = -1;
             --report.iterations;
             continue;
         }
@@ -114,9 +113,9 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Constraint& solved = *rows.list[c].constraint;
         solved.multiplier = carried(c);
-        solved.contact.cached.frictionLags = frictionLags_ && report.iterations > kCalm && solved.softness == 0.0;
         solved.impulse = rows_[c].impulse;
     }
+    rememberLag(report);
     return report;
 }
 
@@ -181,7 +180,7 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
     energy_ = smallest_ * limits_->smallChange;
     activeSetFrozen_ = frictionLags_ = swept_ = false;
     const auto lags = [](const ConstraintRow& row) { return row.constraint->contact.cached.frictionLags; };
-    if (std::ranges::any_of(constraints_->list, lags)) lagFriction();
+    if (!limits_->sweeps && std::ranges::any_of(constraints_->list, lags)) lagFriction();
     restart_ = true;
     missed_ = std::numeric_limits<double>::infinity();
 }
@@ -190,11 +189,6 @@ Vec3 CoupledSolve::reaction(std::size_t c, Vec3 u) const
 {
     const Row& row = rows_[c];
     return row.law.impulse - times(row.stiffness, row.law.bias + u);
-}
-
-double CoupledSolve::coneAt(std::size_t c, Vec3 y) const
-{
-    return frictionLags_ ? rows_[c].cone : coneOf(rows_[c].law, y);
 }
 
 Projected CoupledSolve::law(std::size_t c, Vec3 u) const
@@ -387,21 +381,6 @@ void CoupledSolve::projectImpulses()
     push(1.0, passing_, [](const CoupledBody& body, std::span<const Vec3> impulses) {
         body.matrix->add(impulses, SolveVector::Residual);
     });
-}
-
-bool CoupledSolve::mayLag() const
-{
-    const auto rubs = [&](std::size_t c) { return rows_[c].law.friction > 0.0; };
-    return !limits_->sweeps && !frictionLags_ && std::ranges::any_of(active_, rubs);
-}
-
-void CoupledSolve::lagFriction()
-{
-    for (std::size_t c = 0; c < rows_.size(); ++c) {
-        const Constraint& last = constraint(c);
-        rows_[c].cone = coneOf(last, last.impulse.x > 0.0 ? last.impulse : rows_[c].impulse);
-    }
-    frictionLags_ = true;
 }
 
 void CoupledSolve::freezeActiveSet()

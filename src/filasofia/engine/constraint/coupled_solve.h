@@ -8,6 +8,7 @@
 #include "filasofia/linalg/matrix_free_cg.h"
 
 #include <algorithm>
+#include <optional>
 #include <vector>
 
 namespace filasofia::engine {
@@ -67,12 +68,12 @@ struct CoupledReport : linalg::NodeSolveReport {
 ///
 /// Coulomb's law has no potential. The difference to Tresca's law is left to the iteration, which converges as long as
 /// friction does not feed back more than it takes. Where it does, as in stiff tissue that slides with a coefficient
-/// near 1, the impulses swing without end. If the residual has not fallen by half for kLagAfter iterations, the cones'
-/// radii are those of the last step's normal impulses (lagged friction, Li et al. 2020), the problem is convex, and the
-/// contacts remember it: the next solve begins so, until one ends at once. If the solve has not converged after
-/// `nonlinear` iterations, the active set and the slip are frozen, once: the problem is linear then, and conjugate
-/// gradients always solve it. Between rigid bodies, whose filter is exact, sweeps take over in place of that
-/// (ImpulseSweeps).
+/// near 1, the impulses swing without end. If the residual has not fallen by half for 24 iterations, the radii of the
+/// cones of contacts that pushed in the last step are those of its normal impulses from then on (lagged friction, Li et
+/// al. 2020): what is left to swing are contacts that are new. The contacts remember it, and the next solves begin so,
+/// until one takes at most two iterations. If the solve has not converged after `nonlinear` iterations, the active set
+/// and the slip are frozen, once: the problem is linear then, and conjugate gradients always solve it. Between rigid
+/// bodies, whose filter is exact, sweeps take over in place of that (ImpulseSweeps).
 ///
 /// The caller carries the multipliers to the next step. If that is too late, as in an impact, the multipliers are set
 /// to the impulses found, and the solve goes on.
@@ -98,14 +99,14 @@ public:
                         std::span<const SolvedTie> ties = {});
 
 private:
-    struct Row {              ///< scratch of a constraint, in the order of the rows
-        ConstraintLaw law;    ///< a copy: constraints are large, and every pass over the rows reads this
-        Vec3 stiffness;       ///< [kg] Sigma of an active constraint
-        Vec3 impulse;         ///< [N s] impulse that acts
-        double cone = 0.0;    ///< [N s] radius of the friction cone, if friction lags
-        Vec3 along;           ///< [m/s] velocity of the direction, in the frame; of rows that are awake
-        Vec3 change;          ///< [N s] change of the impulse along the direction, for cones of fixed radius
-        Vec3 passed;          ///< [N s] last change of the impulse
+    struct Row {                    ///< scratch of a constraint, in the order of the rows
+        ConstraintLaw law;          ///< a copy: constraints are large, and every pass over the rows reads this
+        Vec3 stiffness;             ///< [kg] Sigma of an active constraint
+        Vec3 impulse;               ///< [N s] impulse that acts
+        std::optional<double> cone; ///< [N s] radius of the friction cone while friction lags; none: it follows
+        Vec3 along;                 ///< [m/s] velocity of the direction, in the frame; of rows that are awake
+        Vec3 change;                ///< [N s] change of the impulse along the direction, for cones of fixed radius
+        Vec3 passed;                ///< [N s] last change of the impulse
         bool trapped = false; ///< a contact of which only one side can move: its impulse may have grown without bound
         Projected now;        ///< the current projection onto the law
         Projected state;      ///< the projection when the filter was built
@@ -161,9 +162,10 @@ private:
     bool impulsesSettled() const;
     bool updateDirection(double rz); ///< false if the direction has no positive curvature
     void lineSearch();
-    void projectImpulses(); ///< onto the constraint law; `scratch`: their change
-    [[nodiscard]] bool mayLag() const;
-    void lagFriction(); ///< the radii of the friction cones are those of the last step from now on
+    void projectImpulses();            ///< onto the constraint law; `scratch`: their change
+    [[nodiscard]] bool mayLag() const; ///< whether friction acts that does not lag yet
+    void lagFriction();                ///< the radii of the friction cones are those of the last step from now on
+    void rememberLag(const CoupledReport& report); ///< in the contacts, for the next solve
     void freezeActiveSet();
     void solveForImpulses();
     [[nodiscard]] bool sweepsAwake(std::size_t c, Vec3 u) const;

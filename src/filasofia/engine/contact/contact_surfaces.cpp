@@ -115,7 +115,8 @@ void warnOfTissueForBlades(const Scene& scene, std::set<int>& warned)
         if (models.empty() || !std::ranges::all_of(models, forBlades)) continue;
         if (!body.model.gravity || isHeld(scene, body)) continue;
         if (warned.insert(models.front().shape->group).second)
-            logWarning(describe(body.model), ": all its collision models have `cutting`: it collides with nothing");
+            logWarning(describe(body.model),
+                       ": all its collision models have `cutting`: it collides with nothing without another one");
     }
 }
 

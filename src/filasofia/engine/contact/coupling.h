@@ -35,7 +35,7 @@ struct ContactDetection {
     std::vector<std::array<SurfaceName, 2>> startedInside;
     IntersectionWatch intersections;
     std::set<int> warnedGroups;    ///< collision groups for which the log has said that only one body has them
-    std::set<int> warnedForBlades; ///< and that a soft body collides with nothing, since its models are for blades
+    std::set<int> warnedForBlades; ///< collision groups for which the log has said that only blades meet a soft body
     std::set<int> warnedThin;      ///< collision groups for which the log has said that the proximities are too small
     ProximityScratch scratch;
     std::vector<Proximity> proximities;

@@ -65,7 +65,7 @@ void addContacts(Hasher& hash, const Scene& scene)
         hash.add(contact.feature);
         add(hash, contact.point);
         add(hash, contact.force);
-        if (contact.frictionLags) addCount(hash, 1); // else the hash is as it was before this was known
+        if (contact.frictionLags) addCount(hash, 1); // a contact whose friction does not lag adds nothing
     }
     addCount(hash, scene.sides.size());
     for (const SheetSide& kept : scene.sides) {
