@@ -215,7 +215,7 @@ TEST_CASE("scene files: every mistake is one line with its place, its bound and 
              "scale must be a number, such as 0.01, got \"mm\"");
     contains(body(R"(, "mass": {"type": "TotalMass", "mass": 1})"),
              "unknown field 'mass' in bodies[0].mass, a TotalMass (it has ");
-    contains(R"({"commands": [{"type": "SetTissue", "id": "a", "restScale": 1}]})",
+    contains(R"({"commands": [{"type": "SetTissue", "time": 0, "id": "a", "restScale": 1}]})",
              "unknown field 'restScale' in commands[0], a SetTissue (it has id, region, type, class, time)");
     contains(body(R"(, "friction": true)"), "bodies[0].friction must be a number, got true");
     contains(body(R"(, "gravity": 1)"), "bodies[0].gravity must be true or false, got 1");

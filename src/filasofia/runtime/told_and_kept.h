@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <mutex>
-#include <utility>
 
 /// What the watchers of surfaces, electrodes and ducts have in common.
 namespace filasofia::runtime {
@@ -17,9 +16,9 @@ inline double nextTelling(double time)
 }
 
 /// The memory of a state that a mutex guards; nothing is saved if its list `all` is empty. Both must outlive it.
-template <class State> Memory memoryOf(std::string of, std::mutex& mutex, State& state)
+template <class State> Memory memoryOf(const std::string& of, std::mutex& mutex, State& state)
 {
-    return {.of = std::move(of),
+    return {.of = of,
             .save =
                 [&mutex, &state] {
                     const std::lock_guard lock(mutex);

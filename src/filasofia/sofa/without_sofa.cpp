@@ -23,6 +23,7 @@ LoadedScene load(physics::PhysicsServer& /*server*/, const LoadDef& def)
 bool isLoadedScene(const physics::PhysicsEngine& /*engine*/) { return false; }
 
 void tune(physics::PhysicsServer& /*server*/,
+          // The room `sofa` keeps it. NOLINTNEXTLINE(performance-unnecessary-value-param)
           std::function<void(::sofa::simulation::Node& root, const NodeOf& nodeOf)> /*change*/)
 {
     fail("tune: the engine 'sofa' is not in use");
