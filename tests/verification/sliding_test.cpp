@@ -129,17 +129,24 @@ struct Slide {
     int unfinished = 0;        ///< steps with a flag
 };
 
-Slide slide(const physics::FemMaterial& material, double friction, double tangent, double dt)
+/// Adds the block and the slope.
+void addSlope(std::array<int, 3> cells, const physics::FemMaterial& material, double friction, double tangent,
+              Stage& stage)
 {
-    Stage stage;
-    const physics::SetGravity gravity = slope(tangent);
-    stage.post(gravity);
-    physics::SoftBodyDef block = softBlock({8, 4, 8}, {0.04, 0.02, 0.04}, {-0.02, 4e-4, -0.02});
+    stage.post(slope(tangent));
+    physics::SoftBodyDef block = softBlock(cells, {0.04, 0.02, 0.04}, {-0.02, 4e-4, -0.02});
     block.material = material;
     physics::RigidBodyDef floor = rigidBox({4.0, 0.1, 1.0}, {0, -0.05, 0}, false);
     block.friction = floor.friction = friction;
     stage.add(block);
     stage.add(floor);
+}
+
+Slide slide(const physics::FemMaterial& material, double friction, double tangent, double dt)
+{
+    Stage stage;
+    const physics::SetGravity gravity = slope(tangent);
+    addSlope({8, 4, 8}, material, friction, tangent, stage);
     stage.run(static_cast<int>(std::lround(0.2 / dt)), dt);
     constexpr double mass = 0.04 * 0.02 * 0.04 * 1000;
     const auto momentum = [&] {
@@ -182,6 +189,13 @@ TEST_CASE("a soft block slides on a rigid floor with the acceleration of mu, and
 
 namespace {
 
+/// A stiff block on a steep slope, where friction lags.
+void addSteep(std::array<int, 3> cells, Stage& stage)
+{
+    const physics::FemMaterial stiff{.youngModulus = 1e6, .poissonRatio = 0.4};
+    addSlope(cells, stiff, 1.0, std::tan(55 * std::numbers::pi / 180), stage);
+}
+
 bool lags(Stage& stage) { return std::ranges::any_of(stage.world.scene().contacts, &CachedContact::frictionLags); }
 
 } // namespace
@@ -191,13 +205,7 @@ TEST_CASE("where friction lags, a replay has the same bits for any number of thr
     std::vector<std::uint64_t> hashes;
     for (const int threads : {1, 3, 8}) {
         Stage stage({.threads = threads});
-        stage.post(slope(std::tan(55 * std::numbers::pi / 180)));
-        physics::SoftBodyDef block = softBlock({10, 5, 10}, {0.04, 0.02, 0.04}, {-0.02, 4e-4, -0.02});
-        block.material = physics::FemMaterial{.youngModulus = 1e6, .poissonRatio = 0.4}; // threads share it
-        physics::RigidBodyDef floor = rigidBox({4.0, 0.1, 1.0}, {0, -0.05, 0}, false);
-        block.friction = floor.friction = 1.0;
-        stage.add(block);
-        stage.add(floor);
+        addSteep({10, 5, 10}, stage); // threads share it
         stage.run(60, kDt);
         CHECK(lags(stage));
         CHECK((threads == 1 || threadsShare(stage, threads)));
@@ -214,13 +222,7 @@ TEST_CASE("where friction lags, a replay has the same bits for any number of thr
 TEST_CASE("contacts remember that friction lags, and those that come after them do not")
 {
     Stage stage;
-    physics::SoftBodyDef block = softBlock({8, 4, 8}, {0.04, 0.02, 0.04}, {-0.02, 4e-4, -0.02});
-    block.material = physics::FemMaterial{.youngModulus = 1e6, .poissonRatio = 0.4};
-    physics::RigidBodyDef floor = rigidBox({4.0, 0.1, 1.0}, {0, -0.05, 0}, false);
-    block.friction = floor.friction = 1.0;
-    stage.post(slope(std::tan(55 * std::numbers::pi / 180)));
-    stage.add(block);
-    stage.add(floor);
+    addSteep({8, 4, 8}, stage);
     stage.run(100, kDt);
     CHECK(lags(stage));
     int most = 0; // a step that has to find it out takes more than 24
