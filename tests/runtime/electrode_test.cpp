@@ -199,7 +199,7 @@ TEST_CASE("a cold hook does not cut, an active one does, and one that coagulates
         CHECK(theatre.sim.addElectrode(theatre.hook, Theatre::at(EnergyMode::Coagulate, 30.0)) == 1);
         if (pressed) theatre.sim.activate(theatre.hook, true, *pressed);
         const RunReport report = theatre.run(400);
-        return Went{report.opened.cut, report.heat.at(0).balance.burnt, report.heat.at(0).balance.delivered};
+        return Went{report.cutArea(), report.heat.at(0).balance.burnt, report.heat.at(0).balance.delivered};
     };
     const Went cold = go({}), cut = go(0), coagulated = go(1);
     CHECK(cold.cut == 0.0);

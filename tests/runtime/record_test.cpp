@@ -240,9 +240,11 @@ TEST_CASE("the summary counts what did not go as asked")
                                                          "0.457 in 'gall bladder', valid up to 0.3, at "));
     const std::string unrest = "not at rest in 8 steps: 'stump' moved at 12.3 mm/s, 6 s after anything drove it";
     CHECK_THAT(runtime::summary(report), Catch::Contains(unrest + "\n"));
-    report.opened = {.steps = 3, .cut = 12.34e-6, .torn = 0.5e-6, .pieces = 2};
+    report.opened = {{.body = "liver", .steps = 3, .cut = 12.34e-6, .torn = 0.5e-6, .pieces = 2}};
+    report.nothingChanged = 1;
     CHECK_THAT(runtime::summary(report),
-               Catch::Contains("\ncut 12.3 mm^2, torn 0.5 mm^2, in 3 steps; pieces that came off: 2\n"));
+               Catch::Contains("\n'liver': cut 12.3 mm^2, torn 0.5 mm^2, in 3 steps; pieces that came off: 2\n"));
+    CHECK_THAT(runtime::summary(report), Catch::Contains("(SetTissue) found no element in 1 step\n"));
     report.refused = {.steps = 5, .jumped = 2, .off = 3};
     CHECK_THAT(
         runtime::summary(report),

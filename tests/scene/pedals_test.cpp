@@ -112,7 +112,7 @@ TEST_CASE("scenes: the hook of the example cuts a layer, burns it, and hurts the
     Simulation sim(simulationDef(scene));
     static_cast<void>(addScene(sim, scene));
     const RunReport report = sim.run({.headless = true, .backend = visual::Backend::Null, .steps = 1000});
-    CHECK(report.opened.cut > 10e-6);
+    CHECK(report.cutArea() > 10e-6);
     CHECK(report.heat.at(0).balance.burnt > 10e-6);
     CHECK(report.energy.at(0).balance.delivered > 5.0);
     CHECK(report.energy.at(1).balance.active == 0.0);

@@ -256,6 +256,14 @@ void bindRun(nb::module_& module)
         .def_ro("body", &DuctReport::body, "its name")
         .def_ro("duct", &DuctReport::duct, "the duct's name")
         .def_ro("balance", &DuctReport::balance);
+    using runtime::OpenedSurfaces;
+    nb::class_<OpenedSurfaces>(module, "OpenedSurfaces", "What was opened of a body in a run.")
+        .def_ro("body", &OpenedSurfaces::body, "its name")
+        .def_ro("steps", &OpenedSurfaces::steps, "that opened something of it")
+        .def_ro("cut", &OpenedSurfaces::cut, "[m^2], one side, at rest")
+        .def_ro("torn", &OpenedSurfaces::torn, "[m^2], one side, at rest")
+        .def_ro("pieces", &OpenedSurfaces::pieces, "that came off")
+        .def_ro("cavities", &OpenedSurfaces::cavities, "that were opened");
     using runtime::LostPiecesReport;
     nb::class_<LostPiecesReport>(module, "LostPiecesReport", "What a body has lost in a run.")
         .def_ro("body", &LostPiecesReport::body, "its name")
@@ -280,10 +288,10 @@ void bindRun(nb::module_& module)
         .def_ro("ducts", &RunReport::ducts)
         .def_ro("clips", &RunReport::clips, "in all steps")
         .def_ro("lost", &RunReport::lost, "one per body that lost pieces")
-        .def_prop_ro(
-            "cut_area", [](const RunReport& self) { return self.opened.cut; }, "[m^2], one side, at rest")
-        .def_prop_ro(
-            "torn_area", [](const RunReport& self) { return self.opened.torn; }, "[m^2], one side, at rest")
+        .def_ro("opened", &RunReport::opened, "one per body that was cut or torn")
+        .def_prop_ro("cut_area", &RunReport::cutArea, "[m^2], of all bodies, one side, at rest")
+        .def_prop_ro("torn_area", &RunReport::tornArea, "[m^2], of all bodies, one side, at rest")
+        .def_ro("nothing_changed", &RunReport::nothingChanged, "steps with a SetTissue that found no element")
         .def_ro("nothing_held", &RunReport::nothingHeld, "lines: attachments and grasps that held nothing")
         .def_ro("blunt_blades", &RunReport::bluntBlades)
         .def_ro("callback_problems", &RunReport::callbackProblems)

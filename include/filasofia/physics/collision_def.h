@@ -81,7 +81,8 @@ constexpr auto fields(const CollisionDef*)
                     field("self", &T::self, "whether the body collides with itself"),
                     field("selfOnceCut", &T::selfOnceCut,
                           "whether it does once it has been cut or torn; not given: as the engine can"),
-                    field("cutting", &T::cutting, "whether it is a blade, or may be cut by one"));
+                    field("cutting", &T::cutting,
+                          "rigid: whether it is a blade; soft: whether it only tells which blades may cut the body"));
 }
 constexpr auto fields(const ExactContact*)
 {

@@ -74,13 +74,14 @@ struct ContactPairReport {
     double maxUnsolvedForce = 0.0;  ///< [N], maximum of the normal force over those
 };
 
-/// What was opened in a run.
+/// What was opened of a body in a run.
 struct OpenedSurfaces {
-    std::uint64_t steps = 0;    ///< [-], steps that opened something
+    std::string body = {};      ///< its name
+    std::uint64_t steps = 0;    ///< [-], steps that opened something of it
     double cut = 0.0;           ///< [m^2], area that blades opened, at rest, of one of the two sides
     double torn = 0.0;          ///< [m^2], the same for tears
     std::uint64_t pieces = 0;   ///< [-], pieces that came off
-    std::uint64_t cavities = 0; ///< [-], cavities of bodies that were opened
+    std::uint64_t cavities = 0; ///< [-], cavities that were opened
 };
 
 /// What a body has lost in a run: pieces that went farther than 10 m and were removed.
@@ -155,10 +156,10 @@ struct RunReport {
     std::uint64_t energyGained = 0;   ///< [-], steps among these in which it gained energy (StepFlag::EnergyGained)
     physics::Unrest worstUnrest = {}; ///< in the step with the fastest such body
     std::string worstUnrestBody = {}; ///< the name of that body
-    OpenedSurfaces opened = {};       ///< by cuts and tears
-    RefusedBlades refused = {};       ///< blades that were not used
-    bool realTime = false;            ///< physics was scheduled before ordinary threads
-    std::string finished;             ///< why it ended
+    std::vector<OpenedSurfaces> opened;              ///< one per body that was cut or torn, ascending by their ids
+    RefusedBlades refused = {};                      ///< blades that were not used
+    bool realTime = false;                           ///< physics was scheduled before ordinary threads
+    std::string finished;                            ///< why it ended
     std::vector<ContactPairReport> contacts;         ///< one per pair of bodies that touched, ascending by their ids
     std::vector<BloodReport> blood;                  ///< one per body that bleeds, ascending by their ids
     std::vector<LostPiecesReport> lost;              ///< one per body that lost pieces, ascending by their ids
@@ -167,6 +168,7 @@ struct RunReport {
     std::vector<DuctReport> ducts;                   ///< one per duct, in the order in which they were added
     std::optional<surface::SmokeBalance> smoke = {}; ///< if there is a room for it
     physics::ClipReport clips = {};                  ///< in all steps
+    std::uint64_t nothingChanged = 0; ///< [-], steps with a SetTissue that found no element (StepFlag::NothingChanged)
     std::vector<std::string> nothingHeld; ///< one line per attachment or grasp that held nothing; after 12 a count
     std::vector<std::string> bluntBlades; ///< one line per blade that touched a soft body without dynamicTopology
     /// why functions of everyStep() are no longer called, in this run or an earlier one: scripts that ended early
@@ -174,6 +176,8 @@ struct RunReport {
     std::vector<std::string> pictures; ///< files written, including the video
     /// why log or recording end before the run, or a screenshot is missing; empty: all are complete
     std::vector<std::string> fileProblems;
+    [[nodiscard]] double cutArea() const;  ///< [m^2], OpenedSurfaces::cut summed over all bodies
+    [[nodiscard]] double tornArea() const; ///< [m^2], OpenedSurfaces::torn summed over all bodies
     /// Whether everything was done: no script ended early, all files are complete, and physics had not failed at the
     /// end.
     [[nodiscard]] bool complete() const { return callbackProblems.empty() && fileProblems.empty() && undoneAtEnd == 0; }

@@ -3,6 +3,7 @@
 #include "filasofia/runtime/nothing_watch.h"
 #include "filasofia/runtime/run.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 
@@ -15,13 +16,13 @@ public:
     void begin()
     {
         undone_ = undoneAtEnd_ = damped_ = notConverged_ = outOfTime_ = inverted_ = beyondStrain_ = 0;
-        restless_ = energyGained_ = intersecting_ = 0;
+        restless_ = energyGained_ = intersecting_ = nothingChanged_ = 0;
         lastUndone_ = -kApart;
         deepest_ = {};
         unrest_ = {};
         worst_ = {};
         mostStrained_ = {};
-        opened_ = {};
+        opened_.clear();
         refused_ = {};
         lost_.clear();
         clips_ = {};
@@ -50,18 +51,14 @@ public:
         restless_ += report.has(physics::StepFlag::Restless);
         energyGained_ += report.has(physics::StepFlag::EnergyGained);
         if (report.unrest.speed > unrest_.speed) unrest_ = report.unrest;
-        opened_.steps += !report.topology.ruptures.empty();
-        for (const physics::Rupture& each : report.topology.ruptures) {
-            (each.kind == physics::Rupture::Kind::Cut ? opened_.cut : opened_.torn) += each.area;
-            opened_.pieces += each.detached.size();
-            opened_.cavities += each.cavities.size();
-        }
+        countOpened(report.topology.ruptures);
         for (const physics::LostPiece& each : report.topology.lostPieces) {
             Lost& lost = lost_[each.body];
             ++lost.pieces;
             lost.mass += each.mass;
             lost.share += each.share;
         }
+        nothingChanged_ += report.has(physics::StepFlag::NothingChanged);
         clips_.applied += report.clips.applied;
         clips_.missed += report.clips.missed;
         clips_.slipped += report.clips.slipped;
@@ -80,6 +77,8 @@ public:
     /// What bodies have lost, without their names.
     using Lost = LostPiecesReport;
     [[nodiscard]] const std::map<BodyId, Lost>& lost() const { return lost_; }
+    /// What was opened, by body, without their names.
+    [[nodiscard]] const std::map<BodyId, OpenedSurfaces>& opened() const { return opened_; }
     void fill(RunReport& report) const
     {
         report.undone = undone_;
@@ -96,24 +95,36 @@ public:
         report.restless = restless_;
         report.energyGained = energyGained_;
         report.worstUnrest = unrest_;
-        report.opened = opened_;
+        report.nothingChanged = nothingChanged_;
         report.refused = refused_;
         report.clips = clips_;
     }
 
 private:
     static constexpr double kApart = 1.0; ///< [s] undone steps that are nearer to each other are told once
+    void countOpened(const std::vector<physics::Rupture>& ruptures)
+    {
+        for (auto each = ruptures.begin(); each != ruptures.end(); ++each) {
+            OpenedSurfaces& opened = opened_[each->body];
+            const auto same = [&](const physics::Rupture& other) { return other.body == each->body; };
+            opened.steps += std::none_of(ruptures.begin(), each, same);
+            (each->kind == physics::Rupture::Kind::Cut ? opened.cut : opened.torn) += each->area;
+            opened.pieces += each->detached.size();
+            opened.cavities += each->cavities.size();
+        }
+    }
+
     std::uint64_t stepsEver_ = 0;
     double lastUndone_ = -kApart; ///< [s]
     bool newlyUndone_ = false;
     /// [-] steps of this run
     std::uint64_t undone_ = 0, undoneAtEnd_ = 0, damped_ = 0, notConverged_ = 0, outOfTime_ = 0, inverted_ = 0,
                   beyondStrain_ = 0;
-    std::uint64_t restless_ = 0, energyGained_ = 0, intersecting_ = 0; ///< [-] steps of this run
-    physics::Intersection deepest_;                                    ///< in the step in which it was deepest
-    physics::InvertedElements worst_;                                  ///< of the step with the most of them
+    std::uint64_t restless_ = 0, energyGained_ = 0, intersecting_ = 0, nothingChanged_ = 0; ///< [-] steps
+    physics::Intersection deepest_;          ///< in the step in which it was deepest
+    physics::InvertedElements worst_;        ///< of the step with the most of them
     physics::StrainedElements mostStrained_; ///< in the step with the largest strain in relation to its range
-    OpenedSurfaces opened_;
+    std::map<BodyId, OpenedSurfaces> opened_;
     RefusedBlades refused_;
     std::map<BodyId, Lost> lost_;
     physics::ClipReport clips_;

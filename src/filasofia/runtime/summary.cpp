@@ -113,8 +113,9 @@ std::string unrestLine(const RunReport& report)
 std::string openedLine(const OpenedSurfaces& opened)
 {
     const std::string cavities = opened.cavities > 0 ? text("; cavities opened: ", opened.cavities) : std::string();
-    return line("cut %.1f mm^2, torn %.1f mm^2, in %llu %s; pieces that came off: %llu%s", opened.cut * 1e6,
-                opened.torn * 1e6, static_cast<unsigned long long>(opened.steps), opened.steps == 1 ? "step" : "steps",
+    return line("'%s': cut %.1f mm^2, torn %.1f mm^2, in %llu %s; pieces that came off: %llu%s",
+                oneLine(shortened(opened.body)).c_str(), opened.cut * 1e6, opened.torn * 1e6,
+                static_cast<unsigned long long>(opened.steps), opened.steps == 1 ? "step" : "steps",
                 static_cast<unsigned long long>(opened.pieces), cavities.c_str());
 }
 
@@ -189,6 +190,20 @@ std::string ductLine(const DuctReport& report)
 
 } // namespace
 
+double RunReport::cutArea() const
+{
+    double sum = 0.0;
+    for (const OpenedSurfaces& each : opened) sum += each.cut;
+    return sum;
+}
+
+double RunReport::tornArea() const
+{
+    double sum = 0.0;
+    for (const OpenedSurfaces& each : opened) sum += each.torn;
+    return sum;
+}
+
 std::string summary(const RunReport& report)
 {
     const Spread cost = report.timing.cost(), rate = report.timing.rate();
@@ -212,7 +227,7 @@ std::string summary(const RunReport& report)
     if (report.intersecting > 0) out += intersectionLine(report);
     if (report.beyondStrain > 0) out += strainedLine(report);
     if (report.restless > 0) out += unrestLine(report);
-    if (report.opened.steps > 0) out += openedLine(report.opened);
+    for (const OpenedSurfaces& opened : report.opened) out += openedLine(opened);
     for (const LostPiecesReport& lost : report.lost) out += lostLine(lost);
     if (report.refused.steps > 0) out += refusedLine(report.refused);
     out += contactTable(report.contacts);
@@ -222,6 +237,9 @@ std::string summary(const RunReport& report)
     if (report.smoke) out += smokeLine(*report.smoke);
     if (report.clips.applied + report.clips.missed > 0) out += clipsLine(report.clips);
     for (const DuctReport& duct : report.ducts) out += ductLine(duct);
+    if (report.nothingChanged > 0)
+        out += text("a change of tissue (SetTissue) found no element in ", report.nothingChanged,
+                    report.nothingChanged == 1 ? " step" : " steps", "\n");
     for (const std::string& nothing : report.nothingHeld) out += nothing + "\n";
     for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
