@@ -84,6 +84,7 @@ physics::StepReport World::step(const physics::StepInput& in)
     findContacts(context, scene_, coupling_);      //   constraints: contacts
     partLines(scene_);                             //   threads that were released follow no needle
     leaveToChannels(scene_, coupling_);            //   contacts, but not of needles with the tissue that they are in
+    yieldToTips(in.dt, scene_, coupling_);         //   tissue that is pinned gives way to needles, too
     addWelds(context, scene_, coupling_);          //   attachments
     addChannels(context, scene_, coupling_);       //   needles and threads in tissue
     closeClips(in.dt, scene_);                     //   how far clips are closed

@@ -226,6 +226,33 @@ TEST_CASE("tissue holds a needle ten times as stiffly as it is, also after its m
     CHECK(in.stage.model().puncture->stiffness == Approx(10.0 * 5e3));
 }
 
+TEST_CASE("tissue that is pinned where a needle goes in resists it and is pierced like any other")
+{
+    constexpr double kThick = 6e-3;
+    Insertion in(kThick);
+    in.stage.post(physics::RemoveBody{in.block});
+    physics::SoftBodyDef held = tissueBlock(kThick);
+    held.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1, 1}}}};
+    in.block = in.stage.add(held);
+    double strongest = 0.0;
+    while (in.height > -1e-3) {
+        const double push = in.move(-kSlow);
+        if (in.frame.channels.empty()) strongest = std::max(strongest, push);
+    }
+    CHECK(strongest >= kSkin.force);
+    CHECK(strongest < 1.2 * kSkin.force); // it grows by 0.1 N per step
+    REQUIRE(in.frame.channels.size() == 1);
+    CHECK(length(in.frame.channels[0].entry - Vec3{0.4e-3, 0.0, 0.3e-3}) < kNeedleRadius);
+    double push = 0.0;
+    while (in.height > -4e-3) push = in.move(-kSlow);
+    const frame::Channel& channel = in.frame.channels.at(0);
+    CHECK(channel.length == Approx(4e-3).epsilon(0.1));
+    CHECK(push == Approx(kSkin.cutting + kSkin.friction * channel.length).epsilon(0.02));
+    while (in.height < 1e-3) push = std::min(push, in.move(kSlow));
+    CHECK(push < -0.9 * kSkin.friction * 3e-3); // it holds the needle as that is drawn back
+    CHECK(in.frame.channels.empty());
+}
+
 TEST_CASE("a rod that is a needle pierces by the same law, and its elasticity does the rest")
 {
     Insertion in(0.02, {.force = 0.3, .cutting = 0.1, .friction = 10.0});

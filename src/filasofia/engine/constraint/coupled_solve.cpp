@@ -399,7 +399,7 @@ double CoupledSolve::mismatch() const
         worst = std::max(worst, length(lawful - rows_[c].impulse));
         largest = std::max(largest, length(lawful));
     }
-    return worst / largest;
+    return worst > 0.0 ? worst / largest : 0.0; // where all is pinned, both are zero
 }
 
 bool CoupledSolve::updateMultipliers()

@@ -16,6 +16,10 @@ void partLines(Scene& scene);
 /// not part what the channel holds together.
 void leaveToChannels(const Scene& scene, Coupling& coupling);
 
+/// Makes a spring of a contact between a tip that is driven and pinned tissue, at which it pushes: neither can move, so
+/// no force follows from their motion. The spring takes up a radius before the tissue is pierced.
+void yieldToTips(double dt, const Scene& scene, Coupling& coupling);
+
 /// Adds the constraints of all channels after the welds.
 void addChannels(const StepContext& context, const Scene& scene, Coupling& coupling);
 

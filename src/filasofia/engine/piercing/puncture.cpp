@@ -1,12 +1,14 @@
 #include "filasofia/engine/piercing/channels.h"
 
 #include "filasofia/engine/contact/attachment_points.h"
+#include "filasofia/engine/contact/islands.h"
 #include "filasofia/engine/piercing/embed.h"
 #include "filasofia/engine/piercing/threading.h"
 #include "filasofia/engine/scene/find_body.h"
 
 #include <algorithm>
 #include <optional>
+#include <span>
 
 namespace filasofia::engine {
 namespace {
@@ -53,35 +55,69 @@ double spacingOf(const Scene& scene, BodyId needle)
     return scene.soft[place.index].model.rod.edges.front().restLength;
 }
 
+/// The side of a contact that is a tip at tissue which it may pierce; none if neither is.
+std::optional<std::size_t> sideOfTip(const Constraint& contact, const Scene& scene, const RigidPlan& plan)
+{
+    const std::array<BodyId, 2> bodies{contact.contact.cached.first, contact.contact.cached.second};
+    for (const std::size_t side : {0, 1}) {
+        const BodyId needle = bodies[side], tissue = bodies[1 - side];
+        const BodyPoint& point = contact.sides[side];
+        if (!hasNeedle(scene, needle, point, plan) || !canBePierced(scene, tissue)) continue;
+        if (isInside(scene, needle, tissue)) continue;
+        const LineShape line(scene, {needle});
+        if (point.of == BodyPoint::Of::Soft && !line.hasNode(point.nodes[0])) continue;
+        if (line.nearest(point.position) <= 2.0 * line.radius() + contact.contact.proximity) return side;
+    }
+    return std::nullopt;
+}
+
 /// What the tips push at, from the contacts of the step.
 std::vector<Push> pushes(double dt, const Coupling& coupling, const Scene& scene)
 {
     std::vector<Push> found;
     for (const Constraint& contact : coupling.contacts()) {
         if (!(contact.impulse.x > 0.0)) continue;
+        const auto side = sideOfTip(contact, scene, coupling.rigid);
+        if (!side) continue;
         const std::array<BodyId, 2> bodies{contact.contact.cached.first, contact.contact.cached.second};
-        for (const std::size_t side : {0, 1}) {
-            const BodyId needle = bodies[side], tissue = bodies[1 - side];
-            if (!hasNeedle(scene, needle, contact.sides[side], coupling.rigid) || !canBePierced(scene, tissue))
-                continue;
-            if (isInside(scene, needle, tissue)) continue;
-            const LineShape line(scene, {needle});
-            if (contact.sides[side].of == BodyPoint::Of::Soft && !line.hasNode(contact.sides[side].nodes[0])) continue;
-            if (line.nearest(contact.sides[side].position) > 2.0 * line.radius() + contact.contact.proximity) continue;
-            const Vec3 force = (side == 0 ? -1.0 : 1.0) / dt * inWorld(contact.frame, contact.impulse);
-            auto at = std::ranges::find_if(
-                found, [&](const Push& each) { return each.needle == needle && each.tissue == tissue; });
-            if (at == found.end()) at = found.insert(at, {.needle = needle, .tissue = tissue});
-            at->force += force;
-            if (!(length(force) > at->strongest)) continue;
-            at->strongest = length(force);
-            at->place = contact.sides[1 - side];
-        }
+        const BodyId needle = bodies[*side], tissue = bodies[1 - *side];
+        const Vec3 force = (*side == 0 ? -1.0 : 1.0) / dt * inWorld(contact.frame, contact.impulse);
+        auto at = std::ranges::find_if(
+            found, [&](const Push& each) { return each.needle == needle && each.tissue == tissue; });
+        if (at == found.end()) at = found.insert(at, {.needle = needle, .tissue = tissue});
+        at->force += force;
+        if (!(length(force) > at->strongest)) continue;
+        at->strongest = length(force);
+        at->place = contact.sides[1 - *side];
     }
     return found;
 }
 
+bool canMove(const Scene& scene, const BodyPoint& point, const RigidPlan& plan)
+{
+    if (point.of != BodyPoint::Of::Soft) return planPlace(plan, point).has_value();
+    const std::vector<bool>& pinned = scene.soft[point.body].model.pins.hard;
+    const auto nodes = std::span(point.nodes).first(static_cast<std::size_t>(point.count));
+    return !std::ranges::all_of(nodes, [&](int node) { return pinned[static_cast<std::size_t>(node)]; });
+}
+
 } // namespace
+
+void yieldToTips(double dt, const Scene& scene, Coupling& coupling)
+{
+    for (Constraint& contact : coupling.contacts()) {
+        if (contact.softness > 0.0) continue; // a penalty yields
+        const auto moves = [&](const BodyPoint& point) { return canMove(scene, point, coupling.rigid); };
+        if (std::ranges::any_of(contact.sides, moves)) continue;
+        const auto side = sideOfTip(contact, scene, coupling.rigid);
+        if (!side) continue;
+        const std::array<BodyId, 2> bodies{contact.contact.cached.first, contact.contact.cached.second};
+        const PunctureModel& law = *scene.soft[findBody(scene, bodies[1 - *side])->index].model.puncture;
+        contact.softness = dt * dt * law.force / LineShape(scene, {bodies[*side]}).radius();
+        contact.bias = {(contact.contact.gap - contact.contact.skin) / dt, 0.0, 0.0};
+        contact.impulse = {};
+    }
+}
 
 void puncture(double dt, const Coupling& coupling, Scene& scene)
 {
