@@ -104,6 +104,36 @@ TEST_CASE("a body as large as a bridge is told how millimetres are read, whereve
     CHECK(logOf(RigidBodyDef{.mesh = geometry::shapes::box({1.0, 1.0, 1.0})}).empty());
 }
 
+TEST_CASE("a rod that collides is told that its edges are far shorter than its radius, and what to do")
+{
+    RodBodyDef rod{.name = "silk", .points = {{0, 0, 0}, {1e-3, 0, 0}}, .spacing = 1e-6, .radius = 0.15e-3};
+    CHECK(logOf(rod).empty()); // nothing collides
+    rod.collision = RodCollision{};
+    CHECK_THAT(logOf(rod), Contains("rod 'silk': 1000 of its 1000 edges are shorter than a quarter of its radius, the "
+                                    "shortest is 1/150 of it;") &&
+                               Contains("give it a spacing of at least 3.75e-05 m"));
+    rod.spacing = 0.05e-3;
+    CHECK(logOf(rod).empty());
+    rod.spacing.reset();
+    rod.points = {{0, 0, 0}, {1e-3, 0, 0}, {1.01e-3, 0, 0}, {2e-3, 0, 0}};
+    CHECK_THAT(logOf(rod), Contains("rod 'silk': 1 of its 3 edges is shorter than a quarter of its radius"));
+}
+
+TEST_CASE("a rod that is twisted by more than half a turn from edge to edge is told how much its edges can follow")
+{
+    RodBodyDef rod{.name = "silk", .points = {{0, 0, 0}, {0.1, 0, 0}}, .spacing = 0.01};
+    rod.twist = -28.0; // nine joints
+    CHECK(logOf(rod).empty());
+    rod.twist = -30.0;
+    CHECK_THAT(logOf(rod), Contains("rod 'silk': twist of -30 rad is more than pi rad from edge to edge; its 10 edges "
+                                    "can follow at most 28 rad"));
+    rod.points = {{0, 0, 0}, {0.03, 0, 0}, {0.03, 0.03, 0}, {0, 0.03, 0}};
+    rod.closed = true; // twelve edges, as many joints
+    CHECK(logOf(rod).empty());
+    rod.twist = 40.0;
+    CHECK_THAT(logOf(rod), Contains("its 12 edges can follow at most 37 rad"));
+}
+
 TEST_CASE("a body so light that it would not fall, and a name that cannot be read, are refused")
 {
     EngineCalls calls;

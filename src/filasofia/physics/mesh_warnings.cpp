@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace filasofia::physics {
 namespace {
@@ -102,12 +103,47 @@ void warnOfThinElements(const std::string& object, const geometry::TetMesh& mesh
                    " is advised); solvers need more iterations, and little strain turns them inside out");
 }
 
+/// Edges far shorter than the radius collide with hundreds of others.
+void warnOfShortEdges(const std::string& object, const RodBodyDef& rod, const std::vector<double>& edges)
+{
+    constexpr double kShortest = 0.25; // [-], relative to the radius
+    const double least = kShortest * rod.radius, shortest = std::ranges::min(edges);
+    const auto count = std::ranges::count_if(edges, [&](double each) { return each < least; });
+    if (count == 0 || !rod.collision) return;
+    logWarning(object, ": ", count, " of its ", edges.size(), count == 1 ? " edges is" : " edges are",
+               " shorter than a quarter of its radius, the shortest is 1/", std::round(rod.radius / shortest),
+               " of it; each collides with very many others, and a step may take seconds; give it a spacing of at "
+               "least ",
+               least, " m (two to ten radii are usual), or no collision");
+}
+
+/// Where a rod is twisted by more than half a turn from edge to edge, it would coil more finely than its edges can.
+void warnOfTwist(const std::string& object, const RodBodyDef& rod, std::size_t edges)
+{
+    const std::size_t joints = rod.closed ? edges : edges - 1;
+    const double most = std::numbers::pi * static_cast<double>(joints);
+    if (std::abs(rod.twist) > most)
+        logWarning(object, ": twist of ", rod.twist, " rad is more than pi rad from edge to edge; its ", edges,
+                   " edges can follow at most ", std::floor(most), " rad; give it less, or more nodes");
+}
+
+void warnOfRod(const std::string& object, const RodBodyDef& rod)
+{
+    warnOfSize(object, rod.points, "use metres");
+    const std::vector<Vec3> nodes = centreLine(rod);
+    std::vector<double> edges; // [m]
+    for (std::size_t i = 0; i + 1 < nodes.size(); ++i) edges.push_back(distance(nodes[i], nodes[i + 1]));
+    if (rod.closed) edges.push_back(distance(nodes.back(), nodes.front()));
+    warnOfShortEdges(object, rod, edges);
+    warnOfTwist(object, rod, edges.size());
+}
+
 } // namespace
 
 void warnOfMesh(const BodyDef& def)
 {
     const std::string object = describeBody(def);
-    if (const auto* rod = std::get_if<RodBodyDef>(&def)) return warnOfSize(object, rod->points, "use metres");
+    if (const auto* rod = std::get_if<RodBodyDef>(&def)) return warnOfRod(object, *rod);
     if (const auto* rigid = std::get_if<RigidBodyDef>(&def)) {
         const auto* surface = std::get_if<std::shared_ptr<const geometry::TriangleMesh>>(&rigid->mesh);
         if (surface && *surface && !(isPlate((*surface)->vertices) && !rigid->dynamic)) // a floor may be that large
