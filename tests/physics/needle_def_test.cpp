@@ -64,6 +64,12 @@ TEST_CASE("needles and what they pierce need collision models: without contact n
     skin.collision = {};
     CHECK_THROWS_WITH(check(skin), "soft body 'skin': collision must have an entry if puncture is given: a needle that "
                                    "touches nothing pierces nothing");
+    skin.collision = {{.cutting = true}};
+    CHECK_THROWS_WITH(check(skin), "soft body 'skin': collision must have an entry without cutting if puncture is "
+                                   "given: only blades meet one that has it, and a needle that touches nothing pierces "
+                                   "nothing");
+    skin.collision.push_back({});
+    check(skin);
     RigidBodyDef blunt = needle({.line = {{0, 0, 0}, {0, 0.03, 0}}});
     blunt.collision = {};
     CHECK_THROWS_WITH(check(blunt), "rigid body 'needle': collision must have an entry of element 0, which has the "

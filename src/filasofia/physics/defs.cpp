@@ -129,6 +129,11 @@ void check(const PunctureDef& def, const SoftBodyDef& body, const std::string& o
 {
     if (isShell(body)) fail(object, ": puncture must be none with a ShellMaterial: needles pierce tetrahedra only");
     if (body.collision.empty()) fail(object, ": collision must have an entry if puncture is given: ", kTouchesNothing);
+    if (std::ranges::all_of(body.collision, [](const CollisionDef& each) { return each.cutting; }))
+        fail(object,
+             ": collision must have an entry without cutting if puncture is given: only blades meet one that "
+             "has it, and ",
+             kTouchesNothing);
     if (!def.stiffness && !std::holds_alternative<FemMaterial>(body.material))
         fail(object, ": puncture.stiffness must be given with a MassSpringMaterial, which has no Young's modulus");
     if (def.staticFriction && *def.staticFriction < def.friction)
