@@ -227,7 +227,7 @@ TEST_CASE("mass is kept whatever happens, for a bounded number of puffs, with th
 TEST_CASE("a wrong room or number is an Error")
 {
     using Catch::Contains;
-    CHECK_THROWS_WITH(Smoke({}, "smoke"), Contains("smoke: room.low"));
+    CHECK_THROWS_WITH(Smoke({}, "smoke"), Contains("smoke: room must be given, with room.low < room.high"));
     CHECK_THROWS_WITH(Smoke({.room = {{0, 0, 0}, {1, 0, 1}}}, "smoke"), Contains("room.high must be > room.low"));
     SmokeDef def = still();
     def.yield = -1.0;

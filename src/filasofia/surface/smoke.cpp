@@ -2,6 +2,7 @@
 
 #include "filasofia/core/hash.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/geometry/box.h"
 #include "filasofia/math/gaussian.h"
 #include "filasofia/surface/heat.h"
 
@@ -63,6 +64,8 @@ double rise(Puff& puff, double entrainment, double dt)
 
 Smoke::Smoke(const SmokeDef& def, const std::string& object) : def_(def)
 {
+    if (geometry::isEmpty(def_.room)) // as it is by default, with infinite corners
+        fail(object, ": room must be given, with room.low < room.high in every axis; smoke stays in it");
     validate(def_, object);
     const Vec3 size = def_.room.high - def_.room.low;
     if (!(size.x > 0.0 && size.y > 0.0 && size.z > 0.0))

@@ -131,6 +131,9 @@ TEST_CASE("commands that a rod cannot follow are refused, and those for nodes ar
     refuse({{.end = 0.11}}, 1.0, "sections[0].end must be at most 0.1 m, the rod's length, got 0.11");
     refuse({{.end = 0.05}, {.begin = 0.04}}, 1.0,
            "sections[1].begin must be >= 0.05 m, where sections[0] ends, got 0.04");
+    refuse({{}, {.begin = 0.02}}, 1.0,
+           "rod 'silk': sections[0].end must be given, at most 0.02 m: without it the section ends with the rod and "
+           "overlaps sections[1]");
     refuse({{.curvature = {0.0, 300.0}}}, 1.0, "sections[0].curvature must be at most ");
     try { // the bound is one that a person can type, and is within it
         server.setCurvature(rod, {{.curvature = {0.0, 300.0}}});
