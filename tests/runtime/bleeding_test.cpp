@@ -1,5 +1,6 @@
 #include "filasofia/filasofia.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/runtime/film_marks.h"
 #include "filasofia/runtime/replay.h"
 #include "filasofia/runtime/stepped_run.h"
@@ -135,6 +136,24 @@ TEST_CASE("a reset cleans and heals, also a wound without a cut")
     wound.sim.reset();
     for (int i = 0; i < 30; ++i) run.step();
     CHECK(wound.sim.blood(wound.tissue) == BloodBalance{});
+}
+
+TEST_CASE("an injury that reaches no surface is told once per body")
+{
+    std::string log;
+    setLogSink([&](LogLevel, std::string_view line) { log += text(line, "\n"); });
+    Wound wound;
+    SteppedRun run(wound.sim);
+    wound.sim.treat(wound.tissue, Injure{{10_mm, 6_mm, 0}, 5_mm});
+    for (int i = 0; i < 50; ++i) run.step();
+    CHECK(log.empty());
+    for (int miss = 0; miss < 3; ++miss) {
+        wound.sim.treat(wound.tissue, Injure{{1, 1, 1}, 1_mm});
+        for (int i = 0; i < 50; ++i) run.step();
+    }
+    setLogSink({});
+    CHECK(log == "blood of 'tissue': Injure reaches nothing: no node of its surface is within 0.001 m of (1, 1, 1) m; "
+                 "later ones are not told\n");
 }
 
 TEST_CASE("wrong use of blood is one clear error")

@@ -1,5 +1,6 @@
 #include "filasofia/runtime/surface_layers.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/runtime/surfaces.h"
 #include "filasofia/runtime/told_and_kept.h"
@@ -41,6 +42,20 @@ double spreadOf(const surface::BurningDef& def)
     const double loss = def.loss + def.perfusion * def.bloodHeatCapacity * def.depth; // [W/(m^2 K)]
     const double perMinute = kLongest / (def.density * def.heatCapacity);             // [m^3 K/W]
     return std::sqrt(def.conductivity * (loss > 0.0 ? std::min(def.depth / loss, perMinute) : perMinute));
+}
+
+/// Whether an injury reaches a node of the surface, as it was or as it is now.
+bool reaches(const surface::Injure& injure, const surface::Bleeding& layer, const frame::SoftBodyFrame& body)
+{
+    const auto isNear = [&](std::size_t node) {
+        return node < body.positions.size() && distance(body.positions[node], injure.place) <= injure.radius;
+    };
+    const std::vector<float> thickness = layer.thickness();
+    for (std::size_t node = 0; node < thickness.size(); ++node)
+        if (thickness[node] >= 0.0f && isNear(node)) return true;
+    return body.boundary && std::ranges::any_of(body.boundary->triangles, [&](const geometry::Triangle& t) {
+               return std::ranges::any_of(t, [&](int node) { return isNear(static_cast<std::size_t>(node)); });
+           });
 }
 
 } // namespace
@@ -123,6 +138,19 @@ template <class Layer> void SurfaceLayers<Layer>::finish(Patient& patient)
     patient.job = nullptr;
 }
 
+template <class Layer> void SurfaceLayers<Layer>::warnOfMisses(const frame::SoftBodyFrame& body, Patient& patient)
+{
+    if constexpr (std::is_same_v<Layer, surface::Bleeding>)
+        for (const Command& command : patient.waiting) {
+            const auto* injure = std::get_if<surface::Injure>(&command);
+            if (!injure || patient.missed || reaches(*injure, patient.turn->layer, body)) continue;
+            patient.missed = true;
+            logWarning("blood of '", patient.name, "': Injure reaches nothing: no node of its surface is within ",
+                       injure->radius, " m of (", injure->place.x, ", ", injure->place.y, ", ", injure->place.z,
+                       ") m; later ones are not told");
+        }
+}
+
 template <class Layer> void SurfaceLayers<Layer>::begin(Patient& patient, const frame::SoftBodyFrame& body, double time)
 {
     Turn& turn = *patient.turn;
@@ -132,6 +160,7 @@ template <class Layer> void SurfaceLayers<Layer>::begin(Patient& patient, const 
         patient.tellFrom = 0.0;
         patient.closed = nullptr;
     }
+    warnOfMisses(body, patient);
     turn.commands = std::exchange(patient.waiting, {});
     turn.positions = body.positions;
     turn.boundary = body.boundary;

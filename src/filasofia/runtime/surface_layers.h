@@ -107,10 +107,12 @@ private:
         NodeFlags burnt = {};                    ///< takeBurnt() does not have it yet
         std::vector<surface::Fume> fumes = {};   ///< takeFumes() does not have them yet
         NodeFilm film = {};
-        bool fresh = false; ///< takeFilms() does not have this film yet
+        bool fresh = false;  ///< takeFilms() does not have this film yet
+        bool missed = false; ///< the log has said that a command reached nothing
     };
     using Patients = std::map<BodyId, Patient>;
     static void finish(Patient& patient);
+    static void warnOfMisses(const frame::SoftBodyFrame& body, Patient& patient);
     static bool tell(BodyId id, double time, Patient& patient, const Post& post);
     static bool takeResults(BodyId id, double time, Patient& patient, const Post& post);
     void begin(Patient& patient, const frame::SoftBodyFrame& body, double time);
