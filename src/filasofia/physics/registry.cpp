@@ -186,8 +186,8 @@ struct Registry::Check {
                 fail(object, ": sections[", i - 1, "].end must be given, at most ", section.begin,
                      " m: without it the section ends with the rod and overlaps sections[", i, "]");
             if (i > 0 && !(section.begin >= set.sections[i - 1].end))
-                fail(name, ".begin must be >= ", set.sections[i - 1].end, " m, where sections[", i - 1,
-                     "] ends, got ", section.begin);
+                fail(name, ".begin must be >= ", set.sections[i - 1].end, " m, where sections[", i - 1, "] ends, got ",
+                     section.begin);
             if (!(section.end > section.begin))
                 fail(name, ".end must be > begin, ", section.begin, " m, got ", section.end);
             if (std::isfinite(section.end) && section.end > (1.0 + kRounding) * body.length)
