@@ -260,6 +260,12 @@ class SurgicalEnv(gymnasium.Env):
     def reset(
         self, *, seed: int | None = None, options: dict[str, typing.Any] | None = None
     ) -> tuple[Array, dict[str, typing.Any]]:
+        """`options` must be empty: what an episode depends on is given to the constructor."""
+        if options:
+            raise fs.Error(
+                f"{type(self).__name__}: reset: there is no option {next(iter(options))!r}; "
+                "options are arguments of the constructor"
+            )
         super().reset(seed=seed)
         judgement = self._begin()
         return self._observe(), self._info(judgement)
