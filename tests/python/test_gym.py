@@ -319,11 +319,13 @@ def test_wrong_options_are_one_clear_error(options, message):
         gym.Reach(**options)
 
 
-def test_an_option_of_reset_that_there_is_not_is_an_error():
+def test_an_unknown_option_of_reset_is_an_error():
     env = gym.Reach()
     env.reset(seed=1, options={})
-    with pytest.raises(fs.Error, match="Reach: reset: there is no option 'difficulty'; options are arguments of"):
+    with pytest.raises(fs.Error, match="Reach: reset: unknown option 'difficulty'; options are arguments of"):
         env.reset(seed=1, options={"difficulty": 2})
+    with pytest.raises(fs.Error, match="Reach: reset: options must be a dict, got 5"):
+        env.reset(options=5)
     env.close()
 
 
@@ -338,7 +340,7 @@ def test_wrong_options_of_vectors_are_one_clear_error():
     for act, words in (
         (lambda: envs.reset(seed="a"), "seed must be a number or 2 of them, got 'a'"),
         (lambda: envs.reset(options=5), "options must be a dict, got 5"),
-        (lambda: envs.reset(options={"difficulty": 2}), "reset: there is no option 'difficulty'"),
+        (lambda: envs.reset(options={"difficulty": 2}), "reset: unknown option 'difficulty'"),
         (lambda: envs.reset(options={"reset_mask": [1, 0, 1]}), r"reset_mask must have 2 members, got \[1, 0, 1\]"),
         (lambda: envs.step(5), "actions must be 2, got 5"),
         (lambda: gym.VectorEnv(5, 1), "task must be a class or the name of an environment, got 5"),

@@ -140,8 +140,15 @@ TEST_CASE("a reset cleans and heals, also a wound without a cut")
 
 TEST_CASE("an injury that reaches no surface is told once per body")
 {
-    std::string log;
-    setLogSink([&](LogLevel, std::string_view line) { log += text(line, "\n"); });
+    struct Trap {
+        std::string log;
+        Trap()
+        {
+            setLogSink([this](LogLevel, std::string_view line) { log += text(line, "\n"); });
+        }
+        ~Trap() { setLogSink({}); }
+    } trap;
+    const std::string& log = trap.log;
     Wound wound;
     SteppedRun run(wound.sim);
     wound.sim.treat(wound.tissue, Injure{{10_mm, 6_mm, 0}, 5_mm});
@@ -151,7 +158,6 @@ TEST_CASE("an injury that reaches no surface is told once per body")
         wound.sim.treat(wound.tissue, Injure{{1, 1, 1}, 1_mm});
         for (int i = 0; i < 50; ++i) run.step();
     }
-    setLogSink({});
     CHECK(log == "blood of 'tissue': Injure reaches nothing: no node of its surface is within 0.001 m of (1, 1, 1) m; "
                  "later ones are not told\n");
 }

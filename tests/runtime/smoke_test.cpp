@@ -162,7 +162,7 @@ TEST_CASE("wrong use of smoke is one clear error")
     CHECK_THROWS_WITH(ward.sim.smoke(), Contains("there is no room for it; addSmoke() makes one"));
     CHECK_THROWS_WITH(ward.sim.smokeBetween({}, {0, 1, 0}), Contains("there is no room for it"));
     CHECK_THROWS_WITH(ward.sim.extract({.flow = 1e-4}), Contains("there is no room for it"));
-    CHECK_THROWS_WITH(ward.sim.addSmoke({}), Contains("smoke: room.low"));
+    CHECK_THROWS_WITH(ward.sim.addSmoke({}), Contains("smoke: room must be given"));
     ward.sim.addSmoke(room());
     CHECK_THROWS_WITH(ward.sim.addSmoke(room()), Contains("has a room for it already"));
     CHECK_THROWS_WITH(ward.sim.extract({.flow = -1.0}), Contains("extract: flow must be in [0, 1] m^3/s, got -1"));

@@ -182,7 +182,7 @@ struct Registry::Check {
             const std::string name = text(object, ": sections[", i, "]");
             if (!(section.begin < body.length))
                 fail(name, ".begin must be in [0, ", body.length, ") m, the rod's length, got ", section.begin);
-            if (i > 0 && std::isinf(set.sections[i - 1].end))
+            if (i > 0 && std::isinf(set.sections[i - 1].end) && section.begin > set.sections[i - 1].begin)
                 fail(object, ": sections[", i - 1, "].end must be given, at most ", section.begin,
                      " m: without it the section ends with the rod and overlaps sections[", i, "]");
             if (i > 0 && !(section.begin >= set.sections[i - 1].end))

@@ -64,7 +64,7 @@ double rise(Puff& puff, double entrainment, double dt)
 
 Smoke::Smoke(const SmokeDef& def, const std::string& object) : def_(def)
 {
-    if (geometry::isEmpty(def_.room)) // as it is by default, with infinite corners
+    if (def_.room == geometry::Box{}) // the default, which has infinite corners
         fail(object, ": room must be given, with room.low < room.high in every axis; smoke stays in it");
     validate(def_, object);
     const Vec3 size = def_.room.high - def_.room.low;

@@ -261,11 +261,11 @@ class SurgicalEnv(gymnasium.Env):
         self, *, seed: int | None = None, options: dict[str, typing.Any] | None = None
     ) -> tuple[Array, dict[str, typing.Any]]:
         """`options` must be empty: what an episode depends on is given to the constructor."""
-        if options:
-            raise fs.Error(
-                f"{type(self).__name__}: reset: there is no option {next(iter(options))!r}; "
-                "options are arguments of the constructor"
-            )
+        name = type(self).__name__
+        if not isinstance(options, (dict, type(None))):
+            raise fs.Error(f"{name}: reset: options must be a dict, got {options!r}")
+        for each in options or {}:
+            raise fs.Error(f"{name}: reset: unknown option {each!r}; options are arguments of the constructor")
         super().reset(seed=seed)
         judgement = self._begin()
         return self._observe(), self._info(judgement)

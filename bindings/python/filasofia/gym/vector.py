@@ -77,7 +77,7 @@ class VectorEnv(gymnasium.vector.VectorEnv):
             raise fs.Error(f"VectorEnv: options must be a dict, got {options!r}")
         for each in options or {}:
             if each != "reset_mask":
-                raise fs.Error(f"VectorEnv: reset: there is no option {each!r}; it has reset_mask")
+                raise fs.Error(f"VectorEnv: reset: unknown option {each!r}; it has reset_mask")
         mask = np.asarray((options or {}).get("reset_mask", True))
         if mask.shape not in ((), (self.num_envs,)):
             raise fs.Error(f"VectorEnv: reset_mask must have {self.num_envs} members, got {mask.tolist()}")

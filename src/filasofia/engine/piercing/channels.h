@@ -17,7 +17,8 @@ void partLines(Scene& scene);
 void leaveToChannels(const Scene& scene, Coupling& coupling);
 
 /// Makes a spring of a contact between a tip that is driven and pinned tissue, at which it pushes: neither can move, so
-/// no force follows from their motion. The spring takes up a radius before the tissue is pierced.
+/// no force follows from their motion. It takes up a radius at the force that pierces; several at one tip share that
+/// force, and take up less.
 void yieldToTips(double dt, const Scene& scene, Coupling& coupling);
 
 /// Adds the constraints of all channels after the welds.

@@ -116,6 +116,7 @@ void yieldToTips(double dt, const Scene& scene, Coupling& coupling)
         contact.softness = dt * dt * law.force / LineShape(scene, {bodies[*side]}).radius();
         contact.bias = {(contact.contact.gap - contact.contact.skin) / dt, 0.0, 0.0};
         contact.impulse = {};
+        contact.contact.passing = true; // what a spring carries is no start for a contact that does not yield
     }
 }
 
