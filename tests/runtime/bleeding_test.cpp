@@ -6,6 +6,7 @@
 #include "filasofia/runtime/stepped_run.h"
 #include "filasofia/surface/body_surface.h"
 #include "filasofia/visual/image.h"
+#include "geometry/sample_meshes.h"
 #include "runtime/cut_block.h"
 #include "shown_stage.h"
 #include "skip.h"
@@ -140,26 +141,19 @@ TEST_CASE("a reset cleans and heals, also a wound without a cut")
 
 TEST_CASE("an injury that reaches no surface is told once per body")
 {
-    struct Trap {
-        std::string log;
-        Trap()
-        {
-            setLogSink([this](LogLevel, std::string_view line) { log += text(line, "\n"); });
-        }
-        ~Trap() { setLogSink({}); }
-    } trap;
-    const std::string& log = trap.log;
+    const geometry::LogTrap log;
     Wound wound;
     SteppedRun run(wound.sim);
     wound.sim.treat(wound.tissue, Injure{{10_mm, 6_mm, 0}, 5_mm});
     for (int i = 0; i < 50; ++i) run.step();
-    CHECK(log.empty());
+    CHECK(log.lines.empty());
     for (int miss = 0; miss < 3; ++miss) {
         wound.sim.treat(wound.tissue, Injure{{1, 1, 1}, 1_mm});
         for (int i = 0; i < 50; ++i) run.step();
     }
-    CHECK(log == "blood of 'tissue': Injure reaches nothing: no node of its surface is within 0.001 m of (1, 1, 1) m; "
-                 "later ones are not told\n");
+    CHECK(log.lines ==
+          "blood of 'tissue': Injure reaches nothing: no node of its surface is within 0.001 m of (1, 1, 1) m; "
+          "later ones are not told\n");
 }
 
 TEST_CASE("wrong use of blood is one clear error")
