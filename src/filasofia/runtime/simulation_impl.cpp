@@ -319,14 +319,14 @@ void Simulation::Impl::fill(RunReport& report) const
     }
     if (report.beyondStrain > 0) report.worstStrainedBody = nameOf(report.worstStrained.body, physics);
     if (report.restless > 0) report.worstUnrestBody = nameOf(report.worstUnrest.body, physics);
-    for (auto [body, opened] : counters.opened()) {
-        opened.body = nameOf(body, physics);
-        report.opened.push_back(opened);
-    }
-    for (auto [body, lost] : counters.lost()) {
-        lost.body = nameOf(body, physics);
-        report.lost.push_back(lost);
-    }
+    const auto addNamed = [&](const auto& byBody, auto& to) {
+        for (const auto& [body, each] : byBody) {
+            to.push_back(each);
+            to.back().body = nameOf(body, physics);
+        }
+    };
+    addNamed(counters.opened(), report.opened);
+    addNamed(counters.lost(), report.lost);
     report.contacts = contacts.report(physics);
     bleedings.fill(report);
     burnings.fill(report);
