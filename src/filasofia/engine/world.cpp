@@ -6,6 +6,7 @@
 #include "filasofia/engine/contact/clip_legs.h"
 #include "filasofia/engine/contact/find_contacts.h"
 #include "filasofia/engine/contact/joint_constraints.h"
+#include "filasofia/engine/contact/pinned_contacts.h"
 #include "filasofia/engine/contact/sheathed_blades.h"
 #include "filasofia/engine/contact/tie_bodies.h"
 #include "filasofia/engine/piercing/channels.h"
@@ -84,7 +85,8 @@ physics::StepReport World::step(const physics::StepInput& in)
     findContacts(context, scene_, coupling_);      //   constraints: contacts
     partLines(scene_);                             //   threads that were released follow no needle
     leaveToChannels(scene_, coupling_);            //   contacts, but not of needles with the tissue that they are in
-    yieldToTips(in.dt, scene_, coupling_);         //   tissue that is pinned gives way to needles, too
+    yieldToTips(in.dt, scene_, coupling_);         //   tissue that is pinned gives way to needles,
+    yieldWherePinned(in.dt, scene_, coupling_);    //   and to what is driven into it
     addWelds(context, scene_, coupling_);          //   attachments
     addChannels(context, scene_, coupling_);       //   needles and threads in tissue
     closeClips(in.dt, scene_);                     //   how far clips are closed

@@ -1,9 +1,11 @@
 #include "engine/collision/scene.h"
 
+#include "filasofia/engine/body/collision_model.h"
 #include "filasofia/engine/collision/edge_edge.h"
 #include "filasofia/engine/collision/element_pairs.h"
 #include "filasofia/engine/collision/point_feature.h"
 #include "filasofia/engine/collision/surface_pair.h"
+#include "filasofia/geometry/shapes.h"
 
 #include <cmath>
 #include <numbers>
@@ -96,6 +98,23 @@ struct WedgeOverBox {
             if (x.z >= kRest) x.z += 0.01 + kGap - kRest;
     }
 };
+
+/// A lump that is bent over itself and crumpled.
+void addCrumpled(const CollisionOptions& options, double roughness, std::mt19937& random, Scene& scene)
+{
+    const int lump = scene.add(lumpMesh(0.8, 10, roughness, random), options);
+    for (Vec3& x : scene.surfaces[static_cast<std::size_t>(lump)].x) {
+        const double turn = 2.2 * x.x;
+        x = Vec3{std::sin(turn) * (0.4 + x.z), x.y, std::cos(turn) * (0.4 + x.z)} + randomVector(random, 0.05);
+    }
+}
+
+std::set<std::uint64_t> featuresOf(const std::vector<Proximity>& found)
+{
+    std::set<std::uint64_t> out;
+    for (const Proximity& each : found) out.insert(each.feature);
+    return out;
+}
 
 /// What the points of two elements of a surface find on each other.
 std::vector<PointMinimum> pointMinima(const SurfacePair& meeting, std::array<int, 2> pair)
@@ -193,12 +212,7 @@ TEST_CASE("pairs of a surface's own elements that do not face each other have no
     std::size_t dropped = 0, kept = 0, lost = 0;
     for (int round = 0; round < 40; ++round) {
         Scene scene;
-        geometry::TriangleMesh lump = lumpMesh(0.8, 10, 0.1, random);
-        scene.add(lump, {.proximity = 0.1, .depth = 0.2, .self = true});
-        for (Vec3& x : scene.surfaces[0].x) { // bent over itself, and crumpled
-            const double turn = 2.2 * x.x;
-            x = Vec3{std::sin(turn) * (0.4 + x.z), x.y, std::cos(turn) * (0.4 + x.z)} + randomVector(random, 0.05);
-        }
+        addCrumpled({.proximity = 0.1, .depth = 0.2, .self = true}, 0.1, random, scene);
         scene.find();
         const CollisionSurface& surface = scene.surfaces[0];
         const SurfacePair meeting{{&surface, &surface}, {0, 0}, kStepsAhead * scene.dt};
@@ -225,6 +239,69 @@ TEST_CASE("pairs of a surface's own elements that do not face each other have no
     }
     CHECK(dropped > 10000);
     CHECK(lost == 0);
+}
+
+TEST_CASE("edges of a solid that meet are those that a test without its normals finds")
+{
+    std::mt19937 random(29);
+    std::size_t met = 0;
+    for (int round = 0; round < 20; ++round) {
+        Scene scene;
+        addCrumpled({.points = false, .proximity = 0.1, .depth = 0.2, .self = true}, 0.5, random, scene);
+        scene.find();
+        const CollisionSurface& surface = scene.surfaces[0];
+        const SurfacePair meeting{{&surface, &surface}, {0, 0}, kStepsAhead * scene.dt};
+        std::vector<Proximity> all;
+        for (const auto& [i, k] : scene.scratch.elementPairs)
+            for (const int a : surface.shape->elements[static_cast<std::size_t>(i)].ownEdges)
+                for (const int b : surface.shape->elements[static_cast<std::size_t>(k)].ownEdges)
+                    if (a >= 0 && b >= 0) collideEdges(meeting, a, b, all);
+        CHECK(featuresOf(scene.found) == featuresOf(all));
+        met += all.size();
+    }
+    CHECK(met > 100);
+}
+
+TEST_CASE("a solid's proximity to itself may be smaller than the one to others, and finds what it would find alone")
+{
+    std::mt19937 random(31);
+    std::size_t met = 0;
+    for (int round = 0; round < 20; ++round) {
+        std::mt19937 again = random;
+        Scene both, alone;
+        addCrumpled({.proximity = 0.2, .depth = 0.22, .self = true}, 0.5, random, both);
+        addCrumpled({.proximity = 0.08, .depth = 0.1, .self = true}, 0.5, again, alone);
+        CollisionShape shape = *both.surfaces[0].shape;
+        shape.ownProximity = 0.08;
+        both.surfaces[0].shape = std::make_shared<const CollisionShape>(shape);
+        CHECK(shape.ownDepth() == Approx(0.1));
+        both.add(boxMesh({0.02, 0.02, 0.02}), {.proximity = 0.1}, {.position = {0, 0, -1.0}}); // near it or not
+        both.find();
+        alone.find();
+        std::erase_if(both.found, [](const Proximity& each) { return each.surfaces[0] != each.surfaces[1]; });
+        CHECK(featuresOf(both.found) == featuresOf(alone.found));
+        met += both.found.size();
+    }
+    CHECK(met > 200);
+}
+
+TEST_CASE("a solid looks for itself within a quarter of its mean edge, and for others within its proximity")
+{
+    for (const double cell : {0.4e-3, 8e-3}) {
+        const auto mesh = geometry::shapes::block({4 * cell, 4 * cell, 4 * cell}, {4, 4, 4});
+        physics::SoftBodyDef def{.name = "block"};
+        def.collision = {{.self = true}};
+        const std::vector<CollisionModel> models = buildCollision(def, *mesh);
+        const CollisionModel& model = models.at(0);
+        const double deepest = *std::ranges::max_element(model.inset.depth);
+        CHECK(model.proximity == 0.5e-3);
+        CHECK(model.shape->proximity == Approx(0.5e-3 + deepest));
+        if (cell > 2e-3) CHECK(model.ownProximity == 0.5e-3);
+        // Two edges along the axes to one across a square.
+        else
+            CHECK(model.ownProximity == Approx(0.25 * cell * (2.0 + std::sqrt(2.0)) / 3.0));
+        CHECK(model.shape->ownProximity == Approx(model.ownProximity + deepest));
+    }
 }
 
 TEST_CASE("triangles of a sheet that an edge joins are tested where it is folded between them, and rolls everywhere")

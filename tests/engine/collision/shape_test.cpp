@@ -71,7 +71,7 @@ TEST_CASE("boxes contain their vertices within their reach, in spite of rounding
         surface.shape = std::make_shared<const CollisionShape>(makeCollisionShape(mesh, {.proximity = 0.0}));
         surface.x = mesh.vertices;
         for (int i = 0; i < 500; ++i) surface.v.push_back(randomVector(random, i % 2 == 0 ? 0.0 : scale));
-        boundVertices(surface, 0.01);
+        boundVertices(surface, 0.01, surface.shape->depth);
         for (int i = 0; i < 500; ++i) {
             const double r = 0.01 * length(surface.v[i]);
             const Bounds& box = surface.vertexBounds[i];

@@ -27,7 +27,7 @@ TEST_CASE("small bodies of every law are cut, torn, pulled and pressed at random
 TEST_CASE("crumbs that tears leave stretched far, or inside out, are not thrown through their body")
 {
     // Their bodies were restored in step after step, as crumbs went off at thousands of metres per second.
-    for (const int scene : {12, 14, 23}) {
+    for (const int scene : {12, 14, 57}) {
         INFO("scene " << scene);
         const LawFuzzReport report = fuzzLaws({.seed = 2, .scenes = 1, .first = scene});
         long tears = 0, undone = 0;

@@ -196,4 +196,23 @@ TEST_CASE("a vessel that was clipped shut and cut beside the clip springs open w
     CHECK_FALSE(stage.step(slow).has(StepFlag::Intersecting));
 }
 
+TEST_CASE("walls that a clip has pressed through each other are not told as intersecting")
+{
+    constexpr double slow = 4e-3; // [s] a step
+    Stage stage;
+    std::vector<Vec3> line;
+    for (int i = 0; i <= 40; ++i) line.push_back({0.75e-3 * i - 15e-3, 0, 0});
+    SoftBodyDef def{.name = "duct", .mesh = shapes::vessel(line, 1e-3, 0.8e-3, {16, 2}), .gravity = false};
+    def.material = FemMaterial{.youngModulus = 50e3, .poissonRatio = 0.45};
+    def.collision = {{.proximity = 1.5e-4}};
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {-14.9e-3, 1, 1}}},
+                       {.box = geometry::Box{{14.9e-3, -1, -1}, {1, 1, 1}}}};
+    stage.add(def);
+    const BodyId clip = stage.add(clipBody({0, 0, 0}));
+    stage.step(slow);
+    const AttachmentId hold{++stage.lastAttachment};
+    stage.post(ApplyClip{hold, clip, BodyId{1}, {}});
+    CHECK_FALSE(stage.run(300, slow).has(StepFlag::Intersecting));
+}
+
 } // namespace clips_cut_test

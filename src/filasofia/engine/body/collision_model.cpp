@@ -22,6 +22,17 @@ using geometry::TriangleMesh;
 
 // [-] The largest depth of the inset over the proximity.
 constexpr double kInset = 0.2;
+// [-] A solid's largest proximity to itself over its mean edge. In a vessel of 2,112 triangles with edges of 0.6 mm
+// that was cut through, every triangle was within the proximity of 53 others: contacts took 30 ms a step.
+constexpr double kOwnProximity = 0.25;
+
+double ownProximityOf(const CollisionShape& shape, double proximity)
+{
+    if (!shape.closed || shape.edges.empty()) return proximity;
+    double sum = 0.0;
+    for (const auto& [a, b] : shape.edges) sum += distance(shape.rest[a], shape.rest[b]);
+    return std::min(proximity, kOwnProximity * sum / static_cast<double>(shape.edges.size()));
+}
 
 /// `round` [m]: half the thickness of a shell, whose triangles are its middle.
 CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, const std::string& field,
@@ -43,9 +54,10 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
                                                      .self = def.self,
                                                      .cutting = def.cutting});
     model.inset = round > 0.0 ? roundInset(shape, round) : makeInset(shape, depth);
-    setProximity(def.proximity, model.inset, shape);
-    model.shape = std::make_shared<const CollisionShape>(std::move(shape));
     model.proximity = def.proximity;
+    model.ownProximity = ownProximityOf(shape, def.proximity);
+    setProximity(model, shape);
+    model.shape = std::make_shared<const CollisionShape>(std::move(shape));
     model.selfOnceCut = def.selfOnceCut.value_or(true);
     return model;
 }
@@ -57,10 +69,10 @@ CollisionModel aroundLines(const std::vector<Vec3>& rest, double radius, Collisi
     options.depth = options.proximity + radius;
     CollisionShape shape = makeCollisionShape({.vertices = rest, .triangles = {}, .uv = {}}, options);
     CollisionModel model;
-    model.proximity = options.proximity;
+    model.proximity = model.ownProximity = options.proximity;
     model.round = radius;
     model.inset = roundInset(shape, radius);
-    setProximity(options.proximity, model.inset, shape);
+    setProximity(model, shape);
     model.shape = std::make_shared<const CollisionShape>(std::move(shape));
     return model;
 }
@@ -155,11 +167,12 @@ void checkPrimitives(const physics::CollisionDef& def, const std::string& field)
 
 double insetDepth(double proximity) { return kInset * proximity; }
 
-void setProximity(double proximity, const Inset& inset, CollisionShape& shape)
+void setProximity(const CollisionModel& model, CollisionShape& shape)
 {
     double deepest = 0.0;
-    for (const double each : inset.depth) deepest = std::max(deepest, each);
-    shape.proximity = proximity + deepest;
+    for (const double each : model.inset.depth) deepest = std::max(deepest, each);
+    shape.proximity = model.proximity + deepest;
+    shape.ownProximity = model.ownProximity + deepest;
 }
 
 void addToEmbedding(std::span<const int> nodes, geometry::Embedding& embedding)
@@ -241,7 +254,7 @@ CollisionModel cutCollision(const CollisionModel& whole, std::vector<std::array<
                                                                                         .depth = whole.shape->depth,
                                                                                         .group = whole.shape->group,
                                                                                         .self = whole.shape->self});
-    setProximity(whole.proximity, model.inset, shape);
+    setProximity(model, shape);
     model.shape = std::make_shared<const CollisionShape>(std::move(shape));
     return model;
 }

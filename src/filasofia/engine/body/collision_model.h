@@ -16,8 +16,9 @@ struct CollisionModel {
     /// Soft body: at rest, in world coordinates; rigid body: in its element's coordinates.
     std::shared_ptr<const CollisionShape> shape;
     Inset inset;
-    std::vector<Vec3> core; ///< [m] the shape's vertices, moved inwards; rigid bodies only
-    double proximity = 0.0; ///< [m] proximity of the surface itself, without the inset
+    std::vector<Vec3> core;    ///< [m] the shape's vertices, moved inwards; rigid bodies only
+    double proximity = 0.0;    ///< [m] proximity of the surface itself, without the inset
+    double ownProximity = 0.0; ///< [m] the same of a solid against itself
     /// [m] Its features stand for all that is so near to them: a rod's tube, a rigid ball or capsule, a shell as thick
     /// as twice that. 0: its triangles are the surface.
     double round = 0.0;
@@ -46,9 +47,9 @@ CollisionModel cutCollision(const CollisionModel& whole, std::vector<std::array<
 /// [m] The largest depth by which vertices of a surface are moved inwards.
 double insetDepth(double proximity);
 
-/// Sets the distance at which contacts are looked for. The inset moves the surface inwards, so the distance grows by
-/// its largest depth; if there is no inset, as on a sheet, it is the proximity itself.
-void setProximity(double proximity, const Inset& inset, CollisionShape& shape);
+/// Sets the distances at which contacts are looked for in a shape of this model. The inset moves the surface inwards,
+/// so they grow by its largest depth; if there is no inset, as on a sheet, they are those of the model.
+void setProximity(const CollisionModel& model, CollisionShape& shape);
 
 /// Appends vertices that coincide with nodes.
 void addToEmbedding(std::span<const int> nodes, geometry::Embedding& embedding);

@@ -182,7 +182,7 @@ CollisionShape makeCollisionShape(const geometry::TriangleMesh& mesh, const Coll
     shape.points = options.points;
     shape.lines = options.lines;
     shape.triangleFaces = options.triangleFaces && !mesh.triangles.empty();
-    shape.proximity = options.proximity;
+    shape.proximity = shape.ownProximity = options.proximity;
     shape.depth = std::max(options.depth, options.proximity);
     shape.partners = options.partners;
     shape.sheet = options.sheet;

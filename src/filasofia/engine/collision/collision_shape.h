@@ -74,6 +74,7 @@ struct CollisionShape {
     bool lines = true;
     bool triangleFaces = true; ///< false if there are no triangles
     double proximity = 0.0;    ///< [m]
+    double ownProximity = 0.0; ///< [m] the same of a solid against itself, <= proximity
     double depth = 0.0;        ///< [m], >= proximity
     Partners partners = Partners::All;
     int group = 0;
@@ -83,6 +84,8 @@ struct CollisionShape {
     std::vector<Element> elements; ///< in the order of the leaves
     std::vector<Node> nodes;       ///< empty if there are no elements
     int grafted = 0;               ///< elements that edits have inserted since the tree was built
+
+    [[nodiscard]] double ownDepth() const { return depth - proximity + ownProximity; } ///< [m] >= ownProximity
 
     /// Vertices, edges and triangles are numbered in one sequence.
     [[nodiscard]] int edgeFeature(int edge) const { return static_cast<int>(rest.size()) + edge; }

@@ -32,13 +32,13 @@ Bounds boundsOf(Vec3 x, Vec3 v, float depth, float reach)
 
 } // namespace
 
-void boundVertices(CollisionSurface& surface, double reach, Vec3 drift)
+void boundVertices(CollisionSurface& surface, double reach, double margin, Vec3 drift)
 {
     const std::size_t count = surface.shape->rest.size();
     FILASOFIA_ASSERT(surface.x.size() == count && surface.v.size() == count);
     surface.vertexBounds.resize(count);
     surface.whole = emptyBounds();
-    const auto depth = static_cast<float>(surface.shape->depth), time = static_cast<float>(reach);
+    const auto depth = static_cast<float>(margin), time = static_cast<float>(reach);
     for (std::size_t i = 0; i < count; ++i) {
         surface.vertexBounds[i] = boundsOf(surface.x[i], surface.v[i] - drift, depth, time);
         surface.whole = merged(surface.whole, surface.vertexBounds[i]);

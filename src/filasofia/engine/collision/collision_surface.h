@@ -37,9 +37,9 @@ struct CollisionSurface {
     Bounds whole{};
 };
 
-/// Computes boxes that hold every vertex now and at any time within `reach` [s], with the shape's depth around it; as
-/// seen by who moves with `drift` [m/s].
-void boundVertices(CollisionSurface& surface, double reach, Vec3 drift = {});
+/// Computes boxes that hold every vertex now and at any time within `reach` [s], with `margin` [m] around it; as seen
+/// by who moves with `drift` [m/s].
+void boundVertices(CollisionSurface& surface, double reach, double margin, Vec3 drift = {});
 /// Computes boxes that hold every vertex at any time within `dt` [s], with `margin` [m] around it, and those of
 /// elements and nodes; as seen by who moves with `drift` [m/s]. Tighter than the other ones, which reach as far to all
 /// sides.
@@ -47,10 +47,16 @@ void boundMotion(CollisionSurface& surface, double dt, Vec3 drift, double margin
 /// Computes the boxes of elements and nodes; to be called after boundVertices().
 void boundTree(CollisionSurface& surface);
 
-/// Computes all boxes.
-inline void boundSurface(CollisionSurface& surface, double reach, Vec3 drift = {})
+/// Computes all boxes, with the shape's depth around the vertices.
+inline void boundSurface(CollisionSurface& surface, double reach)
 {
-    boundVertices(surface, reach, drift);
+    boundVertices(surface, reach, surface.shape->depth);
+    boundTree(surface);
+}
+/// The same for the surface against itself; as seen by who moves with `drift` [m/s].
+inline void boundAgainstItself(CollisionSurface& surface, double reach, Vec3 drift)
+{
+    boundVertices(surface, reach, surface.shape->ownDepth(), drift);
     boundTree(surface);
 }
 

@@ -11,7 +11,8 @@ namespace {
 
 // [-] sine squared below which edges count as parallel and have no crossing: the tests of their end points cover them
 constexpr double kParallel = 1e-6;
-constexpr double kFlat = 1e-3; // [-] sine: a direction this near to a triangle's plane counts as in the plane
+constexpr double kRounded = 1e-12; // [m] rounding, of edges that touch
+constexpr double kFlat = 1e-3;     // [-] sine: a direction this near to a triangle's plane counts as in the plane
 // [-] Sines, for an edge of tissue that is bent over another edge. Many of its neighbours cross that edge at nearly the
 // same distance. If only the nearest counted, others would count in each step: tissue between two jaws that stood still
 // shook at 50 to 150 mm/s for ever, at 20 iterations per step. If also those count that lead towards the other edge by
@@ -90,6 +91,9 @@ bool sharp(const CollisionSurface& surface, int edge, Vec3 n)
     }
     return false;
 }
+
+/// Whether some place on an edge from `c` to `d` is on the outer side of an edge through `a` with the normal `n`.
+bool mayBeBefore(Vec3 a, Vec3 n, Vec3 c, Vec3 d) { return std::max(dot(n, c - a), dot(n, d - a)) > -kRounded; }
 
 bool solid(const CollisionSurface& surface, int edge)
 {
@@ -185,6 +189,10 @@ void collideEdges(const SurfacePair& meeting, int first, int second, std::vector
     const auto [a0, a1] = one.shape->edges[first];
     const auto [b0, b1] = two.shape->edges[second];
     if (meeting.self() && (a0 == b0 || a0 == b1 || a1 == b0 || a1 == b1)) return;
+    if (meeting.edgeNormals != nullptr &&
+        !(mayBeBefore(one.x[a0], (*meeting.edgeNormals)[first], one.x[b0], one.x[b1]) &&
+          mayBeBefore(one.x[b0], (*meeting.edgeNormals)[second], one.x[a0], one.x[a1])))
+        return; // only with a gap below 0, which does not count here
     const Bounds boundsA = merged(one.vertexBounds[a0], one.vertexBounds[a1]);
     const Bounds boundsB = merged(two.vertexBounds[b0], two.vertexBounds[b1]);
     if (!meet(boundsA, boundsB)) return;

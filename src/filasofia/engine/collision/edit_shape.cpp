@@ -236,6 +236,7 @@ CollisionShape editShape(const CollisionShape& before, const SurfaceEdit& edit, 
     now.lines = before.lines;
     now.triangleFaces = before.triangleFaces;
     now.proximity = before.proximity;
+    now.ownProximity = before.ownProximity;
     now.depth = before.depth;
     now.sheet = before.sheet;
     now.group = before.group;

@@ -38,7 +38,8 @@ struct ProximityScratch {
     std::vector<SheetSide> nextSides;
     std::vector<std::array<int, 2>> surfacePairs;
     std::vector<char> wanted;
-    NormalBounds normals; ///< for a surface that is tested against itself
+    NormalBounds normals;          ///< for a surface that is tested against itself
+    std::vector<Vec3> edgeNormals; ///< for a solid that is tested against itself
     std::vector<std::array<int, 2>> elementPairs;
     std::vector<std::array<int, 2>> open;       ///< stack of pairs of nodes still to be visited
     std::vector<Part> parts;                    ///< never shrinks, so that its buffers are reused

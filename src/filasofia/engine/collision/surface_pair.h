@@ -15,12 +15,21 @@ struct SurfacePair {
     /// surface by less may lead towards it by then: a box that fell on an edge and tipped had a contact there alone,
     /// and its other edge was a millimetre deep before it had one.
     double turn = 0.0;
+    const std::vector<Vec3>* edgeNormals = nullptr; ///< of a solid against itself: edgeNormal() of each edge
 
     [[nodiscard]] bool self() const { return places[0] == places[1]; }
     /// The closed surface of a solid against itself.
     [[nodiscard]] bool ownSolid() const { return self() && sides[0]->shape->closed && sides[0]->shape->triangleFaces; }
-    [[nodiscard]] double proximities() const { return sides[0]->shape->proximity + sides[1]->shape->proximity; }
-    [[nodiscard]] double depths() const { return sides[0]->shape->depth + sides[1]->shape->depth; }
+    [[nodiscard]] double proximities() const
+    {
+        if (self()) return 2.0 * sides[0]->shape->ownProximity;
+        return sides[0]->shape->proximity + sides[1]->shape->proximity;
+    }
+    [[nodiscard]] double depths() const
+    {
+        if (self()) return 2.0 * sides[0]->shape->ownDepth();
+        return sides[0]->shape->depth + sides[1]->shape->depth;
+    }
 };
 
 inline std::uint64_t featureNumber(const SurfacePair& meeting, int first, int second)

@@ -5,6 +5,7 @@
 #include "filasofia/engine/contact/intersections.h"
 #include "filasofia/engine/contact/islands.h"
 #include "filasofia/engine/contact/part_crossings.h"
+#include "filasofia/engine/contact/pinned_contacts.h"
 #include "filasofia/engine/contact/starts_inside.h"
 #include "filasofia/engine/contact/turned_contact.h"
 #include "filasofia/engine/contact/warm_start.h"
@@ -217,6 +218,7 @@ void addContact(Proximity& found, const std::array<const SurfaceOwner*, 2>& side
     if (!(gap < proximity + comingNearer(coupling.detection.surfaces, found, context.dt))) return;
     Constraint& contact = coupling.constraints.emplace_back();
     writeContact(found, gap, sides, context, scene, coupling, contact);
+    if (arePinned(contact, scene)) return coupling.constraints.pop_back();
     contact.yielding = linePenalty(sides, gap, scene);
 }
 

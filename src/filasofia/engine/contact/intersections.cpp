@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/collision/feature_normals.h"
 #include "filasofia/engine/collision/surface_crossings.h"
+#include "filasofia/engine/scene/find_body.h"
 
 #include <algorithm>
 #include <cmath>
@@ -94,6 +95,22 @@ bool isPierced(const Scene& scene, BodyId a, BodyId b)
     });
 }
 
+/// Whether a place lies between the legs of a clip on this body, or beside them by less than half its opening. Walls of
+/// a lumen are through each other there: that is what shut means.
+bool isClipped(const Scene& scene, const SurfaceOwner& owner, Vec3 place)
+{
+    if (!owner.soft) return false;
+    return std::ranges::any_of(scene.soft[owner.body].state.clips, [&](const Clip& clip) {
+        const auto rigid = findIn(scene.rigid, clip.clip);
+        if (!rigid) return false;
+        const Pose& pose = scene.rigid[*rigid].state.poses[static_cast<std::size_t>(clip.def.element)];
+        const Vec3 at = transform(inverse(pose), place);
+        const double half = 0.5 * clip.def.opening;
+        return std::abs(at.x) < 0.5 * clip.def.width + half && std::abs(at.y) < half &&
+               std::abs(at.z) < 0.5 * clip.def.length + half;
+    });
+}
+
 /// A vertex of a surface that lies in another, closed one, if their surfaces do not cross.
 std::optional<physics::Intersection> insideOf(const CollisionSurface& inner, const CollisionSurface& outer)
 {
@@ -156,6 +173,7 @@ private:
         const auto between = attachmentsBetween(scene_, one.name.body, two.name.body);
         cross(pair);
         eraseHeld(scene_, one, two, pair, crossings_);
+        if (meeting.self()) eraseClipped(one);
         const bool unseen = !meeting.self() && !crossings_.empty() && isUnseen(meeting, before);
         bool passes = false;
         const auto tell = [&](const physics::Intersection& found) {
@@ -241,6 +259,11 @@ private:
 
     void cross(std::array<int, 2> pair) { findCrossings(context_, pair, detection_, crossings_); }
 
+    void eraseClipped(const SurfaceOwner& owner)
+    {
+        std::erase_if(crossings_, [&](const SurfaceCrossing& each) { return isClipped(scene_, owner, each.place); });
+    }
+
     void testFolds(int place)
     {
         CollisionSurface& surface = detection_.surfaces[static_cast<std::size_t>(place)];
@@ -248,6 +271,7 @@ private:
         if (surface.self || surface.shape->nodes.empty()) return;
         findPieces(scene_.soft[owner.body].model, *owner.collision, surface.pieceOf);
         cross({place, place});
+        eraseClipped(owner);
         for (const SurfaceCrossing& each : crossings_)
             if (isLost(each, {{&surface, &surface}, {place, place}}))
                 add(owner, owner, {.crossings = 1, .depth = each.depth, .place = each.place}, watch_.folded);

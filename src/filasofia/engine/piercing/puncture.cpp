@@ -1,7 +1,7 @@
 #include "filasofia/engine/piercing/channels.h"
 
 #include "filasofia/engine/contact/attachment_points.h"
-#include "filasofia/engine/contact/islands.h"
+#include "filasofia/engine/contact/pinned_contacts.h"
 #include "filasofia/engine/piercing/embed.h"
 #include "filasofia/engine/piercing/threading.h"
 #include "filasofia/engine/scene/find_body.h"
@@ -93,29 +93,19 @@ std::vector<Push> pushes(double dt, const Coupling& coupling, const Scene& scene
     return found;
 }
 
-bool canMove(const Scene& scene, const BodyPoint& point, const RigidPlan& plan)
-{
-    if (point.of != BodyPoint::Of::Soft) return planPlace(plan, point).has_value();
-    const std::vector<bool>& pinned = scene.soft[point.body].model.pins.hard;
-    const auto nodes = std::span(point.nodes).first(static_cast<std::size_t>(point.count));
-    return !std::ranges::all_of(nodes, [&](int node) { return pinned[static_cast<std::size_t>(node)]; });
-}
-
 } // namespace
 
 void yieldToTips(double dt, const Scene& scene, Coupling& coupling)
 {
     for (Constraint& contact : coupling.contacts()) {
         if (contact.softness > 0.0) continue; // a penalty yields
-        const auto moves = [&](const BodyPoint& point) { return canMove(scene, point, coupling.rigid); };
+        const auto moves = [&](const BodyPoint& point) { return canMove(point, scene, coupling.rigid); };
         if (std::ranges::any_of(contact.sides, moves)) continue;
         const auto side = sideOfTip(contact, scene, coupling.rigid);
         if (!side) continue;
         const std::array<BodyId, 2> bodies{contact.contact.cached.first, contact.contact.cached.second};
         const PunctureModel& law = *scene.soft[findBody(scene, bodies[1 - *side])->index].model.puncture;
-        contact.softness = dt * dt * law.force / LineShape(scene, {bodies[*side]}).radius();
-        contact.bias = {(contact.contact.gap - contact.contact.skin) / dt, 0.0, 0.0};
-        contact.impulse = {};
+        yieldAsSpring(dt, law.force / LineShape(scene, {bodies[*side]}).radius(), contact);
         contact.contact.passing = true; // what a spring carries is no start for a contact that does not yield
     }
 }

@@ -72,7 +72,7 @@ void editCollision(const OwnSurfaceEdit& edit, int model, SoftModel& body, Scene
     collision.inset = collision.round > 0.0
                           ? roundInset(now, collision.round)
                           : editInset(collision.inset, *before, now, change, insetDepth(collision.proximity));
-    setProximity(collision.proximity, collision.inset, now);
+    setProximity(collision, now);
     if (!collision.behind.empty()) collision.behind = behindNow(edit, change, collision.behind);
     addToEmbedding(edit.nodes, collision.embedding);
     const SurfaceName name{body.id, model};
