@@ -1,4 +1,5 @@
 #include "apps/laparoscopy/drain.h"
+#include "apps/laparoscopy/duct.h"
 #include "apps/laparoscopy/endoloop.h"
 #include "apps/laparoscopy/gallbladder.h"
 #include "apps/laparoscopy/gauze.h"
@@ -185,8 +186,9 @@ int main(int argc, char** argv)
     return runTrainer(
         argc, argv,
         {.name = "laparoscopy",
-         .about = "A laparoscopy trainer: peg transfer, pattern cutting, a ligating loop and suturing in a box, and "
-                  "taking out a gall bladder.",
+         .about =
+             "A laparoscopy trainer: peg transfer, pattern cutting, a ligating loop, suturing and cannulation in a "
+             "box, and taking out a gall bladder.",
          .hands =
              "1, 2 and 3 choose the left hand, the right hand and the laparoscope. Drag with the right button to\n"
              "turn the chosen shaft; the wheel, W and S move it in and out, A and D roll it. The left button closes\n"
@@ -194,13 +196,14 @@ int main(int argc, char** argv)
              "Cholecystectomy: 4, 5 and 6 give the right hand the hook (closing is its pedal), clips and scissors.\n"
              "Ligating loop: closing the right hand draws the thread, 4 lets the knot go.\n"
              "A haptic device (--device) holds the right handle; its first button closes the jaws.\n",
-         .cases = {"peg-transfer", "cholecystectomy", "pattern-cutting", "ligating-loop", "suturing"},
+         .cases = {"peg-transfer", "cholecystectomy", "pattern-cutting", "ligating-loop", "suturing", "cannulation"},
          .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
          .motions = {"expert", "clumsy"},
          .window = {"Laparoscopy", 960, 720}},
         [](const Training& training) {
-            static constexpr std::array kTasks = {pegTransfer, operation::cholecystectomy, cutting::patternCutting,
-                                                  ligating::ligatingLoop, suturing::suturing};
+            static constexpr std::array kTasks = {
+                pegTransfer,        operation::cholecystectomy, cutting::patternCutting, ligating::ligatingLoop,
+                suturing::suturing, cannulating::cannulation};
             return kTasks[static_cast<std::size_t>(training.caseIndex)](training);
         });
 }

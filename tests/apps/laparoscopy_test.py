@@ -20,7 +20,7 @@ class PegTransfer(Trainer):
 
 class Words(PegTransfer):
     def test_unknown_words_are_refused_in_one_line(self):
-        for words, says in ((("--case", "stapling"), "--case must be peg-transfer, cholecystectomy, pattern-cutting, ligating-loop or suturing, got 'stapling'"),
+        for words, says in ((("--case", "stapling"), "--case must be peg-transfer, cholecystectomy, pattern-cutting, ligating-loop, suturing or cannulation, got 'stapling'"),
                             (("--difficulty", "brutal"), "--difficulty must be easy, normal or hard, got 'brutal'"),
                             (("--seed", "-1"), "--seed must be a whole number in [0, 999999999]")):
             done = run("--headless", "--steps", "1", *words)
@@ -181,6 +181,45 @@ class ClumsySuturing(CaseTrainer):
 
     def test_clumsy_hands_break_nothing(self):
         done = self.play("clumsy", "--seed", "1", steps=STEPS or "5000")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+
+class Cannulation(CaseTrainer):
+    """One seed; docs/lab/laparoscopy.md reports more."""
+
+    case = "cannulation"
+
+    def test_the_expert_leads_the_catheter_into_the_duct(self):
+        done = self.play("expert", "--seed", "2")
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        self.assertIn("rolled back 0", done.stdout)
+        if STEPS:
+            return
+        found = re.search(r"done: 4 of 4 steps in [\d.]+ s; score (\d+), ([\d.]+) mm deep, 1 tries, 0 misses, highest total force ([\d.]+) N",
+                          done.stdout)
+        self.assertIsNotNone(found, done.stdout)
+        score, depth, force = map(float, found.groups())
+        self.assertGreater(score, 160)
+        self.assertTrue(15.0 <= depth <= 20.0, depth)  # 17 mm was measured
+        self.assertLess(force, 0.2)  # 0.03 N was measured
+        self.assertEqual([line["what"] for line in self.lines() if line.get("event") == "step"], ["grasp", "enter", "advance", "let go"])
+        self.assertEqual([line for line in self.lines() if line.get("event") == "mistake"], [])
+
+    def test_the_same_seed_is_the_same_run_and_another_is_not(self):
+        hashes = [re.search(r"state hash (\w+)", self.play("expert", "--seed", seed, steps="600").stdout)[1] for seed in ("3", "3", "4")]
+        self.assertEqual(hashes[0], hashes[1])
+        self.assertNotEqual(hashes[0], hashes[2])
+
+    def test_a_device_is_refused_in_one_line(self):
+        motion = Path(self.folder.name) / "in.csv"
+        motion.write_text("time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n1,0,0,0,1,0,0,0,0\n")
+        done = self.play(str(motion))
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+        self.assertIn("cannulation: a haptic device holds the right handle in peg-transfer only", done.stderr)
+
+    def test_clumsy_hands_break_nothing(self):
+        done = self.play("clumsy", "--seed", "1", steps=STEPS or "6000")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
 
