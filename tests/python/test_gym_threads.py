@@ -154,7 +154,36 @@ def test_wrong_joints_and_far_grips_change_nothing():
     env.close()
 
 
-@pytest.mark.parametrize("name", ["ThreadInHole", "RopeThreading", "LigatingLoop", "Suture"])
+def test_a_catheter_is_as_deep_as_it_is_and_the_grasper_keeps_off_the_duct():
+    env = gym.Cannulation(difficulty=2)
+    info = solved(env, 1)
+    tip = env.sim.frame[env.catheter].positions[-1] - env.middle
+    assert 0.015 <= info["measures"]["depth"] <= 0.02
+    assert info["measures"]["depth"] == pytest.approx(tip @ env.axis(), abs=1e-3)
+    assert abs(np.hypot(*(tip - tip @ env.axis() * env.axis() - (0, env.height, 0))[1:])) < env.inner
+    for _ in range(60):  # towards the duct
+        *_, info = env.step(np.array([1.0, -1.0, 0.0, -1.0]))
+        out = env.tools[0].place - env.middle - (0, env.height, 0)
+        along = np.clip(out @ env.axis(), -env.before, env.length - env.before)
+        assert np.linalg.norm(out - along * env.axis()) > env.clearance - 1e-9
+    assert info["measures"]["depth"] > 0.015
+    env.close()
+
+
+def test_a_catheter_that_is_pushed_past_the_duct_is_not_in_it():
+    env = gym.Cannulation()
+    env.reset(seed=0)
+    tool, act = env.tools[0], scripted(env)
+    while not env.holds(tool):
+        env.step(act())
+    for _ in range(120):  # above it
+        wanted = env.hole() + (0.02, 0.012, 0.0) - env.sim.frame[env.catheter].positions[-1]
+        _, _, _, _, info = env.step(np.append(np.clip(wanted / (0.06 * 0.02), -1, 1), 1.0))
+    assert env.sim.frame[env.catheter].positions[-1] @ env.axis() > 0.01 and info["measures"]["depth"] == 0.0
+    env.close()
+
+
+@pytest.mark.parametrize("name", ["ThreadInHole", "RopeThreading", "LigatingLoop", "Suture", "Cannulation"])
 def test_a_vector_of_them_has_the_hashes_of_single_ones(name):
     envs = gym.VectorEnv(getattr(gym, name), 2, threads=2, difficulty=2)
     _, infos = envs.reset(seed=3)

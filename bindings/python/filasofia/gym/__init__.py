@@ -1,4 +1,4 @@
-"""Environments for gymnasium (docs/guide/environments.md): importing this registers filasofia/Reach-v0 and 16 more."""
+"""Environments for gymnasium (docs/guide/environments.md): importing this registers filasofia/Reach-v0 and 17 more."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ try:
 except ImportError:
     raise ImportError("filasofia.gym needs gymnasium: pip install filasofia[gym]") from None
 
+from .cannulation import Cannulation
 from .cuts import PolypRemoval, PrecisionCutting
 from .environment import Judgement, SurgicalEnv
 from .laparoscopy import ClipAndCut, PatternCutting, PegTransfer
@@ -44,12 +45,14 @@ TASKS = (
     PegTransfer,
     PatternCutting,
     ClipAndCut,
+    Cannulation,
 )
 
 # Name by name, because type checkers read no more than that.
 __all__ = [
     "TASKS",
     "BimanualTissueManipulation",
+    "Cannulation",
     "ClipAndCut",
     "DeflectSpheres",
     "EnvState",

@@ -6,7 +6,7 @@ import typing
 
 import numpy as np
 
-from . import cuts, laparoscopy, stitches, tasks, threads
+from . import cannulation, cuts, laparoscopy, stitches, tasks, threads
 from .environment import SurgicalEnv
 from .tool import Array, Tool, turned
 
@@ -373,6 +373,42 @@ def _clip_and_cut(env: laparoscopy.ClipAndCut) -> Moves:
     yield from _stay(7, -1.0)
 
 
+def _cannulate(env: cannulation.Cannulation) -> Moves:
+    tool = env.tools[0]
+    hole, catheter = env.hole(), lambda: env.sim.frame[env.catheter].positions
+    back = np.array([-np.cos(cannulation.STEEP), np.sin(cannulation.STEEP), 0.0])
+
+    def behind(away: float) -> Array:
+        return catheter()[-1 - round(away / env.spacing)]
+
+    def lead(to: Array) -> Array:
+        return tool.place + to - catheter()[-1]
+
+    where = 0.024
+    for _ in range(4):
+        yield from _go(env, lambda: behind(where) + (0, 0.012, 0.006), -1.0)
+        yield from _go(env, lambda: behind(where), -1.0)
+        yield from _again(np.array([0, 0, 0, 1.0]), 2)
+        if env.depth() == 0:
+            yield from _go(env, lambda: lead(hole + 0.012 * back), 1.0)
+            yield from _go(env, lambda: lead(hole + 0.004 * back), 1.0)
+        for _ in range(60):
+            away = hole - tool.place
+            if np.linalg.norm(away) < 0.014 or not env.holds(tool) or env.depth() > env.wanted + 0.0015:
+                break
+            yield np.append(_towards(env, tool, tool.place + 6e-4 * away / np.linalg.norm(away)), 1.0)
+        yield from _again(np.array([0, 0, 0, -1.0]), 2)
+        if env.depth() > env.wanted:
+            break
+        where = 0.024 + env.depth()
+    yield from _stay(4, -1.0)
+
+
+def _again(action: Array, times: int) -> Moves:
+    for _ in range(times):
+        yield action
+
+
 POLICIES: dict[type[SurgicalEnv], typing.Callable[[typing.Any], Moves]] = {
     tasks.Reach: _reach,
     tasks.DeflectSpheres: _deflect,
@@ -391,4 +427,5 @@ POLICIES: dict[type[SurgicalEnv], typing.Callable[[typing.Any], Moves]] = {
     laparoscopy.PegTransfer: _transfer,
     laparoscopy.PatternCutting: _pattern,
     laparoscopy.ClipAndCut: _clip_and_cut,
+    cannulation.Cannulation: _cannulate,
 }
