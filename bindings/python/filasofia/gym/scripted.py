@@ -374,15 +374,14 @@ def _clip_and_cut(env: laparoscopy.ClipAndCut) -> Moves:
 
 
 def _cannulate(env: cannulation.Cannulation) -> Moves:
-    tool = env.tools[0]
-    hole, catheter = env.hole(), lambda: env.sim.frame[env.catheter].positions
+    tool, hole = env.tools[0], env.hole()
     back = np.array([-np.cos(cannulation.STEEP), np.sin(cannulation.STEEP), 0.0])
 
     def behind(away: float) -> Array:
-        return catheter()[-1 - round(away / env.spacing)]
+        return env.sim.frame[env.catheter].positions[-1 - round(away / env.spacing)]
 
     def lead(to: Array) -> Array:
-        return tool.place + to - catheter()[-1]
+        return tool.place + to - behind(0.0)
 
     where = 0.024
     for _ in range(4):
