@@ -275,7 +275,57 @@ def test_a_vector_without_copies_is_one_array_and_pictures_come_from_all():
     envs.close()
 
 
-@pytest.mark.parametrize("action", [[0, 0], "up", [np.nan, 0, 0], None])
+@pytest.mark.parametrize("wrong", [[0, np.nan, 0], [0, 1j, 0], ["0", "0", "0"]])
+def test_if_one_action_of_a_vector_is_wrong_no_environment_steps(wrong):
+    envs = gym.VectorEnv(gym.Reach, 2)
+    with pytest.raises(fs.Error, match="^VectorEnv: environment 0: Reach: step: no episode has begun"):
+        envs.step(np.zeros((2, 3)))
+    envs.reset(seed=0)
+    before = [env.sim.state_hash for env in envs.envs]
+    with pytest.raises(fs.Error, match="^VectorEnv: environment 1: Reach: the action must be 3 finite numbers"):
+        envs.step([[1, 0, 0], wrong])
+    assert [env.sim.state_hash for env in envs.envs] == before
+    envs.step(np.zeros((2, 3)))
+    envs.close()
+
+
+def test_a_vector_calls_and_has_the_attributes_of_its_environments():
+    envs = gym.VectorEnv(gym.Reach, 2)
+    assert envs.get_attr("difficulty") == envs.call("difficulty") == (0, 0)
+    envs.set_attr("max_steps", 7)
+    assert envs.get_attr("max_steps") == (7, 7)
+    envs.set_attr("max_steps", [5, 1])
+    assert [env.max_steps for env in envs.envs] == [5, 1]
+    envs.reset(seed=0)
+    assert envs.step(np.zeros((2, 3)))[3].tolist() == [False, True]
+    assert len(envs.call("save_state")) == 2
+    seen = envs.call("reset", seed=3)
+    assert np.array_equal(seen[0][0], seen[1][0])
+    with pytest.raises(fs.Error, match="^VectorEnv: set_attr: values of 'max_steps' must be 2, got 3"):
+        envs.set_attr("max_steps", [1, 2, 3])
+    with pytest.raises(AttributeError, match="nothing"):
+        envs.get_attr("nothing")
+    envs.close()
+
+
+def test_a_closed_environment_says_which_it_is():
+    env = gym.Reach(render_mode="rgb_array")
+    env.reset(seed=0)
+    env.close()
+    for what, act in (("step", lambda: env.step([0, 0, 0])), ("reset", env.reset), ("render", env.render)):
+        with pytest.raises(fs.Error, match=f"^Reach: {what}: the environment is closed"):
+            act()
+    envs = gym.VectorEnv(gym.Reach, 2)
+    envs.reset(seed=0)
+    envs.envs[1].close()
+    before = envs.envs[0].sim.state_hash
+    with pytest.raises(fs.Error, match="^VectorEnv: environment 1: Reach: step: the environment is closed"):
+        envs.step(np.zeros((2, 3)))
+    assert envs.envs[0].sim.state_hash == before
+    envs.close()
+
+
+@pytest.mark.parametrize("action", [[0, 0], "up", [np.nan, 0, 0], None, ["0", "0", "0"], np.zeros(3, complex)])
 def test_a_wrong_action_is_one_clear_error_and_changes_nothing(action):
     env = gym.Reach()
     env.reset(seed=0)

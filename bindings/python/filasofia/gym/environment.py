@@ -95,7 +95,7 @@ class SurgicalEnv(gymnasium.Env):
         self.tools = self.build()
         self._sizes = [tool.size for tool in self.tools]
         self.sim.on(fs.CutEvent, self.cuts.append)
-        self._began = False
+        self._began = self._closed = False
         self._random: dict[str, typing.Any] = {}  # of np_random, where the episode began
         self._actions: list[Array] = []  # since then
         self.sim.step()
@@ -266,13 +266,13 @@ class SurgicalEnv(gymnasium.Env):
             raise fs.Error(f"{name}: reset: options must be a dict, got {options!r}")
         for each in options or {}:
             raise fs.Error(f"{name}: reset: unknown option {each!r}; options are arguments of the constructor")
+        self._check_open("reset")
         super().reset(seed=seed)
         judgement = self._begin()
         return self._observe(), self._info(judgement)
 
     def step(self, action: typing.Any) -> tuple[Array, float, bool, bool, dict[str, typing.Any]]:
-        if not self._began:
-            raise fs.Error(f"{type(self).__name__}: step: no episode has begun: call reset() before")
+        self._check_ready()
         broken, judgement = self._advance(action)
         reward = float(sum(judgement.reward.values()))
         return self._observe(), reward, judgement.success or broken, self.steps >= self.max_steps, self._info(judgement)
@@ -325,9 +325,11 @@ class SurgicalEnv(gymnasium.Env):
 
     def render(self) -> Array | None:
         """A picture of image_size, (height, width, 3), uint8; None without a render_mode."""
+        self._check_open("render")
         return self._picture() if self.render_mode == "rgb_array" else None
 
     def close(self) -> None:
+        self._closed = True
         self.sim.close()
 
     # The rest.
@@ -352,7 +354,8 @@ class SurgicalEnv(gymnasium.Env):
     def _moves(self, action: typing.Any) -> list[Array]:
         name, count = type(self).__name__, sum(self._sizes)
         try:
-            given = np.asarray(action, dtype=float)
+            given = np.asarray(action)
+            given = given.astype(float) if given.dtype.kind in "biufO" else np.array(np.nan)
         except (TypeError, ValueError):
             given = np.array(np.nan)
         if self.action == "box":
@@ -393,6 +396,15 @@ class SurgicalEnv(gymnasium.Env):
             "measures": judgement.measures,
             "state_hash": self._hash(),
         }
+
+    def _check_open(self, what: str) -> None:
+        if self._closed:
+            raise fs.Error(f"{type(self).__name__}: {what}: the environment is closed; make another one")
+
+    def _check_ready(self) -> None:
+        self._check_open("step")
+        if not self._began:
+            raise fs.Error(f"{type(self).__name__}: step: no episode has begun: call reset() before")
 
     def _check(self, name: str, value: typing.Any, known: tuple[typing.Any, ...]) -> None:
         if value not in known:

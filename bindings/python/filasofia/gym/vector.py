@@ -90,11 +90,13 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         return self._observations(), infos
 
     def step(self, actions: typing.Any) -> tuple[Array, Array, Array, Array, dict[str, typing.Any]]:
+        """One step of each. If an action is wrong, also one of an environment that is reset now, none steps."""
         if not hasattr(actions, "__len__") or len(actions) != self.num_envs:
             got = len(actions) if hasattr(actions, "__len__") else repr(actions)
             raise fs.Error(f"VectorEnv: actions must be {self.num_envs}, got {got}")
         if self.autoreset_mode == AutoresetMode.DISABLED and self._ended.any():
             raise fs.Error(f"VectorEnv: environment {int(self._ended.argmax())} has ended: reset it first")
+        self._check(actions)
         rewards = np.zeros(self.num_envs)
         ends = np.zeros((2, self.num_envs), bool)
         infos: dict[str, typing.Any] = {}
@@ -107,6 +109,26 @@ class VectorEnv(gymnasium.vector.VectorEnv):
 
     def render(self) -> tuple[typing.Any, ...]:
         return tuple(self._all(lambda i: self.envs[i].render()))
+
+    def call(self, name: str, *args: typing.Any, **named: typing.Any) -> tuple[typing.Any, ...]:
+        """What a method of each environment returns, or its attribute of that name; on the threads of the steps."""
+
+        def one(i: int) -> typing.Any:
+            found = self.envs[i].get_wrapper_attr(name)
+            return found(*args, **named) if callable(found) else found
+
+        return tuple(self._all(one))
+
+    def get_attr(self, name: str) -> tuple[typing.Any, ...]:
+        """An attribute of each environment."""
+        return self.call(name)
+
+    def set_attr(self, name: str, values: typing.Any) -> None:
+        """Sets an attribute: a list or tuple has one value for each environment, anything else is for all."""
+        each = values if isinstance(values, (list, tuple)) else [values] * self.num_envs
+        if len(each) != self.num_envs:
+            raise fs.Error(f"VectorEnv: set_attr: values of {name!r} must be {self.num_envs}, got {len(each)}")
+        self._all(lambda i: self.envs[i].set_wrapper_attr(name, each[i]))
 
     def close_extras(self, **_: typing.Any) -> None:
         if hasattr(self, "envs"):
@@ -146,6 +168,17 @@ class VectorEnv(gymnasium.vector.VectorEnv):
                 problem.add_note(f"in environment {chosen[k]} of {self.num_envs}")
             raise problem
         return found
+
+    def _check(self, actions: typing.Any) -> None:
+        """Raises what is wrong with an action, or with an environment, before any of them steps."""
+        if self.closed:
+            return  # _all() says so
+        for i, env in enumerate(self.envs):
+            try:
+                env._check_ready()
+                env._moves(actions[i])
+            except fs.Error as problem:
+                raise fs.Error(f"VectorEnv: environment {i}: {problem}") from None
 
     def _advance(self, i: int, action: typing.Any) -> tuple[Array, float, bool, bool, dict[str, typing.Any]]:
         env = self.envs[i]
