@@ -40,6 +40,8 @@ void leavePath(const Threading& now, const LineShape& needle, Channel& channel)
     const auto ahead = [&](double place) { return place < needle.begin(); };
     const auto inside = static_cast<std::size_t>(std::ranges::find_if(now.places, ahead) - now.places.begin());
     if (inside == 0) return; // the tip is not in the tissue
+    // It has come out, and not back: wherever the tip is now, in another channel for example, it is not on this path.
+    if (channel.through && inside == now.places.size()) return;
     const Vec3 tip = needle.position(needle.begin()), forward = needle.forward(needle.begin());
     if (dot(tip - meanOf(channel.end, x), forward) >= 0.0) return; // it cuts on
     const double far = 2.0 * needle.radius() + 0.5 * channel.spacing;
