@@ -27,9 +27,13 @@ struct Tube {
         std::vector<Vec3> line;
         for (int i = 0; i <= 40; ++i) line.push_back({1e-3 * i, 0, 0});
         mesh = geometry::shapes::vessel(line, 1e-3, 0.6e-3, {12, 1});
-        // Faces that belong to one tetrahedron only.
+        skin = skinOf(*mesh);
+    }
+    /// Faces that belong to one tetrahedron only.
+    static std::vector<geometry::Triangle> skinOf(const geometry::TetMesh& mesh)
+    {
         std::map<std::array<int, 3>, std::pair<geometry::Triangle, int>> faces;
-        for (const auto& [a, b, c, d] : mesh->tetrahedra)
+        for (const auto& [a, b, c, d] : mesh.tetrahedra)
             for (const geometry::Triangle& t : {geometry::Triangle{a, c, b}, {a, b, d}, {b, c, d}, {a, d, c}}) {
                 std::array<int, 3> key = {t[0], t[1], t[2]};
                 std::ranges::sort(key);
@@ -37,8 +41,10 @@ struct Tube {
                 face = t;
                 ++count;
             }
+        std::vector<geometry::Triangle> outside;
         for (const auto& [key, face] : faces)
-            if (face.second == 1) skin.push_back(face.first);
+            if (face.second == 1) outside.push_back(face.first);
+        return outside;
     }
     [[nodiscard]] Duct duct(DuctDef def = {}) const
     {
@@ -309,6 +315,58 @@ TEST_CASE("a path that is no path is an Error")
     CHECK(problem({{0, 0, 0}, {0.04, 0, 0}}, 0.02).starts_with("duct 'd': radius must be that of a tube through"));
     CHECK(
         problem({{0, 0, 0}, {0.04, 0, 0}}, 0.05).starts_with("duct 'd': path must be at least as long as its radius"));
+}
+
+TEST_CASE(
+    "a radius that is not that of the space inside is an Error, and one between the half widths of a flat lumen is not")
+{
+    Tube tube;
+    const auto problem = [&](double radius) -> std::string {
+        try {
+            static_cast<void>(tube.duct({.radius = radius}));
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "none";
+    };
+    CHECK(problem(1.15e-3) == "none");
+    CHECK(problem(0.85e-3) == "none");
+    for (const double wrong : {0.5e-3, 1.4e-3, 2.5e-3}) { // inside, in the wall, beyond it
+        INFO(problem(wrong));
+        CHECK(problem(wrong).starts_with("duct: radius must be that of a tube through the body, whose wall is "));
+        CHECK(problem(wrong).ends_with(text(" where it fits best, got ", wrong, " m")));
+    }
+    const auto round = tube.mesh;
+    const auto reshaped = [&](auto&& place) {
+        geometry::TetMesh mesh = *round;
+        for (Vec3& each : mesh.nodes) each = place(each);
+        tube.mesh = std::make_shared<const geometry::TetMesh>(mesh);
+    };
+    reshaped([](Vec3 p) { return Vec3{p.x, 0.4 * p.y, 1.6 * p.z}; });
+    for (const double fits : {0.4e-3, 0.56e-3, 1e-3, 1.6e-3}) CHECK(problem(fits) == "none");
+    for (const double wrong : {0.25e-3, 2.2e-3}) CHECK(problem(wrong) != "none");
+    reshaped([](Vec3 p) { // it is wide at one end
+        const double wide = 1.0 + p.x / 0.04;
+        return Vec3{p.x, wide * p.y, wide * p.z};
+    });
+    for (const double fits : {1e-3, 1.5e-3, 2e-3}) CHECK(problem(fits) == "none");
+    for (const double wrong : {0.6e-3, 3e-3}) CHECK(problem(wrong) != "none");
+}
+
+TEST_CASE("in solid tissue a duct has any radius up to the skin")
+{
+    const auto mesh = geometry::shapes::block({0.04, 0.01, 0.01}, {8, 4, 4});
+    const std::vector<geometry::Triangle> skin = Tube::skinOf(*mesh);
+    const auto problem = [&](double radius) -> std::string {
+        try {
+            static_cast<void>(Duct({.path = {{-0.02, 0, 0}, {0.02, 0, 0}}, .radius = radius}, *mesh, skin, "duct"));
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "none";
+    };
+    for (const double fits : {1e-3, 3e-3, 5e-3}) CHECK(problem(fits) == "none");
+    CHECK(problem(9e-3).starts_with("duct: radius must be that of a tube through the body"));
 }
 
 } // namespace duct_test

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/disjoint_sets.h"
 #include "filasofia/core/error.h"
+#include "filasofia/surface/lumen.h"
 #include "filasofia/surface/outline.h"
 
 #include <algorithm>
@@ -148,6 +149,7 @@ Duct::Duct(const DuctDef& def, const geometry::TetMesh& mesh, std::span<const ge
     }
     points_ = geometry::embed(mesh, points);
     findNear(mesh, skin, points, object);
+    checkRadius(def.radius, {.middles = line.places, .points = points}, mesh, skin, object);
     middles_ = line.places;
 }
 
