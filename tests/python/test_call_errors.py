@@ -18,7 +18,7 @@ class Odd:
         (lambda sim: sim.step("a\nb" * 50), r"step: n must be a whole number, got 'a\nba\nba\nb"),
         (lambda sim: sim.step(Odd()), "step: n must be a whole number, got a Odd"),
         (lambda sim: sim.step(1, None, 3), "step: takes at most 2 arguments, got 3"),
-        (lambda sim: sim.step(m=3), "step has no argument 'm'"),
+        (lambda sim: sim.step(count=3), "step has no argument 'count' (it has n, moves)"),
         (lambda sim: sim.step(move={}), "step has no argument 'move' (did you mean 'moves'?)"),
         (lambda sim: sim.step(1, n=2), "step: n is given twice"),
         (lambda sim: sim.step(2**70), "step: n must be a whole number that C++ can hold, got 1180591620717411303424"),

@@ -73,7 +73,7 @@ def explain(function: typing.Any, given: list[typing.Any], named: dict[str, typi
         return f"{name}: takes {most}, got {len(given)}"
     for word in named:
         if word not in known:
-            return f"{name} has no argument {word!r}{_core.did_you_mean(word, known)}"
+            return f"{name} has no argument {word!r}{_core.did_you_mean_one_of(word, known)}"
         if word in known[: len(given)]:
             return f"{name}: {word} is given twice"
     values = dict(zip((each.arg for each in every), given)) | named

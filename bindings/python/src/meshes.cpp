@@ -235,7 +235,8 @@ void bindClosedShapes(nb::module_& module)
         nb::arg("points").none(), nb::arg("radius"), nb::arg("sides") = 8, nb::arg("sharp") = false,
         nb::sig("def tube(points: collections.abc.Sequence[collections.abc.Sequence[float]], radius: float, "
                 "sides: int = 8, sharp: bool = False) -> TriangleMesh"),
-        "A round tube of `radius` [m] along a line through `points` [m]; with `sharp`, its first end is a point.");
+        "A round tube of `radius` [m] along a line through `points` [m]; with `sharp`, its first end is a point. It is "
+        "closed: both ends have flat caps.");
     module.def(
         "arc",
         [](double radius, double from, double to, int edges) {
