@@ -1,3 +1,5 @@
+#include "filasofia/core/log.h"
+
 #include "engine/rods.h"
 
 namespace cut_rods_test {
@@ -85,6 +87,47 @@ TEST_CASE("a node that cuts leave alone is still stopped by a table")
     stage.run(500, 1e-3);
     for (Vec3 x : stage.soft().x) CHECK(x.y > 0.8 * 0.3e-3);
     CHECK(stage.soft().x[25].y < 0.5e-3);
+}
+
+TEST_CASE("a force that tears a thread neither throws the light end about nor disturbs the rest, and the log says so")
+{
+    Stage stage;
+    RodBodyDef def{.name = "thread", .points = {{0, 0, 0}, {0.1, 0, 0}}};
+    def.spacing = 1e-3;
+    def.radius = 0.15e-3;
+    def.youngModulus = 0.3e9;
+    def.gravity = false;
+    def.dynamicTopology = true;
+    def.breakForce = 3.0;
+    def.attachments = {{.nodes = {0}}};
+    const BodyId rod = stage.add(def);
+    std::string warnings;
+    setLogSink([&](LogLevel, std::string_view line) { warnings += text(line, "\n"); });
+    const auto pull = [&](double force) { stage.post(SetForces{rod, {{100, {force, 0, 0}}}}); };
+    pull(2.9);
+    std::size_t tears = 0;
+    physics::StepReport report;
+    int lost = 0;
+    const auto run = [&](int steps) {
+        for (int i = 0; i < steps; ++i) {
+            report = stage.step(1e-3);
+            CHECK((report.flags & static_cast<std::uint32_t>(StepFlag::Undone)) == 0);
+            tears += report.topology.ruptures.size();
+            lost += report.topology.lost;
+            for (std::size_t k = 0; lost == 0 && k < stage.soft().v.size(); ++k)
+                CHECK(length(stage.soft().v[k]) < 101.0);
+        }
+    };
+    run(300);
+    CHECK(tears == 0);
+    pull(3.1);
+    run(300);
+    setLogSink({});
+    CHECK(tears == 1);
+    CHECK(lost == 1); // it has left the scene
+    CHECK(std::abs(stage.soft().x[90].x) < 0.11);
+    CHECK(warnings.starts_with("body 'thread' has come apart, and forces of 3.1 N still act on a loose piece of "));
+    CHECK(std::ranges::count(warnings, '\n') == 1);
 }
 
 } // namespace cut_rods_test

@@ -88,7 +88,7 @@ struct BodyOutcome {
 
 /// Moves a body by the solved change of velocities. If the new state is not usable, the body is rolled back and its
 /// step is repeated with kCreep times its mass.
-void settleBody(const StepContext& context, Vec3 gravity, SoftBody& body, BodyOutcome& outcome)
+void settleBody(const StepContext& context, const Scene& scene, SoftBody& body, BodyOutcome& outcome)
 {
     const double dt = context.dt;
     SoftState& state = body.state;
@@ -97,7 +97,7 @@ void settleBody(const StepContext& context, Vec3 gravity, SoftBody& body, BodyOu
     if (!good) { // roll back, clear velocities, and creep
         for (auto* list : {&state.v, &state.dv, &state.residual}) std::fill(list->begin(), list->end(), Vec3{});
         for (auto* list : {&state.rod.spins, &state.rod.tensions}) std::ranges::fill(*list, 0.0);
-        assembleBody({gravity, dt, kCreep}, body, context.pool);
+        assembleBody({scene.gravity, dt, kCreep, reducedForces(dt, body, scene)}, body, context.pool);
         system.dv = state.dv;
         solveBody(dt, kCreep, limitsOf(body.model), body, context.pool);
         // The residual of the heavier body must not be handed on to the real one.
@@ -155,7 +155,7 @@ public:
     void settle()
     {
         forEachBody(scene_, context_.pool,
-                    [&](SoftBody& body, std::size_t b) { settleBody(context_, scene_.gravity, body, outcomes_[b]); });
+                    [&](SoftBody& body, std::size_t b) { settleBody(context_, scene_, body, outcomes_[b]); });
         for (std::size_t b = 0; b < outcomes_.size(); ++b)
             if (outcomes_[b].has(StepFlag::Undone)) clearWarmStart(b, coupling_.constraints);
     }

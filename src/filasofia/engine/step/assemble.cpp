@@ -14,10 +14,13 @@ namespace {
 
 /// Computes the forces other than elasticity and damping: weight, the user's forces, pin springs, pressure on the
 /// surface.
-void addExternalForces(const SoftModel& model, Vec3 gravity, const SoftState& state, std::vector<Vec3>& forces)
+void addExternalForces(const SoftModel& model, const Assembly& how, const SoftState& state, std::vector<Vec3>& forces)
 {
+    const Vec3 gravity = how.gravity;
     for (std::size_t i = 0; i < forces.size(); ++i)
         forces[i] = state.forces[i] + (model.gravity ? model.masses[i] * gravity : Vec3{});
+    for (const ReducedForce& each : how.reduced)
+        for (const int node : model.pieces[each.piece].nodes) forces[node] -= (1.0 - each.part) * state.forces[node];
     if (model.gravity) // the weight of a liquid is in its pressure
         for (std::size_t i = 0; i < model.filling.size(); ++i) forces[i] = forces[i] - model.filling[i] * gravity;
     addPinForces(model.pins, state.x, forces);
@@ -175,7 +178,7 @@ void findStrainedTriangles(const SoftBody& body, physics::StrainedElements& repo
 void assembleBody(const Assembly& how, SoftBody& body, WorkerPool& pool)
 {
     SoftSystem& system = body.system;
-    addExternalForces(body.model, how.gravity, body.state, system.forces);
+    addExternalForces(body.model, how, body.state, system.forces);
     addCavityForces({how.gravity, how.dt}, body.model, body.state, system.forces, system.cavities);
     if (system.rod)
         system.rod->assemble(body.model, system.forces, how.dt, how.inertia, body.state);
@@ -191,7 +194,7 @@ void assemble(const StepContext& context, Scene& scene)
 {
     if (context.dt == 0.0) return;
     forEachBody(scene, context.pool, [&](SoftBody& body, std::size_t) {
-        assembleBody({scene.gravity, context.dt, 1.0}, body, context.pool);
+        assembleBody({scene.gravity, context.dt, 1.0, reducedForces(context.dt, body, scene)}, body, context.pool);
     });
     physics::StepReport& report = context.report;
     for (const SoftBody& body : scene.soft) {

@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/scene/scene.h"
 #include "filasofia/engine/scene/step_context.h"
+#include "filasofia/engine/topology/loose_pieces.h"
 
 namespace filasofia::engine {
 
@@ -14,6 +15,7 @@ struct Assembly {
     Vec3 gravity;         ///< [m/s^2]
     double dt = 0.0;      ///< [s]
     double inertia = 1.0; ///< [-] factor on the masses in the matrix
+    std::vector<ReducedForce> reduced = {};
 };
 
 /// The same for one body.

@@ -175,6 +175,7 @@ void applyCuts(Rupture::Kind kind, std::vector<RodCut>& cuts, SoftBody& body, Sc
     cuts.clear();
     rupture.detached = findRodPieces(model);
     measure(model, body.state, rupture.detached);
+    tellForces(rupture.detached, body, scene);
     cutRodCollision(model, scene);
     outdate(true, body.system);
     report.ruptures.push_back(std::move(rupture));

@@ -1,5 +1,6 @@
 #include "filasofia/engine/topology/loose_pieces.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/soft/rigid_motion.h"
 
@@ -71,6 +72,74 @@ void limitSpin(const SoftModel& model, double maxTurn, double dt, SoftState& sta
             const auto i = static_cast<std::size_t>(node);
             state.v[i] -= cross(excess, state.x[i] - motion.centre);
         }
+    }
+}
+
+namespace {
+
+constexpr double kPushed = 100.0; // [m/s]
+
+bool isAttached(const BodyPiece& piece, BodyId body, const Scene& scene)
+{
+    const auto isOn = [&](const NodeWeight& at) { return std::ranges::binary_search(piece.nodes, at.node); };
+    return std::ranges::any_of(scene.attachments, [&](const Attachment& each) {
+        return std::ranges::any_of(each.pairs, [&](const auto& pair) {
+            return (each.body == body && std::ranges::any_of(pair[0].nodes, isOn)) ||
+                   (each.to == body && std::ranges::any_of(pair[1].nodes, isOn));
+        });
+    });
+}
+
+/// What acts on a piece.
+struct Push {
+    Vec3 force, momentum; ///< [N] from a user; [kg m/s]
+    double mass = 0.0;    ///< [kg]
+    /// [-] The part of the force that brings the piece to kPushed in a step.
+    [[nodiscard]] double part(double dt) const
+    {
+        const double size = length(force);
+        if (!(size > 0.0)) return 1.0;
+        return std::clamp((kPushed * mass - dot(momentum, force) / size) / (dt * size), 0.0, 1.0);
+    }
+};
+
+Push pushOn(const BodyPiece& piece, const SoftBody& body)
+{
+    Push push;
+    for (const int node : piece.nodes) {
+        const auto i = static_cast<std::size_t>(node);
+        push.force += body.state.forces[i];
+        push.momentum += body.model.masses[i] * body.state.v[i];
+        push.mass += body.model.masses[i];
+    }
+    return push;
+}
+
+} // namespace
+
+std::vector<ReducedForce> reducedForces(double dt, const SoftBody& body, const Scene& scene)
+{
+    std::vector<ReducedForce> reduced;
+    if (!isRod(body.model)) return reduced;
+    for (std::size_t p = 0; p < body.model.pieces.size(); ++p) {
+        const BodyPiece& piece = body.model.pieces[p];
+        if (piece.held) continue;
+        const double part = pushOn(piece, body).part(dt);
+        if (part < 1.0 && !isAttached(piece, body.model.id, scene)) reduced.push_back({p, part});
+    }
+    return reduced;
+}
+
+void tellForces(const std::vector<physics::LoosePiece>& loose, const SoftBody& body, const Scene& scene)
+{
+    if (loose.empty()) return;
+    for (const BodyPiece& piece : body.model.pieces) {
+        if (piece.held || isAttached(piece, body.model.id, scene)) continue;
+        const Push push = pushOn(piece, body);
+        if (!(length(push.force) > 0.0)) continue;
+        logWarning("body '", body.model.name, "' has come apart, and forces of ", length(push.force),
+                   " N still act on a loose piece of ", push.mass, " kg: they push it to ", kPushed,
+                   " m/s at most; setForces() takes them away");
     }
 }
 
