@@ -247,7 +247,7 @@ int cannulation(const Training& training)
         .steps = {laparoscopy::step("grasp", "Grasp the catheter near its tip", [&] { return judge.held(); }),
                   laparoscopy::step("enter", "Lead its tip into the opening", [&] { return judge.entered(); }),
                   laparoscopy::step("advance", "Advance it until the first mark is in the duct, and the second is not",
-                                    [&] { return judge.placed(); }),
+                                    [&] { return judge.placed() && judge.depth() <= kMarks[1]; }),
                   laparoscopy::step("let go", "Let it go: it has to stay", [&] { return judge.over(); })},
         .timeLimit = difficulty.seconds,
         .guided = difficulty.guided,

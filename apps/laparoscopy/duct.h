@@ -13,7 +13,7 @@ namespace cannulating {
 
 inline constexpr double kLumen = 3e-3;                   ///< [m], radius of the duct, inside
 inline constexpr double kWall = 1.2e-3;                  ///< [m]
-inline constexpr double kOpening = 6e-3;                 ///< [m], length of the opening; half as wide
+inline constexpr double kOpening = 6e-3;                 ///< [m]; cells with their middles in it are open: 5 x 3 mm
 inline constexpr double kCatheter = 0.8e-3;              ///< [m], its radius: 5 Fr
 inline constexpr double kOutside = kLumen + 0.5 * kWall; ///< [m], what is farther from the middle is not in the lumen
 inline constexpr double kMarks[] = {15e-3, 20e-3};       ///< [m], from its tip

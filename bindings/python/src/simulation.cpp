@@ -218,17 +218,16 @@ void addBodies(nb::class_<HeldSimulation>& sim)
         "The bodies that were added and not removed.");
 }
 
-/// Where a kinematic body is in the newest frame.
+/// Where a kinematic body is in the newest frame; before its first step, where it starts.
 Pose placeOf(Session& session, BodyId body, const Where& where, nb::handle key)
 {
     const auto def = session.physics().def(body);
     const auto* rigid = std::get_if<RigidBodyDef>(&*def);
     if (!rigid || rigid->dynamic) failValue(where, "must have kinematic bodies as keys", key);
     const auto frame = session.physics().latest();
+    if ((frame ? frame->step : 0) != session.steps()) fail("step: moves need the newest frame: let go of older ones");
     const frame::RigidBodyFrame* seen = frame ? frame->rigidBody(body) : nullptr;
-    if (!seen) failValue(where, "must have bodies as keys that have made a step", key);
-    if (frame->step != session.steps()) fail("step: moves need the newest frame: let go of older ones");
-    return seen->poses.front();
+    return seen ? seen->poses.front() : rigid->elements.front();
 }
 
 std::vector<Move> readMoves(Session& session, nb::handle moves)
@@ -260,7 +259,7 @@ void addSteps(nb::class_<HeldSimulation>& sim)
                 "collections.abc.Sequence[float]] | None = None) -> StepReport"),
         "Makes n steps and returns the report of the last one. Other threads of Python run meanwhile.\n\n"
         "`moves` gives kinematic bodies the poses [m] that their first elements reach with the last step: straight, at "
-        "constant speed, from where they are in the newest frame. A position alone means no rotation.");
+        "constant speed, from where they are in the newest frame, or start. A position alone means no rotation.");
     sim.def("run", &runFor, nb::arg("seconds"),
             "Makes the steps of this simulated time [s]; returns the report of the run.\n\n"
             "Steps are whole: what rounding leaves of one is made up for by the next call, so that 60 calls of run(1 / "

@@ -296,10 +296,8 @@ TEST_CASE("a solid looks for itself within a quarter of its mean edge, and for o
         const double deepest = *std::ranges::max_element(model.inset.depth);
         CHECK(model.proximity == 0.5e-3);
         CHECK(model.shape->proximity == Approx(0.5e-3 + deepest));
-        if (cell > 2e-3) CHECK(model.ownProximity == 0.5e-3);
-        // Two edges along the axes to one across a square.
-        else
-            CHECK(model.ownProximity == Approx(0.25 * cell * (2.0 + std::sqrt(2.0)) / 3.0));
+        const double mean = (2.0 + std::sqrt(2.0)) / 3.0 * cell; // two edges along the axes to one across a square
+        CHECK(model.ownProximity == Approx(std::min(0.5e-3, 0.25 * mean)));
         CHECK(model.shape->ownProximity == Approx(model.ownProximity + deepest));
     }
 }

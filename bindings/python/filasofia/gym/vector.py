@@ -175,8 +175,10 @@ class VectorEnv(gymnasium.vector.VectorEnv):
             return  # _all() says so
         for i, env in enumerate(self.envs):
             try:
-                env._check_ready()
-                env._moves(actions[i])
+                plain = env.unwrapped
+                plain._check_ready()
+                if plain is env:  # a wrapper may change the action: it checks it itself
+                    env._moves(actions[i])
             except fs.Error as problem:
                 raise fs.Error(f"VectorEnv: environment {i}: {problem}") from None
 

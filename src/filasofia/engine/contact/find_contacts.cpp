@@ -218,7 +218,8 @@ void addContact(Proximity& found, const std::array<const SurfaceOwner*, 2>& side
     if (!(gap < proximity + comingNearer(coupling.detection.surfaces, found, context.dt))) return;
     Constraint& contact = coupling.constraints.emplace_back();
     writeContact(found, gap, sides, context, scene, coupling, contact);
-    if (arePinned(contact, scene)) return coupling.constraints.pop_back();
+    if (std::holds_alternative<physics::ExactContact>(context.method) && arePinned(contact, scene))
+        return coupling.constraints.pop_back();
     contact.yielding = linePenalty(sides, gap, scene);
 }
 

@@ -96,7 +96,7 @@ bool isPierced(const Scene& scene, BodyId a, BodyId b)
 }
 
 /// Whether a place lies between the legs of a clip on this body, or beside them by less than half its opening. Walls of
-/// a lumen are through each other there: that is what shut means.
+/// a lumen are through each other there: that is what shut means. Other walls there are not told either.
 bool isClipped(const Scene& scene, const SurfaceOwner& owner, Vec3 place)
 {
     if (!owner.soft) return false;

@@ -35,8 +35,12 @@ bool canMove(const BodyPoint& point, const Scene& scene, const RigidPlan& plan)
 
 bool arePinned(const Constraint& contact, const Scene& scene)
 {
-    return std::ranges::all_of(contact.sides,
-                               [&](const BodyPoint& point) { return pinnedShare(point, scene) > kPinned; });
+    return std::ranges::all_of(contact.sides, [&](const BodyPoint& point) {
+        if (!isSoft(point)) return false;
+        const SoftModel& model = scene.soft[point.body].model;
+        const bool solid = !model.elements.empty() || !model.tetrahedra.empty();
+        return solid && pinnedShare(point, scene) > kPinned;
+    });
 }
 
 void yieldAsSpring(double dt, double stiffness, Constraint& contact)
@@ -53,7 +57,9 @@ void yieldWherePinned(double dt, const Scene& scene, Coupling& coupling)
         const std::size_t tissue = isSoft(contact.sides[0]) ? 0 : 1;
         const BodyPoint &place = contact.sides[tissue], &other = contact.sides[1 - tissue];
         if (!(pinnedShare(place, scene) > kPinned) || isSoft(other) || canMove(other, scene, coupling.rigid)) continue;
-        const bool driven = contact.impulse.x > 0.0 || other.velocity != Vec3{};
+        // What has come nearer goes on to push when it stands still: by its last impulse, so the contact remembers it.
+        const double nearing = (tissue == 0 ? 1.0 : -1.0) * dot(other.velocity, contact.frame[0]); // [m/s]
+        const bool driven = contact.impulse.x > 0.0 || nearing > 0.0;
         if (driven || canMove(place, scene, coupling.rigid)) yieldAsSpring(dt, kPinnedStiffness, contact);
     }
 }
