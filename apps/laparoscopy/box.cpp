@@ -147,6 +147,15 @@ LaparoscopicInstrumentDef instrumentOf(Side side, bool haptic)
     return def;
 }
 
+void useOwnJaws(LaparoscopicInstrumentDef& def)
+{
+    const LaparoscopicInstrumentDef own;
+    def.tool.groups = own.tool.groups;
+    def.tool.gripStiffness = own.tool.gripStiffness;
+    def.tool.closingTorque = own.tool.closingTorque;
+    def.tool.proximity = own.tool.proximity;
+}
+
 LaparoscopeDef scopeOf()
 {
     const Vec3 middle = {0, 4_mm, 2_mm}, view = normalized(Vec3{0, -0.80, -0.60});

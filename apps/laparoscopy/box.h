@@ -40,6 +40,8 @@ PegBox addBox(filasofia::Simulation& sim, int rings, std::uint64_t seed);
 /// The Defs of the instrument of a side, and of the laparoscope.
 filasofia::LaparoscopicInstrumentDef instrumentOf(Side side, bool haptic);
 filasofia::LaparoscopeDef scopeOf();
+/// Gives an instrument the jaws that its kind has, which touch all, in place of those for rings.
+void useOwnJaws(filasofia::LaparoscopicInstrumentDef& def);
 
 /// What is recorded of two instruments and a laparoscope; the first one is measured.
 std::vector<filasofia::TrackedBody> observedIn(const filasofia::LaparoscopicInstrument& first,

@@ -213,11 +213,7 @@ LaparoscopicInstrumentDef instrumentOf(laparoscopy::Side side)
 {
     LaparoscopicInstrumentDef def = laparoscopy::instrumentOf(side, false);
     def.start.insertion -= side == laparoscopy::LeftSide ? 10_mm : 50_mm; // both wait in front of the duct
-    const LaparoscopicInstrumentDef own;                                  // jaws as the kind has them, which touch all
-    def.tool.groups = own.tool.groups;
-    def.tool.gripStiffness = own.tool.gripStiffness;
-    def.tool.closingTorque = own.tool.closingTorque;
-    def.tool.proximity = own.tool.proximity;
+    laparoscopy::useOwnJaws(def);
     return def;
 }
 
@@ -225,7 +221,6 @@ LaparoscopicInstrumentDef instrumentOf(laparoscopy::Side side)
 
 int cannulation(const Training& training)
 {
-    if (training.device) fail("cannulation: a haptic device holds the right handle in peg-transfer only");
     const Difficulty& difficulty = kDifficulties[training.difficulty];
     Simulation sim({.window = {"Cannulation", 960, 720}, .look = {.mouse = false, .keys = false}});
     const auto seed = static_cast<std::uint64_t>(training.seed);

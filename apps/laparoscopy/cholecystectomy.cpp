@@ -193,7 +193,6 @@ std::vector<ResultLine> resultsOf(const TaskProgress& progress, const Surgery& s
 int cholecystectomy(const Training& training)
 {
     static constexpr const char* kNames[] = {"easy", "normal", "hard"};
-    if (training.device) fail("cholecystectomy: a haptic device holds the right handle in peg-transfer only");
     Simulation sim({.window = {"Cholecystectomy", 960, 720}, .look = {.mouse = false, .keys = false}});
     const auto seed = static_cast<std::uint64_t>(training.seed);
     const GallbladderPatient patient = addGallbladder(sim, seed);

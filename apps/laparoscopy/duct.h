@@ -3,7 +3,6 @@
 #include <filasofia/filasofia.h>
 
 #include <array>
-#include <optional>
 #include <vector>
 
 /// A duct of soft tissue with an opening on its upper side, and a catheter that lies in its introducer. The duct's own

@@ -187,7 +187,6 @@ TrocarPlan clumsyMotion(const Motion& with, std::uint64_t seed)
 
 int ligatingLoop(const Training& training)
 {
-    if (training.device) fail("ligating-loop: a haptic device holds the right handle in peg-transfer only");
     const Difficulty& difficulty = kDifficulties[training.difficulty];
     const auto seed = static_cast<std::uint64_t>(training.seed);
     Simulation sim({.window = {"Ligating loop", 960, 720}, .look = {.mouse = false, .keys = false}});

@@ -183,6 +183,8 @@ int pegTransfer(const Training& training)
 
 int main(int argc, char** argv)
 {
+    const std::vector<std::string> cases = {"peg-transfer",  "cholecystectomy", "pattern-cutting",
+                                            "ligating-loop", "suturing",        "cannulation"};
     return runTrainer(
         argc, argv,
         {.name = "laparoscopy",
@@ -196,14 +198,17 @@ int main(int argc, char** argv)
              "Cholecystectomy: 4, 5 and 6 give the right hand the hook (closing is its pedal), clips and scissors.\n"
              "Ligating loop: closing the right hand draws the thread, 4 lets the knot go.\n"
              "A haptic device (--device) holds the right handle; its first button closes the jaws.\n",
-         .cases = {"peg-transfer", "cholecystectomy", "pattern-cutting", "ligating-loop", "suturing", "cannulation"},
+         .cases = cases,
          .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
          .motions = {"expert", "clumsy"},
          .window = {"Laparoscopy", 960, 720}},
-        [](const Training& training) {
+        [&](const Training& training) {
             static constexpr std::array kTasks = {
                 pegTransfer,        operation::cholecystectomy, cutting::patternCutting, ligating::ligatingLoop,
                 suturing::suturing, cannulating::cannulation};
-            return kTasks[static_cast<std::size_t>(training.caseIndex)](training);
+            const auto chosen = static_cast<std::size_t>(training.caseIndex);
+            if (training.device && chosen > 0)
+                fail(cases[chosen], ": a haptic device holds the right handle in peg-transfer only");
+            return kTasks[chosen](training);
         });
 }

@@ -182,7 +182,6 @@ TrocarPlan clumsyMotion(const Motion& with, std::uint64_t seed)
 
 int patternCutting(const Training& training)
 {
-    if (training.device) fail("pattern-cutting: a haptic device holds the right handle in peg-transfer only");
     const Difficulty& difficulty = kDifficulties[training.difficulty];
     Simulation sim({.window = {"Pattern cutting", 960, 720}, .look = {.mouse = false, .keys = false}});
     const auto seed = static_cast<std::uint64_t>(training.seed);

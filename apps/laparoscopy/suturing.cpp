@@ -130,11 +130,7 @@ LaparoscopicInstrumentDef instrumentOf(laparoscopy::Side side)
     def.start.insertion -= 55_mm; // both wait in front of the drain
     def.name = side == laparoscopy::LeftSide ? "pick-ups" : "needle driver";
     def.tool.kind = side == laparoscopy::LeftSide ? InstrumentKind::PickUps : InstrumentKind::NeedleDriver;
-    const LaparoscopicInstrumentDef own; // jaws as the kind has them, which touch all
-    def.tool.groups = own.tool.groups;
-    def.tool.gripStiffness = own.tool.gripStiffness;
-    def.tool.closingTorque = own.tool.closingTorque;
-    def.tool.proximity = own.tool.proximity;
+    laparoscopy::useOwnJaws(def);
     return def;
 }
 
@@ -142,7 +138,6 @@ LaparoscopicInstrumentDef instrumentOf(laparoscopy::Side side)
 
 int suturing(const Training& training)
 {
-    if (training.device) fail("suturing: a haptic device holds the right handle in peg-transfer only");
     const Difficulty& difficulty = kDifficulties[training.difficulty];
     Simulation sim({.window = {"Suturing", 960, 720}, .look = {.mouse = false, .keys = false}});
     const auto seed = static_cast<std::uint64_t>(training.seed);

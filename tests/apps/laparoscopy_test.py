@@ -67,6 +67,14 @@ class CaseTrainer(Trainer):
         return run("--case", self.case, "--motion", motion, "--headless", "--no-picture", "--session", self.session, *words,
                    *(["--steps", steps] if steps else []))
 
+    def check_that_a_device_is_refused(self):
+        motion = Path(self.folder.name) / "in.csv"
+        motion.write_text("time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n1,0,0,0,1,0,0,0,0\n")
+        done = self.play(str(motion))
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
+        self.assertIn(f"{self.case}: a haptic device holds the right handle in peg-transfer only", done.stderr)
+
 
 class Surgeon(CaseTrainer):
     """One seed of the cholecystectomy; docs/lab/laparoscopy.md reports more."""
@@ -91,12 +99,7 @@ class Surgeon(CaseTrainer):
         self.assertIn("critical view of safety shown", [line.get("what") for line in self.lines()])
 
     def test_a_device_is_refused_in_one_line(self):
-        motion = Path(self.folder.name) / "in.csv"
-        motion.write_text("time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n1,0,0,0,1,0,0,0,0\n")
-        done = self.play(str(motion))
-        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
-        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
-        self.assertIn("a haptic device holds the right handle in peg-transfer only", done.stderr)
+        self.check_that_a_device_is_refused()
 
     def test_clumsy_hands_break_nothing(self):
         done = self.play("clumsy", "--seed", "3", steps=STEPS or "15000")
@@ -211,12 +214,7 @@ class Cannulation(CaseTrainer):
         self.assertNotEqual(hashes[0], hashes[2])
 
     def test_a_device_is_refused_in_one_line(self):
-        motion = Path(self.folder.name) / "in.csv"
-        motion.write_text("time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n1,0,0,0,1,0,0,0,0\n")
-        done = self.play(str(motion))
-        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
-        self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
-        self.assertIn("cannulation: a haptic device holds the right handle in peg-transfer only", done.stderr)
+        self.check_that_a_device_is_refused()
 
     def test_clumsy_hands_break_nothing(self):
         done = self.play("clumsy", "--seed", "1", steps=STEPS or "6000")
