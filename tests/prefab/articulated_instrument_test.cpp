@@ -204,6 +204,24 @@ TEST_CASE("scissors on what cannot be cut: a warning once, and a line in the sum
     CHECK_THAT(runtime::summary(report), Catch::Contains(expected + "\n"));
 }
 
+TEST_CASE("scissors on a thread that cannot be cut: the same warning, and nothing is cut")
+{
+    std::vector<std::string> lines;
+    setLogSink([&](LogLevel, std::string_view line) { lines.emplace_back(line); });
+    Simulation sim(weightless());
+    physics::RodBodyDef def{.name = "thread", .points = {{-5_mm, 0, -4_mm}, {5_mm, 0, -4_mm}}, .spacing = 1_mm};
+    def.collision = physics::RodCollision{};
+    def.attachments = {{.nodes = {0, 10}}};
+    sim.add(def);
+    ArticulatedInstrument scissors(sim, {.name = "scissors", .kind = InstrumentKind::Scissors, .opening = 1.0});
+    scissors.close();
+    run(sim, 700);
+    setLogSink({});
+    CHECK(lines == std::vector<std::string>{"blade of 'scissors' met body 'thread', which has no dynamicTopology: it "
+                                            "pushes and does not cut"});
+    CHECK(sim.physics().latest()->softBodies.front().cutEdges.empty());
+}
+
 TEST_CASE("a jaw that is fixed to the shaft stays with it")
 {
     Simulation sim(weightless());

@@ -84,7 +84,7 @@ physics::StepReport World::step(const physics::StepInput& in)
     followSheaths(scene_, report.topology);        //   blades that are switched off and still in tissue
     findContacts(context, scene_, coupling_);      //   constraints: contacts
     partLines(scene_);                             //   threads that were released follow no needle
-    leaveToChannels(scene_, coupling_);            //   contacts, but not of needles with the tissue that they are in
+    leaveToChannels(in.dt, scene_, coupling_);     //   contacts, but not of needles with the tissue that they are in
     yieldToTips(in.dt, scene_, coupling_);         //   tissue that is pinned gives way to needles,
     yieldWherePinned(in.dt, scene_, coupling_);    //   and to what is driven into it
     addWelds(context, scene_, coupling_);          //   attachments

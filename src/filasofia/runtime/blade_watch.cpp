@@ -54,8 +54,7 @@ void BladeWatch::look(const ContactEvent& contact)
         if (!meetsInVain(*toolDef, *tissueDef)) continue;
         const std::lock_guard lock(mutex_);
         if (!met_.insert({tool, tissue}).second) continue;
-        lines_.push_back(text("blade of '", std::get<physics::RigidBodyDef>(*toolDef).name, "' met body '",
-                              std::get<physics::SoftBodyDef>(*tissueDef).name,
+        lines_.push_back(text("blade of '", physics_.nameOf(tool), "' met body '", physics_.nameOf(tissue),
                               "', which has no dynamicTopology: it pushes and does not cut"));
         logWarning(lines_.back());
     }

@@ -75,7 +75,7 @@ struct ConstraintLaw {
     double friction = 0.0;          ///< [-] Coulomb's mu; unilateral constraints only
     double tolerance = 0.0;         ///< [m/s] how far a rigid constraint may miss C = 0 (or C >= 0)
     double softness = 0.0;          ///< [kg] impulse per velocity of a spring; 0 if the constraint is rigid
-    double across = 0.0;            ///< [-] ClipLeg: stiffness across the normal, as a part of that along it
+    double across = 1.0;            ///< [-] ClipLeg, Shaft: stiffness across the first axis, relative to that along it
     /// [N s] Bound on the impulse along the normal. The constraint yields beyond it.
     double maxImpulse = std::numeric_limits<double>::infinity();
     /// [N s] in the frame, on the first side. In: the last step's impulse; out: the impulse that acted in this step

@@ -105,7 +105,8 @@ void CoupledSolve::chooseStiffness()
             rigid = std::max(rigid, std::min(heavier, kExact / compliance));
         if (!(compliance > 0.0)) rigid = 0.0;
         const double across = spring ? each.softness : rigid;
-        const double tangential = spring && each.bilateral() ? each.softness : rigid;
+        double tangential = spring && each.bilateral() ? each.softness : rigid;
+        if (each.kind == ConstraintKind::Shaft) tangential *= each.across;
         rows_[c].stiffness = {across, tangential, tangential};
         const double loss = bothMove ? each.lostLoss : trapped.loss;
         rows_[c].law.impulse.x *= 1.0 - loss;

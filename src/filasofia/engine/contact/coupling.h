@@ -84,7 +84,9 @@ template <class IsGone> void eraseContacts(const IsGone& isGone, Coupling& coupl
         if (kept != c) coupling.constraints[kept] = coupling.constraints[c];
         ++kept;
     }
-    coupling.constraints.resize(kept);
+    const auto first = coupling.constraints.begin();
+    coupling.constraints.erase(first + static_cast<std::ptrdiff_t>(kept),
+                               first + static_cast<std::ptrdiff_t>(coupling.contactCount));
     coupling.contactCount = kept;
 }
 

@@ -3,6 +3,7 @@
 #include "filasofia/engine/collision/feature_normals.h"
 #include "filasofia/engine/collision/surface_crossings.h"
 #include "filasofia/engine/scene/find_body.h"
+#include "filasofia/geometry/distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -84,15 +85,41 @@ std::vector<const Attachment*> attachmentsBetween(const Scene& scene, BodyId a, 
     return between;
 }
 
-/// Whether one body runs through a channel in the other.
-bool isPierced(const Scene& scene, BodyId a, BodyId b)
+double radiusOfLine(const Scene& scene, BodyId id)
 {
-    return std::ranges::any_of(scene.channels, [&](const Channel& each) {
+    const std::optional<BodyPlace> line = findBody(scene, id);
+    if (!line) return 0.0;
+    if (line->soft) return scene.soft[line->index].model.rod.radius;
+    return scene.rigid[line->index].model.needle->radius;
+}
+
+/// The channels in which one of two bodies runs through the other.
+std::vector<const Channel*> channelsBetween(const Scene& scene, BodyId a, BodyId b)
+{
+    std::vector<const Channel*> between;
+    for (const Channel& each : scene.channels) {
         const auto runs = [&](BodyId id) {
             return std::ranges::find(each.lines, id, &ThreadedLine::body) != each.lines.end();
         };
-        return (each.tissue == a && runs(b)) || (each.tissue == b && runs(a));
-    });
+        if ((each.tissue == a && runs(b)) || (each.tissue == b && runs(a))) between.push_back(&each);
+    }
+    return between;
+}
+
+/// Whether a line that crosses the surface of tissue does so in its channel, or beside it by as little as contacts of
+/// the line are left to the channel.
+bool isIn(const Channel& channel, Vec3 place, double proximities, const Scene& scene)
+{
+    const std::vector<Vec3>& x = scene.soft[findBody(scene, channel.tissue)->index].state.x;
+    double radius = 0.0;
+    for (const ThreadedLine& each : channel.lines) radius = std::max(radius, radiusOfLine(scene, each.body));
+    const double far = 2.0 * (radius + proximities) + channel.spacing;
+    Vec3 from = meanOf(channel.points.front().nodes, x);
+    const auto isNear = [&](const std::vector<NodeWeight>& point) {
+        const Vec3 start = std::exchange(from, meanOf(point, x));
+        return geometry::nearestOnSegment(place, start, from).squaredDistance < far * far;
+    };
+    return std::ranges::any_of(channel.points, isNear, &ChannelPoint::nodes) || isNear(channel.end);
 }
 
 /// Whether a place lies between the legs of a clip on this body, or beside them by less than half its opening. Walls of
@@ -167,12 +194,13 @@ private:
     {
         const SurfaceOwner &one = ownerOf(pair[0]), &two = ownerOf(pair[1]);
         if (!movable(one, plan_) && !movable(two, plan_)) return false; // scenery
-        if (isPierced(scene_, one.name.body, two.name.body)) return false;
         const CollisionSurface &a = surfaceOf(pair[0]), &b = surfaceOf(pair[1]);
         const SurfacePair meeting{{&a, &b}, pair, 0.0};
         const auto between = attachmentsBetween(scene_, one.name.body, two.name.body);
         cross(pair);
         eraseHeld(scene_, one, two, pair, crossings_);
+        if (const auto channels = channelsBetween(scene_, one.name.body, two.name.body); !channels.empty())
+            return testBesideChannels(channels, meeting, one, two);
         if (meeting.self()) eraseClipped(one);
         const bool unseen = !meeting.self() && !crossings_.empty() && isUnseen(meeting, before);
         bool passes = false;
@@ -190,6 +218,23 @@ private:
             tell(*within);
         else if (const auto around = insideOf(b, a))
             tell(*around);
+        return passes;
+    }
+
+    /// A line may cross tissue where it runs through it, and nowhere else. Nothing parts them: it would be drawn out of
+    /// its channel.
+    bool testBesideChannels(std::span<const Channel* const> channels, const SurfacePair& meeting,
+                            const SurfaceOwner& one, const SurfaceOwner& two)
+    {
+        bool passes = false;
+        for (const SurfaceCrossing& each : crossings_) {
+            const auto isHere = [&](const Channel* channel) {
+                return isIn(*channel, each.place, meeting.proximities(), scene_);
+            };
+            if (std::ranges::any_of(channels, isHere) || !isLost(each, meeting)) continue;
+            add(one, two, {.crossings = 1, .depth = each.depth, .place = each.place}, watch_.told);
+            passes = true;
+        }
         return passes;
     }
 

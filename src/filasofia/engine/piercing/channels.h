@@ -14,7 +14,7 @@ void partLines(Scene& scene);
 
 /// Removes contacts between tissue and the lines that run through it, where they do. At a channel's mouths contacts do
 /// not part what the channel holds together.
-void leaveToChannels(const Scene& scene, Coupling& coupling);
+void leaveToChannels(double dt, const Scene& scene, Coupling& coupling);
 
 /// Makes a spring of a contact between a tip that is driven and pinned tissue, at which it pushes: neither can move, so
 /// no force follows from their motion. It takes up a radius at the force that pierces; several at one tip share that

@@ -5,6 +5,7 @@
 #include "filasofia/engine/contact/fragment_solves.h"
 #include "filasofia/engine/contact/keep_shells_apart.h"
 #include "filasofia/engine/contact/solve_island.h"
+#include "filasofia/engine/piercing/channels.h"
 #include "filasofia/engine/scene/each_body.h"
 #include "filasofia/engine/step/assemble.h"
 #include "filasofia/engine/step/solve_limits.h"
@@ -270,7 +271,10 @@ private:
             std::ranges::none_of(outcomes_, [](const BodyOutcome& each) { return each.has(StepFlag::OutOfTime); });
         for (std::vector<MissedContact> found = missed(); !found.empty() && inTime && ++repeats_ <= kRepeats;
              found = missed()) {
+            const std::size_t before = coupling_.contactCount;
             addMissed(context_, found, scene_, coupling_);
+            leaveToChannels(context_.dt, scene_, coupling_); // a thread meets the tissue that it runs through
+            if (coupling_.contactCount == before) break;
             std::tie(coupling_.rigid, coupling_.articulations) = plan_;
             // A spring's force is that of its length alone. From the last solve's it would grow with every new one.
             for (Constraint& each : coupling_.constraints)
