@@ -1,6 +1,7 @@
 #include "filasofia/engine/soft/coarse_mesh.h"
 
 #include "filasofia/engine/soft/node_clusters.h"
+#include "filasofia/geometry/dependent_nodes.h"
 #include "filasofia/linalg/small_pieces.h"
 
 #include <algorithm>
@@ -83,6 +84,7 @@ BuiltLattice buildLattice(const CoarseMesh& mesh, const CoarseChoice& choice)
     geometry::CoarseLattice lattice = geometry::coarseLattice(mesh.rest, mesh.edges, active, choice.target);
     if (lattice.nodeCount > 0 && lattice.nodeCount < choice.most) {
         refineLightNodes(mesh, choice.most, lattice);
+        geometry::dropDependent(lattice); // light nodes no longer use what their neighbours use alone now
         dropUnused(lattice);
     }
     addPieceNodes(lattice);
