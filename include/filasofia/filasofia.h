@@ -14,6 +14,7 @@
 #include "filasofia/prefab/perforation.h"
 #include "filasofia/prefab/scope_hands.h"
 #include "filasofia/prefab/screens.h"
+#include "filasofia/prefab/specimen_bag.h"
 #include "filasofia/prefab/trainer.h"
 #include "filasofia/prefab/trainer_task.h"
 #include "filasofia/prefab/trocar_hands.h"
@@ -140,6 +141,8 @@ using prefab::rollAcross;
 using prefab::runTrainer;
 using prefab::ScopeHand;
 using prefab::ScopeHands;
+using prefab::SpecimenBag;
+using prefab::SpecimenBagDef;
 using prefab::StartChoice;
 using prefab::StartScreen;
 using prefab::StartScreenDef;

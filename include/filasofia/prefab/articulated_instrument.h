@@ -26,9 +26,10 @@ enum class InstrumentKind {
     Dissector,            ///< 5 mm: pointed jaws bent to the right; 20 mN m
     LaparoscopicScissors, ///< 5 mm: two long blades, which cut and hold nothing; 50 mN m
     ClipApplier,          ///< 5 mm: two bars between which a clip lies; they touch and hold nothing; 50 mN m
+    SpecimenBag,          ///< 5 mm: two arms of wire that spread the mouth of a bag; they touch nothing; 50 mN m
 };
 /// The values' names in files, in order.
-constexpr std::array<std::string_view, 10> names(const InstrumentKind*)
+constexpr std::array<std::string_view, 11> names(const InstrumentKind*)
 {
     return {"forceps",
             "grasper",
@@ -39,7 +40,8 @@ constexpr std::array<std::string_view, 10> names(const InstrumentKind*)
             "laparoscopicGrasper",
             "dissector",
             "laparoscopicScissors",
-            "clipApplier"};
+            "clipApplier",
+            "specimenBag"};
 }
 
 /// One side of the instrument's mouth, closed, in the coordinates of the pivot.
@@ -144,8 +146,11 @@ public:
     [[nodiscard]] BodyId holding() const; ///< the body that it holds; 0 if none
     [[nodiscard]] double pull() const;    ///< [N], force of the held tissue on the instrument in the last step
     /// [m], where what it holds pulls, in the world: the middle of the grasped contacts, or the origin of a rigid
-    /// element; if it holds nothing, its pivot.
+    /// element; if it holds nothing, where what it carries pulls, or its pivot.
     [[nodiscard]] Vec3 grip() const;
+    /// Something is fixed to it for good, a bag for example: it pulls at this point [m] in the coordinates of the
+    /// pivot. A trocar's lever begins there.
+    void carries(Vec3 at);
     [[nodiscard]] double opening() const; ///< [-], opening of the widest jaw in the last step
 
 private:

@@ -135,7 +135,7 @@ struct ArticulatedInstrument::Impl {
         grip = {};
         held = {};
         force = 0.0;
-        gripAt = {};
+        gripAt = carried;
     }
 
     // Stepping thread, before each step.
@@ -305,7 +305,8 @@ struct ArticulatedInstrument::Impl {
     std::uint64_t requestedAt = 0;
     double force = 0.0;
     double widest = 0.0;
-    Vec3 gripAt = {}; ///< [m], where the held body pulls, in the coordinates of the pivot
+    Vec3 gripAt = {};  ///< [m], where the held body pulls, in the coordinates of the pivot
+    Vec3 carried = {}; ///< [m], the same of what is fixed to it
     struct Snapshot {
         Pose pose = {};
         BodyId holding = {};
@@ -370,6 +371,13 @@ Vec3 ArticulatedInstrument::grip() const
 {
     const Impl::Snapshot now = impl_->newest.read();
     return transform(now.pose, now.gripAt);
+}
+void ArticulatedInstrument::carries(Vec3 at)
+{
+    impl_->act([at](Impl& impl) {
+        impl.carried = at;
+        if (!impl.grip) impl.gripAt = at;
+    });
 }
 double ArticulatedInstrument::opening() const { return impl_->newest.read().widest; }
 

@@ -44,6 +44,8 @@ Kind kindOf(InstrumentKind kind)
         return {"laparoscopy", "dissector", "shaft", 40.0 * degree, 20e-3};
     case InstrumentKind::ClipApplier:
         return {"laparoscopy", "clip_applier", "shaft", 12.0 * degree, 50e-3};
+    case InstrumentKind::SpecimenBag:
+        return {"laparoscopy", "specimen_bag", "shaft", 30.0 * degree, 50e-3};
     case InstrumentKind::LaparoscopicScissors:
         break;
     }
@@ -61,17 +63,20 @@ std::string_view shaftFolder(const Kind& kind) { return kind.folder == "laparosc
 std::vector<JawDef> jawsOf(const Kind& kind)
 {
     std::vector<JawDef> jaws;
-    const bool drawnHere = kind.name == "clip_applier";
+    const bool drawnHere = kind.name == "clip_applier" || kind.name == "specimen_bag";
     for (const bool upper : {true, false}) {
         const std::string_view side = upper ? "upper" : "lower";
         JawDef jaw{.axis = {upper ? 1.0 : -1.0, 0.0, 0.0}, .opensBy = kind.opensBy};
-        if (drawnHere) { // two bars; they touch nothing
+        if (drawnHere) { // two bars, or two wires; they touch nothing
             const double side2 = upper ? 1.0 : -1.0;
-            jaw.surface = geometry::shapes::tube({{0, side2 * 0.5e-3, 1e-3},
-                                                  {0, side2 * 1.7e-3, -4e-3},
-                                                  {0, side2 * 1.1e-3, -9e-3},
-                                                  {0, side2 * 0.9e-3, -13.5e-3}},
-                                                 0.75e-3, 12);
+            if (kind.name == "specimen_bag")
+                jaw.surface = geometry::shapes::tube({{0, 0, 1e-3}, {0, 0, -65e-3}}, 0.6e-3, 12);
+            else
+                jaw.surface = geometry::shapes::tube({{0, side2 * 0.5e-3, 1e-3},
+                                                      {0, side2 * 1.7e-3, -4e-3},
+                                                      {0, side2 * 1.1e-3, -9e-3},
+                                                      {0, side2 * 0.9e-3, -13.5e-3}},
+                                                     0.75e-3, 12);
             jaws.push_back(jaw);
             continue;
         }
@@ -117,7 +122,8 @@ ArticulatedInstrumentDef completed(ArticulatedInstrumentDef def)
     if (isEmpty(def.shaft)) def.shaft = part(shaftFolder(kind), kind.shaft);
     if (isEmpty(def.shaftCollision)) def.shaftCollision = part(shaftFolder(kind), text(kind.shaft, "_collision"));
     if (!def.closingTorque) def.closingTorque = kind.closingTorque;
-    if (kind.edge || def.kind == InstrumentKind::ClipApplier) def.grasps = false;
+    if (kind.edge || def.kind == InstrumentKind::ClipApplier || def.kind == InstrumentKind::SpecimenBag)
+        def.grasps = false;
     return def;
 }
 
