@@ -7,6 +7,7 @@
 #include "filasofia/prefab/laparoscope.h"
 #include "filasofia/prefab/laparoscopic_instrument.h"
 #include "filasofia/prefab/metric_tracker.h"
+#include "filasofia/prefab/specimen_bag.h"
 #include "filasofia/prefab/task.h"
 #include "filasofia/surface/smoke_def.h"
 
@@ -69,6 +70,7 @@ struct SceneInstrument {
     std::vector<KeyGrip> grip = {};                     ///< what its jaws do; times ascend
     std::vector<surface::ElectrodeDef> electrodes = {}; ///< parts of it that heat what they touch
     std::optional<prefab::ClipApplierDef> clips = {};   ///< what its jaws close; for one that has jaws
+    std::optional<prefab::SpecimenBagDef> bag = {};     ///< what its arms spread; for one that has arms
 };
 constexpr auto fields(const SceneInstrument*)
 {
@@ -78,7 +80,8 @@ constexpr auto fields(const SceneInstrument*)
                     field("trocarKeys", &T::trocarKeys, "poses in its trocar and their times, ascending"),
                     field("grip", &T::grip, "what its jaws do from which time on, ascending"),
                     field("electrodes", &T::electrodes, "parts that heat what they touch"),
-                    field("clips", &T::clips, "clips that its jaws close"));
+                    field("clips", &T::clips, "clips that its jaws close"),
+                    field("bag", &T::bag, "a bag whose mouth its arms spread"));
 }
 
 /// A knot that two hands tie with the ends of a thread of the scene. In a file, the fields of its Def stand beside the

@@ -146,15 +146,29 @@ Instrument addInstrument(runtime::Simulation& simulation, const SceneInstrument&
     return adder.added;
 }
 
+/// Whether an instrument is of this kind of those with jaws.
+bool isOf(prefab::InstrumentKind kind, const SceneInstrument& def)
+{
+    const auto* jaws = std::get_if<prefab::ArticulatedInstrumentDef>(&def.def);
+    if (const auto* tool = std::get_if<prefab::LaparoscopicInstrumentDef>(&def.def)) jaws = &tool->tool;
+    return jaws && jaws->kind == kind;
+}
+
+/// Gives an instrument with arms its bag.
+void addBag(runtime::Simulation& simulation, const SceneInstrument& def, const Instrument& added)
+{
+    if (!def.bag) return;
+    if (!isOf(prefab::InstrumentKind::SpecimenBag, def)) fail("bag needs an instrument of kind specimenBag");
+    const auto bag = std::make_shared<prefab::SpecimenBag>(simulation, *added.jaws, *def.bag);
+    simulation.everyStep([bag, jaws = added.jaws](double) {}); // they live as long as the simulation's callbacks
+}
+
 /// Gives an instrument with jaws its clips.
 void addClips(runtime::Simulation& simulation, const SceneInstrument& def, const Instrument& added,
               const std::vector<BodyId>& ids)
 {
     if (!def.clips) return;
-    const auto* jaws = std::get_if<prefab::ArticulatedInstrumentDef>(&def.def);
-    if (const auto* tool = std::get_if<prefab::LaparoscopicInstrumentDef>(&def.def)) jaws = &tool->tool;
-    if (!jaws || jaws->kind != prefab::InstrumentKind::ClipApplier)
-        fail("clips need an instrument of kind clipApplier");
+    if (!isOf(prefab::InstrumentKind::ClipApplier, def)) fail("clips need an instrument of kind clipApplier");
     prefab::ClipApplierDef clips = *def.clips;
     SceneNumbers(ids).replaceIn(clips);
     const auto applier = std::make_shared<prefab::ClipApplier>(simulation, *added.jaws, clips);
@@ -187,6 +201,7 @@ Instruments addInstruments(runtime::Simulation& simulation, const SceneDef& scen
             added.push_back(addInstrument(simulation, scene.instruments[i], path, scene.places));
             addElectrodes(simulation, added.back().body, scene.instruments[i].electrodes, ids);
             addClips(simulation, scene.instruments[i], added.back(), ids);
+            addBag(simulation, scene.instruments[i], added.back());
         } catch (const Error& error) {
             const std::string words = error.what();
             failAtPlace(scene.places, words.starts_with(path) ? words : text(path, ": ", words));
