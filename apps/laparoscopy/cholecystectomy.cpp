@@ -16,6 +16,9 @@ constexpr double kLimits[] = {600, 420, 240}; ///< [s], by difficulty
 constexpr double kOut = 42_mm;                ///< [m] towards the surgeon
 constexpr double kDrop = 0.05e-6;             ///< [m^3] what a tube may lose while it is cut between clips
 constexpr double kStrand = 3.0;               ///< [-], length over that at rest
+constexpr double kIn = 0.95;                  ///< [-], share of the gall bladder in the bag
+constexpr double kAtPort = 75_mm;             ///< [m], how deep the shaft of a bag at its port is inside
+constexpr std::uint64_t kLooks = 100;         ///< [-], steps from look to look into the bag
 constexpr double kFree = 0.1;                 ///< [-], share of the lower bed that may still hold in a critical view
 
 /// The part of a surface that most of these nodes are on.
@@ -29,7 +32,8 @@ int partOf(const std::vector<int>& nodes, DisjointSets& parts)
 /// Watches the patient before every step, by the rules of the operation.
 class Surgery {
 public:
-    Surgery(Simulation& sim, const GallbladderPatient& patient) : sim_(sim), patient_(patient)
+    Surgery(Simulation& sim, const GallbladderPatient& patient, const GallbladderTools& tools)
+        : sim_(sim), patient_(patient), tools_(tools)
     {
         const auto ids = sim.physics().attachments(patient.gallbladder);
         bed_ = {ids[0], ids[1]};
@@ -80,6 +84,15 @@ public:
         return seen() ? static_cast<double>(points_[0]) / std::max(1, all_[0].load()) : 1.0;
     }
 
+    [[nodiscard]] double inBag() const { return inBag_; } ///< [-], share of the gall bladder
+    [[nodiscard]] bool bagged() const { return inBag_ >= kIn && tools_.left.tool().holding() != patient_.gallbladder; }
+    /// In the closed bag, at the port.
+    [[nodiscard]] bool retrieved() const
+    {
+        const LaparoscopicInstrument& holder = *tools_.right[Bag];
+        return bagged() && holder.tool().opening() < 0.2 && holder.report().pose.insertion < kAtPort;
+    }
+
     /// The gall bladder is off its bed, and a strand of the layer still ties it to what stays.
     [[nodiscard]] bool strand() const { return detached() && strand_; }
 
@@ -113,6 +126,12 @@ private:
         if (sim_.blood(patient_.artery.body).welled > kDrop && !std::exchange(bloodTold_, true))
             mistake("artery bleeds");
         strand_ = isStretched(*now);
+        if (!detached()) return;
+        for (const auto& each : now->attachments) // the assistant lets go
+            if (!letGo_ && each.body == patient_.gallbladder && each.to == patient_.assistant)
+                sim_.physics().release(each.id);
+        letGo_ = true;
+        if (now->step % kLooks == 0) inBag_ = tools_.bag.share(patient_.gallbladder);
     }
     /// The layer has come apart between its tubes, and each has a part of it: not a sliver that came off somewhere.
     [[nodiscard]] bool isLayerOpen(const frame::Frame& now)
@@ -134,13 +153,15 @@ private:
 
     Simulation& sim_;
     const GallbladderPatient& patient_;
+    const GallbladderTools& tools_;
     std::array<AttachmentId, 2> bed_ = {},
                                 holds_ = {};    ///< what the gall bladder has on the liver, and the layer on the tubes
     std::array<std::vector<int>, 2> rows_ = {}; ///< nodes of the layer at the artery, and at the duct
     std::uint64_t layerRevision_ = 0;
     std::array<std::atomic<int>, 2> points_ = {}, all_ = {};
+    std::atomic<double> inBag_ = 0.0;
     std::atomic<bool> layerOpen_ = false, viewed_ = false, strand_ = false;
-    bool begun_ = false, bileTold_ = false, bloodTold_ = false;
+    bool begun_ = false, letGo_ = false, bileTold_ = false, bloodTold_ = false;
 };
 
 std::vector<TaskStep> stepsOf(const GallbladderPatient& patient, const GallbladderTools& tools, const Surgery& surgery)
@@ -160,6 +181,10 @@ std::vector<TaskStep> stepsOf(const GallbladderPatient& patient, const Gallbladd
                           [&] { return surgery.isCut(patient.duct) && surgery.isCut(patient.artery); }),
         laparoscopy::step("detach", "4: the hook. Free the gall bladder from its bed, and bring it out",
                           [&] { return surgery.detached() && tools.left.tool().grip().z > kOut; }),
+        laparoscopy::step("bag", "7: the bag. Lower the gall bladder into it, and let go",
+                          [&] { return surgery.bagged(); }),
+        laparoscopy::step("retrieve", "Close the bag, and draw it back to its port",
+                          [&] { return surgery.retrieved(); }),
     };
 }
 
@@ -185,6 +210,7 @@ std::vector<ResultLine> resultsOf(const TaskProgress& progress, const Surgery& s
             {"Bile lost", millilitres(surgery.bile())},
             {"Blood lost", millilitres(surgery.blood())},
             {"Burnt beside", text(std::lround(surgery.burnt() * 1e6), " mm^2")},
+            {"Retrieved", surgery.retrieved() ? "yes" : text(std::lround(100 * surgery.inBag()), " % in the bag")},
             {"Layer", surgery.strand() ? "a strand still holds" : "nothing of it holds"}};
 }
 
@@ -197,9 +223,9 @@ int cholecystectomy(const Training& training)
     const auto seed = static_cast<std::uint64_t>(training.seed);
     const GallbladderPatient patient = addGallbladder(sim, seed);
     GallbladderTools tools(sim, patient);
-    Surgery surgery(sim, patient);
+    Surgery surgery(sim, patient, tools);
     sim.on<KeyEvent>([&](const KeyEvent& e) {
-        for (const InHand each : {Hook, Applier, Scissors})
+        for (const InHand each : {Hook, Applier, Scissors, Bag})
             if (e.pressed && e.key == static_cast<KeyCode>(static_cast<int>(KeyCode::Digit4) + each))
                 tools.choose(each);
     });
@@ -210,7 +236,7 @@ int cholecystectomy(const Training& training)
          .guided = training.difficulty == 0,
          .observed = observedOf(tools, kNames[training.difficulty]),
          .force = {.name = "Force of the grasper", .bodies = {tools.left.body()}, .warning = 5, .full = 10},
-         .done = "The gall bladder is off its bed",
+         .done = "The gall bladder is out",
          .dress = [&](VisualServer& server) { tools.scope.dress(server); },
          .results = [&](const TaskProgress& now) { return resultsOf(now, surgery, tools.clips); }});
     surgery.mark = [&](EventKind kind, const std::string& what) { task.tracker().mark(kind, what); };
@@ -221,12 +247,13 @@ int cholecystectomy(const Training& training)
     if (training.motion == "clumsy") moves = clumsyMotion(with, seed);
     if (!moves.empty()) tools.hands.play(moves);
     return task.run(moves.empty() ? 0 : laparoscopy::stepsIn(prefab::durationOf(moves) + 0.1), [&] {
-        char line[160] = {};
+        char line[240] = {};
         std::snprintf(line, sizeof line,
-                      "critical view %s, clips %d (%d lost), bile %.2f ml, blood %.2f ml, burnt beside %.0f mm^2%s",
+                      "critical view %s, clips %d (%d lost), bile %.2f ml, blood %.2f ml, burnt beside %.0f mm^2, "
+                      "%.0f %% in the bag, retrieved %s%s",
                       surgery.viewed() ? "yes" : "no", tools.clips.applied(), tools.clips.missed(),
-                      surgery.bile() * 1e6, surgery.blood() * 1e6, surgery.burnt() * 1e6,
-                      surgery.strand() ? ", a strand holds" : "");
+                      surgery.bile() * 1e6, surgery.blood() * 1e6, surgery.burnt() * 1e6, 100 * surgery.inBag(),
+                      surgery.retrieved() ? "yes" : "no", surgery.strand() ? ", a strand holds" : "");
         return std::string(line);
     });
 }

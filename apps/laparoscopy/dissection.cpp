@@ -7,7 +7,9 @@ using namespace filasofia;
 namespace operation {
 namespace {
 
-constexpr Vec3 kGrip = {0, 0, -15.5_mm}, kHook = {0, 0, -13.5_mm}, kClip = {0, 0, -9_mm}, kBlades = {0, 0, -12_mm};
+constexpr Vec3 kGrip = {0, 0, -15.5_mm}, kHook = {0, 0, -13.5_mm}, kClip = {0, 0, -9_mm}, kBlades = {0, 0, -12_mm},
+               kMouth = {0, 0, -37_mm};
+constexpr Vec3 kBagAt = {-15_mm, 15_mm, 38_mm}; // the middle of its mouth
 
 /// What a motion remembers from move to move.
 struct Plan {
@@ -16,6 +18,13 @@ struct Plan {
     std::vector<TrocarMove> moves = {};
 
     [[nodiscard]] FrameRef now() const { return with.sim.physics().latest(); }
+    [[nodiscard]] Vec3 middle() const ///< [m], the mean of the gall bladder's nodes
+    {
+        Vec3 sum;
+        const auto& nodes = now()->softBody(with.patient.gallbladder)->positions;
+        for (const Vec3& each : nodes) sum += 1.0 / static_cast<double>(nodes.size()) * each;
+        return sum;
+    }
     [[nodiscard]] Vec3 node(int index) const
     {
         return now()->softBody(with.patient.gallbladder)->positions[static_cast<std::size_t>(index)];
@@ -162,6 +171,63 @@ void addClosing(const Shared& plan, InHand tool, bool duct, double part)
     add(plan, 0.3, {}, onTube(plan, tool, duct, part, 14_mm));
 }
 
+/// Turns the grasper until the gall bladder hangs down from it.
+Aim hang(const Shared& plan)
+{
+    return [plan] {
+        const Pose pivot = plan->with.tools.left.report().pivot;
+        const auto angle = [&](Vec3 direction) {
+            const Vec3 seen = rotate(conjugate(pivot.orientation), direction);
+            return std::atan2(seen.y, seen.x);
+        };
+        TrocarPose pose = plan->goal.left;
+        pose.roll += angle({0, -1, 0}) - angle(plan->middle() - transform(pivot, kGrip));
+        return pose;
+    };
+}
+
+/// The gall bladder above the mouth of the bag, its lowest point so far over it; with `in`, below it.
+Aim over(const Shared& plan, double above, bool in = false)
+{
+    return [plan, above, in] {
+        const auto& nodes = plan->now()->softBody(plan->with.patient.gallbladder)->positions;
+        const auto [low, high] = std::ranges::minmax(nodes, {}, &Vec3::y);
+        Vec3 by = kBagAt - plan->middle();
+        by.y = kBagAt.y + above - (in ? high.y : low.y);
+        return draw(plan, by)();
+    };
+}
+
+/// The bag comes in; the gall bladder is lowered into it and let go; closed, the bag goes back to its port with it.
+void addRetrieval(const Shared& plan)
+{
+    const auto bag = [plan](double back) -> Aim {
+        return [plan, back] { return reach(*plan->with.tools.right[Bag], kBagAt, kMouth, {0, 1, 0}, back); };
+    };
+    const auto back = [plan] {
+        TrocarPose pose = plan->goal.right;
+        pose.insertion = 65_mm;
+        return pose;
+    };
+    add(plan, 1.5, hang(plan), [plan] {
+        const TrocarDef& scope = plan->with.tools.scope.def().trocar;
+        plan->goal.scope = poseAt(scope, kBagAt + Vec3{0, -25_mm, 0});
+        plan->goal.scope.insertion = 8_mm;
+        return plan->goal.right;
+    });
+    add(plan, 1.5, over(plan, 25_mm), {});
+    take(plan, Bag);
+    add(plan, 0.8, over(plan, 15_mm), bag(45_mm));
+    add(plan, 0.6, {}, bag(0.0));
+    rest(plan, 0.3, {}, plan->with.picture("bag"));
+    add(plan, 2.0, over(plan, -5_mm, true), {});
+    rest(plan, 0.4, [plan] { plan->with.tools.left.tool().open(0.55); });
+    add(plan, 0.8, draw(plan, {-15_mm, 50_mm, 0}), {}, {}, plan->with.picture("bagged"));
+    rest(plan, 0.8, press(plan, true), plan->with.picture("closed"));
+    add(plan, 2.0, {}, back);
+    rest(plan, 0.5);
+}
+
 Shared planOf(const GallbladderMotion& with)
 {
     const GallbladderTools& tools = with.tools;
@@ -192,6 +258,7 @@ std::vector<TrocarMove> expertMotion(const GallbladderMotion& with)
         plan, 0.4, {}, [plan] { return plan->with.tools.right[Hook]->def().start; }, {}, with.picture("detached"));
     add(plan, 1.5, draw(plan, {-20_mm, 10_mm, 30_mm}), {});
     rest(plan, 0.4);
+    addRetrieval(plan);
     return std::move(plan->moves);
 }
 

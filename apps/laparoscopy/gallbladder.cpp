@@ -12,6 +12,8 @@ namespace {
 /// The bodies in the order of the scene file.
 enum Body { Omentum, Wall, Ligament, Assistant, Liver, Gallbladder, Duct, Artery, Layer };
 constexpr int kDuctAround = 8, kDuctAlong = 24, kArteryAround = 6, kArteryAlong = 22; // as their meshes were made
+enum Group { OnTool = 1, InBag = 40 };
+constexpr double kLevel = 90_deg; // the roll at which the bag hangs down
 constexpr Vec3 kLeftPort = {-120_mm, -70_mm, 150_mm}, kRightPort = {115_mm, 70_mm, 150_mm};
 
 /// The same organ, moved in the patient.
@@ -43,7 +45,7 @@ LaparoscopicInstrumentDef inTrocar(const char* name, Vec3 port, const Articulate
 
 LaparoscopicInstrumentDef grasper()
 {
-    ArticulatedInstrumentDef tool{.kind = InstrumentKind::LaparoscopicGrasper, .groups = {1}, .opening = 0.55};
+    ArticulatedInstrumentDef tool{.kind = InstrumentKind::LaparoscopicGrasper, .groups = {OnTool}, .opening = 0.55};
     tool.proximity = 0.3_mm;
     tool.gripStiffness = 200.0;
     return inTrocar("left grasper", kLeftPort, tool);
@@ -58,6 +60,15 @@ LaparoscopicInstrumentDef hook()
         .edge = std::array{Vec3{0, 0, -8_mm}, Vec3{0, 0, -15_mm}}};
     return inTrocar("hook", kRightPort,
                     {.kind = InstrumentKind::LaparoscopicScissors, .jaws = {bare}, .opening = 1.0, .grasps = false});
+}
+
+/// It waits, open, where nobody looks.
+LaparoscopicInstrumentDef holder()
+{
+    LaparoscopicInstrumentDef def =
+        inTrocar("bag", kRightPort, {.kind = InstrumentKind::SpecimenBag, .groups = {}, .opening = 1.0});
+    def.start = {.insertion = def.trocar.leastInsertion, .roll = kLevel};
+    return def;
 }
 
 LaparoscopeDef camera()
@@ -100,12 +111,14 @@ GallbladderPatient addGallbladder(Simulation& sim, std::uint64_t seed)
     const double firmness = random.between(0.8, 1.25); // how the layer between liver and gall bladder holds
     for (scene::SceneBody& each : scene.bodies) place(patient, each);
     auto& gallbladder = std::get<SoftBodyDef>(scene.bodies[Gallbladder].def);
+    gallbladder.collision.push_back({.proximity = 0.3_mm, .group = InBag});
     GallbladderPatient out;
     for (std::size_t i = 0; i < out.bed.size(); ++i) {
         out.bed[i] = gallbladder.attachments[i].nodes;
         gallbladder.attachments[i].pointBreakForce *= firmness;
     }
     const scene::AddedScene added = scene::addScene(sim, scene);
+    out.assistant = added.bodies[Assistant];
     out.liver = added.bodies[Liver];
     out.gallbladder = added.bodies[Gallbladder];
     out.layer = added.bodies[Layer];
@@ -121,13 +134,14 @@ GallbladderTools::GallbladderTools(Simulation& sim, const GallbladderPatient& pa
                 sim, inTrocar("clip applier", kRightPort,
                               {.kind = InstrumentKind::ClipApplier, .groups = {}, .opening = 1.0})),
             std::make_unique<LaparoscopicInstrument>(
-                sim, inTrocar("scissors", kRightPort, {.kind = InstrumentKind::LaparoscopicScissors, .opening = 0.6}))},
+                sim, inTrocar("scissors", kRightPort, {.kind = InstrumentKind::LaparoscopicScissors, .opening = 0.6})),
+            std::make_unique<LaparoscopicInstrument>(sim, holder())},
       clips(sim, right[Applier]->tool(),
             {.clip = {.gap = 0.5_mm},
              .clips = 8,
              .targets = {patient.duct.body, patient.artery.body},
              .onClip = [this](BodyId tissue) { return onClip ? onClip(tissue) : void(); }}),
-      hands(sim, left, *right[Hook], scope), sim_(sim)
+      bag(sim, right[Bag]->tool(), {.cells = 6, .groups = {InBag}}), hands(sim, left, *right[Hook], scope), sim_(sim)
 {
     const ElectrodeTip tip{.element = 1, .from = {0, 0, -10_mm}, .to = {0, 0, -15_mm}};
     sim.addElectrode(right[Hook]->body(), {.mode = EnergyMode::Cut, .power = 30.0, .radius = 1.5_mm, .tip = tip});
@@ -139,9 +153,11 @@ void GallbladderTools::step()
 {
     const InHand now = chosen_;
     const TrocarPose wanted = hands.wanted().right;
-    for (const InHand each : {Hook, Applier, Scissors}) {
+    for (const InHand each : {Hook, Applier, Scissors, Bag}) {
         TrocarPose pose = wanted;
+        if (each == Bag) pose.roll += kLevel;
         if (each != now) pose.insertion = right[each]->def().trocar.leastInsertion;
+        if (each != now && each == Bag) pose = right[Bag]->def().start; // it would swing
         right[each]->move(pose);
     }
     const bool closed = right[Hook]->tool().opening() < 0.5;
@@ -153,7 +169,7 @@ void GallbladderTools::step()
     if (closed)
         right[now]->tool().close();
     else
-        right[now]->tool().open(now == Applier ? 1.0 : 0.6);
+        right[now]->tool().open(now == Scissors ? 0.6 : 1.0);
 }
 
 } // namespace operation

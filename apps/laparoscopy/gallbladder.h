@@ -22,21 +22,23 @@ struct PatientTube {
 /// What is in the scene file asset:scenes/gallbladder.json, a little different for every seed.
 struct GallbladderPatient {
     filasofia::BodyId liver = {}, gallbladder = {}, layer = {};
+    filasofia::BodyId assistant = {}; ///< who lifts the fundus
     PatientTube duct = {}, artery = {};
     std::array<std::vector<int>, 2> bed = {}; ///< its nodes on the liver: in its lower third, and above
 };
 GallbladderPatient addGallbladder(filasofia::Simulation& sim, std::uint64_t seed);
 
-enum InHand { Hook, Applier, Scissors };
-/// The instruments. The right hand has one of three; the others wait in their cannula.
+enum InHand { Hook, Applier, Scissors, Bag };
+/// The instruments. The right hand has one of four; the others wait in their cannula.
 class GallbladderTools {
 public:
     GallbladderTools(filasofia::Simulation& sim, const GallbladderPatient& patient);
 
     filasofia::LaparoscopicInstrument left;
     filasofia::Laparoscope scope;
-    std::array<std::unique_ptr<filasofia::LaparoscopicInstrument>, 3> right;
+    std::array<std::unique_ptr<filasofia::LaparoscopicInstrument>, 4> right;
     filasofia::ClipApplier clips;
+    filasofia::SpecimenBag bag;   ///< at a roll of 0 its mouth lies level
     filasofia::TrocarHands hands; ///< its right hand is the hook's: closed jaws are a pressed pedal
 
     void choose(InHand tool) { chosen_ = tool; } ///< any thread

@@ -87,11 +87,12 @@ class Surgeon(CaseTrainer):
         self.assertIn("rolled back 0", done.stdout)
         if STEPS:
             return
-        self.assertRegex(done.stdout, r"done: 7 of 7 steps in [\d.]+ s; critical view yes, clips 6 \(0 lost\), bile 0.00 ml")
+        self.assertRegex(done.stdout, r"done: 9 of 9 steps in [\d.]+ s; critical view yes, clips 6 \(0 lost\), bile 0.00 ml")
+        self.assertIn("100 % in the bag, retrieved yes", done.stdout)
         self.assertIn("duct 'cystic duct' of 'duct': cut; clips 1 + 2", done.stdout)
         self.assertIn("duct 'cystic artery' of 'artery': cut; clips 2 + 1", done.stdout)
         self.assertEqual([line["what"] for line in self.lines() if line.get("event") == "step"],
-                         ["grasp", "triangle", "view", "clip duct", "clip artery", "cut", "detach"])
+                         ["grasp", "triangle", "view", "clip duct", "clip artery", "cut", "detach", "bag", "retrieve"])
         self.assertEqual([line for line in self.lines() if line.get("event") == "mistake"], [])
         told = [line["event"] for line in self.lines() if "event" in line]
         self.assertEqual((told.count("clip"), told.count("clip_lost"), told.count("clip_slipped")), (6, 0, 0))
