@@ -28,7 +28,8 @@ struct PunctureDef {
     /// [N/m], >= friction, per length, before it slides. None: the same
     std::optional<double> staticFriction = {};
     /// [Pa], > 0: force per length of shaft, per distance by which it leaves its channel; also of its friction before
-    /// it slides. None: ten times Young's modulus, which leaves most of the compliance to the tissue
+    /// it slides. None: ten times Young's modulus, which leaves most of the compliance to the tissue. Threads are held
+    /// ten times as stiffly across, as they load their channel at its mouths alone
     std::optional<double> stiffness = {};
 };
 
@@ -49,7 +50,8 @@ constexpr auto fields(const PunctureDef*)
         field("friction", &T::friction, "N/m", nonNegative(), "friction per length while it slides"),
         field("staticFriction", &T::staticFriction, "N/m", nonNegative(), "before it slides; none: the same"),
         field("stiffness", &T::stiffness, "Pa", positive(),
-              "force per length and distance from the channel; none: ten times Young's modulus"));
+              "force per length and distance from the channel; none: ten times Young's modulus; threads: ten times as "
+              "stiff"));
 }
 
 } // namespace filasofia::physics

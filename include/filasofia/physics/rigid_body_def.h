@@ -16,7 +16,9 @@ inline constexpr double kFarthest = 1e4;
 /// A body of one or more elements that do not deform.
 struct RigidBodyDef {
     std::string name = "rigid body";
-    std::vector<Pose> elements = {Pose{}}; ///< one pose per element, at least one; with joints the base alone is enough
+    /// one pose per element, at least one; with joints the base alone is enough. Assign it: push_back() adds to the one
+    /// that is there
+    std::vector<Pose> elements = {Pose{}};
     /// its surface, the same for every element, in the element's coordinates; needed by collision models without a mesh
     /// of their own, and by a mass that is not given
     TriangleMeshSource mesh = {};

@@ -211,7 +211,7 @@ private:
         };
         for (const SurfaceCrossing& each : crossings_)
             if (unseen || isLost(each, meeting)) tell({.crossings = 1, .depth = each.depth, .place = each.place});
-        if (!crossings_.empty() && one.soft && two.soft) keepLost(one, two, {});
+        if (!crossings_.empty() && one.soft == two.soft) keepLost(one, two, {});
         if (!unseen && between.empty()) passes = tellDeepInRound(meeting, one, two, before, tell) || passes;
         if (!crossings_.empty() || meeting.self() || !between.empty()) return passes;
         if (const auto within = insideOf(a, b))

@@ -124,9 +124,11 @@ private:
 
 } // namespace
 
-bool partsFrom(const SurfaceOwner& one, const SurfaceOwner& two)
+bool partsFrom(const SurfaceOwner& one, const SurfaceOwner& two, const Scene& scene)
 {
-    return one.soft && two.soft && one.collision->shape->triangleFaces && two.collision->shape->triangleFaces;
+    const auto isFree = [&](const SurfaceOwner& each) { return scene.rigid[each.body].model.dynamic; };
+    return one.soft == two.soft && (one.soft || (isFree(one) && isFree(two))) && one.collision->shape->triangleFaces &&
+           two.collision->shape->triangleFaces;
 }
 
 void partCrossings(const StepContext& context, const Scene& scene, const std::vector<SurfaceOwner>& owners,
@@ -138,7 +140,7 @@ void partCrossings(const StepContext& context, const Scene& scene, const std::ve
     for (const std::array<int, 2>& pair : detection.scratch.surfacePairs) {
         const SurfaceOwner &one = owners[static_cast<std::size_t>(pair[0])],
                            &two = owners[static_cast<std::size_t>(pair[1])];
-        if (!partsFrom(one, two)) continue;
+        if (!partsFrom(one, two, scene)) continue;
         const auto found =
             std::ranges::find(lost, std::array{one.name, two.name}, &IntersectionWatch::Unseen::surfaces);
         if (found == lost.end() || scene.time - found->since > kPartFor) continue;

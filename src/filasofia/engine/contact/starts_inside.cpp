@@ -57,12 +57,12 @@ const SurfaceOwner* deepTube(const Scene& scene, const SurfaceOwner& one, const 
 
 /// What becomes of them.
 std::string prospectOf(const Scene& scene, const SurfaceOwner& one, const SurfaceOwner& two, const DeepPoints& deep,
-                       const SurfaceOwner* tube)
+                       const SurfaceOwner* tube, bool crosses)
 {
     if (tube != nullptr)
         return text("they are pushed apart, as the radius of '", nameOf(scene, *tube), "' is ",
                     1e3 * tube->collision->round, " mm");
-    if (partsFrom(one, two)) return "they part where their surfaces cross";
+    if (partsFrom(one, two, scene) && (crosses || one.soft)) return "they part where their surfaces cross";
     const bool round = one.collision->round + two.collision->round > 0.0;
     if (!deep.inRigid.empty() || (round && !one.soft && !two.soft)) return "they are pushed apart";
     if (one.soft || two.soft) return deep.inTissue.empty() ? "they may stay so" : "points inside tissue stay there";
@@ -113,8 +113,8 @@ void warnOfStartsInside(const Scene& scene, const std::vector<SurfaceOwner>& own
         if (std::ranges::find(told, bodies) != told.end()) continue;
         const std::array names{one.name, two.name};
         const std::vector<std::array<SurfaceName, 2>>& noted = detection.startedInside;
-        const bool meet =
-            std::ranges::find(crossing, pair) != crossing.end() || overlapDeep(meetingOf(detection, pair));
+        const bool crosses = std::ranges::find(crossing, pair) != crossing.end();
+        const bool meet = crosses || overlapDeep(meetingOf(detection, pair));
         const SurfaceOwner* tube = deepTube(scene, one, two, detection, pair);
         const bool tied = std::ranges::any_of(scene.attachments, [&](const Attachment& each) {
             return std::array{std::min(each.body, each.to), std::max(each.body, each.to)} == bodies;
@@ -122,7 +122,7 @@ void warnOfStartsInside(const Scene& scene, const std::vector<SurfaceOwner>& own
         if (std::ranges::find(noted, names) == noted.end() && (!(meet || tube != nullptr) || tied)) continue;
         told.push_back(bodies);
         logWarning("body '", nameOf(scene, one), "' and body '", nameOf(scene, two), "' start inside each other: ",
-                   prospectOf(scene, one, two, deepPointsOf(owners, detection, pair), tube));
+                   prospectOf(scene, one, two, deepPointsOf(owners, detection, pair), tube, crosses));
     }
 }
 
