@@ -127,10 +127,9 @@ private:
             mistake("artery bleeds");
         strand_ = isStretched(*now);
         if (!detached()) return;
-        for (const auto& each : now->attachments) // the assistant lets go
-            if (!letGo_ && each.body == patient_.gallbladder && each.to == patient_.assistant)
-                sim_.physics().release(each.id);
-        letGo_ = true;
+        if (!std::exchange(letGo_, true))
+            for (const auto& each : now->attachments) // the assistant lets go
+                if (each.body == patient_.gallbladder && each.to == patient_.assistant) sim_.physics().release(each.id);
         if (now->step % kLooks == 0) inBag_ = tools_.bag.share(patient_.gallbladder);
     }
     /// The layer has come apart between its tubes, and each has a part of it: not a sliver that came off somewhere.

@@ -2,6 +2,9 @@
 
 #include <filasofia/core/random.h>
 
+#include <cmath>
+#include <numbers>
+
 using namespace filasofia;
 
 namespace operation {
@@ -181,12 +184,13 @@ Aim hang(const Shared& plan)
             return std::atan2(seen.y, seen.x);
         };
         TrocarPose pose = plan->goal.left;
-        pose.roll += angle({0, -1, 0}) - angle(plan->middle() - transform(pivot, kGrip));
+        const double turn = angle({0, -1, 0}) - angle(plan->middle() - transform(pivot, kGrip));
+        pose.roll += std::remainder(turn, 2.0 * std::numbers::pi);
         return pose;
     };
 }
 
-/// The gall bladder above the mouth of the bag, its lowest point so far over it; with `in`, below it.
+/// Moves the gall bladder over the mouth of the bag: its lowest point `above` [m] the mouth, or its highest if `in`.
 Aim over(const Shared& plan, double above, bool in = false)
 {
     return [plan, above, in] {

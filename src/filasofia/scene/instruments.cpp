@@ -159,8 +159,7 @@ void addBag(runtime::Simulation& simulation, const SceneInstrument& def, const I
 {
     if (!def.bag) return;
     if (!isOf(prefab::InstrumentKind::SpecimenBag, def)) fail("bag needs an instrument of kind specimenBag");
-    const auto bag = std::make_shared<prefab::SpecimenBag>(simulation, *added.jaws, *def.bag);
-    simulation.everyStep([bag, jaws = added.jaws](double) {}); // they live as long as the simulation's callbacks
+    const prefab::SpecimenBag bag(simulation, *added.jaws, *def.bag); // its film is the simulation's, and stays
 }
 
 /// Gives an instrument with jaws its clips.

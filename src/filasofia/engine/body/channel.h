@@ -57,4 +57,8 @@ struct Channel {
 /// channel that is returned.
 Channel takeBehind(std::ptrdiff_t line, std::ptrdiff_t points, Channel& channel);
 
+/// [m] How far a place is from the path that was cut, from point `first` on to the deepest place. x: the tissue's
+/// nodes.
+double distanceToPath(const Channel& channel, Vec3 place, const std::vector<Vec3>& x, std::size_t first = 0);
+
 } // namespace filasofia::engine

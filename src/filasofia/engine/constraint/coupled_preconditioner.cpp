@@ -104,17 +104,17 @@ void CoupledSolve::chooseStiffness()
         if (exact && !each.bilateral() && betweenRigid(each))
             rigid = std::max(rigid, std::min(heavier, kExact / compliance));
         if (!(compliance > 0.0)) rigid = 0.0;
-        const double across = spring ? each.softness : rigid;
+        const double along = spring ? each.softness : rigid;
         double tangential = spring && each.bilateral() ? each.softness : rigid;
         if (each.kind == ConstraintKind::Shaft) tangential *= each.across;
-        rows_[c].stiffness = {across, tangential, tangential};
+        rows_[c].stiffness = {along, tangential, tangential};
         const double loss = bothMove ? each.lostLoss : trapped.loss;
         rows_[c].law.impulse.x *= 1.0 - loss;
         rows_[c].trapped = loss > 0.0;
         if (compliance == 0.0) rows_[c].law.impulse = {}; // no body can move along the normal
         normals_[c] = {.axis = normal,
                        .impulse = rows_[c].law.impulse.x,
-                       .stiffness = across,
+                       .stiffness = along,
                        .velocity = each.bias.x + dot(normal, velocities_[c]),
                        .sleeps = !each.bilateral()};
     }

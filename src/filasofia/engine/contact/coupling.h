@@ -74,12 +74,12 @@ struct Coupling {
     IslandScratch scratch;
 };
 
-/// Removes the contacts for which `isGone(contact)` is true; it may change the others. Contacts must be the only
-/// constraints that there are.
-template <class IsGone> void eraseContacts(const IsGone& isGone, Coupling& coupling)
+/// Removes the contacts from number `begin` on for which `isGone(contact)` is true; it may change the others. Other
+/// constraints stay, behind the contacts.
+template <class IsGone> void eraseContacts(const IsGone& isGone, Coupling& coupling, std::size_t begin = 0)
 {
-    std::size_t kept = 0;
-    for (std::size_t c = 0; c < coupling.contactCount; ++c) {
+    std::size_t kept = begin;
+    for (std::size_t c = begin; c < coupling.contactCount; ++c) {
         if (isGone(coupling.constraints[c])) continue;
         if (kept != c) coupling.constraints[kept] = coupling.constraints[c];
         ++kept;

@@ -3,7 +3,6 @@
 #include "filasofia/engine/collision/feature_normals.h"
 #include "filasofia/engine/collision/surface_crossings.h"
 #include "filasofia/engine/scene/find_body.h"
-#include "filasofia/geometry/distance.h"
 
 #include <algorithm>
 #include <cmath>
@@ -113,13 +112,7 @@ bool isIn(const Channel& channel, Vec3 place, double proximities, const Scene& s
     const std::vector<Vec3>& x = scene.soft[findBody(scene, channel.tissue)->index].state.x;
     double radius = 0.0;
     for (const ThreadedLine& each : channel.lines) radius = std::max(radius, radiusOfLine(scene, each.body));
-    const double far = 2.0 * (radius + proximities) + channel.spacing;
-    Vec3 from = meanOf(channel.points.front().nodes, x);
-    const auto isNear = [&](const std::vector<NodeWeight>& point) {
-        const Vec3 start = std::exchange(from, meanOf(point, x));
-        return geometry::nearestOnSegment(place, start, from).squaredDistance < far * far;
-    };
-    return std::ranges::any_of(channel.points, isNear, &ChannelPoint::nodes) || isNear(channel.end);
+    return distanceToPath(channel, place, x) < 2.0 * (radius + proximities) + channel.spacing;
 }
 
 /// Whether a place lies between the legs of a clip on this body, or beside them by less than half its opening. Walls of

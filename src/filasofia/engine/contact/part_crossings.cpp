@@ -127,8 +127,8 @@ private:
 bool partsFrom(const SurfaceOwner& one, const SurfaceOwner& two, const Scene& scene)
 {
     const auto isFree = [&](const SurfaceOwner& each) { return scene.rigid[each.body].model.dynamic; };
-    return one.soft == two.soft && (one.soft || (isFree(one) && isFree(two))) && one.collision->shape->triangleFaces &&
-           two.collision->shape->triangleFaces;
+    return one.soft == two.soft && (one.soft || (isFree(one) && isFree(two) && one.body != two.body)) &&
+           one.collision->shape->triangleFaces && two.collision->shape->triangleFaces;
 }
 
 void partCrossings(const StepContext& context, const Scene& scene, const std::vector<SurfaceOwner>& owners,

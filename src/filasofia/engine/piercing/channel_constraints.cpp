@@ -113,21 +113,21 @@ Relation relation(const Threading& at, const Constraint& contact, const Scene& s
 
 } // namespace
 
-void leaveToChannels(double dt, const Scene& scene, Coupling& coupling)
+void leaveToChannels(double dt, const Scene& scene, Coupling& coupling, std::size_t begin)
 {
     for (const Channel& channel : scene.channels) {
         const Threading at(scene, channel);
         if (at.places.empty()) continue;
         const auto isInside = [&](Constraint& contact) {
             const auto [beside, line] = relation(at, contact, scene, coupling.rigid);
-            if (beside == Beside::Mouth && dt > 0.0) {
+            if (beside == Beside::Mouth && dt > 0.0 && contact.softness == 0.0) {
                 const Vec3 last = contact.impulse;
                 yieldAsSpring(dt, acrossOf(*line) * at.law().stiffness * channel.spacing, contact);
                 contact.impulse = {0.0, last.y, last.z}; // friction starts from that of the last step
             }
             return beside == Beside::Inside;
         };
-        eraseContacts(isInside, coupling);
+        eraseContacts(isInside, coupling, begin);
     }
 }
 

@@ -12,9 +12,10 @@ namespace filasofia::engine {
 /// Parts the lines of channels that are not tied to each other any more.
 void partLines(Scene& scene);
 
-/// Removes contacts between tissue and the lines that run through it, where they do. At a channel's mouths contacts do
-/// not part what the channel holds together.
-void leaveToChannels(double dt, const Scene& scene, Coupling& coupling);
+/// Removes contacts between tissue and the lines that run through it, where they do, among the contacts from number
+/// `begin` on. At a channel's mouths contacts become springs as stiff as the channel, unless they are springs already.
+/// dt [s]: nothing becomes a spring if it is zero.
+void leaveToChannels(double dt, const Scene& scene, Coupling& coupling, std::size_t begin = 0);
 
 /// Makes a spring of a contact between a tip that is driven and pinned tissue, at which it pushes: neither can move, so
 /// no force follows from their motion. It takes up a radius at the force that pierces; several at one tip share that

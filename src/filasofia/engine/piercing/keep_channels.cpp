@@ -3,11 +3,9 @@
 #include "filasofia/engine/piercing/embed.h"
 #include "filasofia/engine/piercing/followers.h"
 #include "filasofia/engine/scene/find_body.h"
-#include "filasofia/geometry/distance.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace filasofia::engine {
@@ -17,21 +15,6 @@ namespace {
 constexpr double kSliding = 0.999;
 
 constexpr double kLost = 10.0; // radii from the mouth at which a tip is not about to go in
-
-/// How far a place is from the path that was cut, from point `first` on to the deepest place.
-double distanceToPath(Vec3 place, std::size_t first, const Channel& channel, const std::vector<Vec3>& x)
-{
-    double least = std::numeric_limits<double>::infinity(); // squared
-    Vec3 from = meanOf(channel.points[first].nodes, x);
-    const auto visit = [&](const std::vector<NodeWeight>& point) {
-        const Vec3 to = meanOf(point, x);
-        least = std::min(least, geometry::nearestOnSegment(place, from, to).squaredDistance);
-        from = to;
-    };
-    for (std::size_t k = first + 1; k < channel.points.size(); ++k) visit(channel.points[k].nodes);
-    visit(channel.end);
-    return std::sqrt(least);
-}
 
 /// A needle that was drawn back and goes in again beside its path cuts a new one: the old one closes.
 void leavePath(const Threading& now, const LineShape& needle, Channel& channel)
@@ -45,7 +28,7 @@ void leavePath(const Threading& now, const LineShape& needle, Channel& channel)
     const Vec3 tip = needle.position(needle.begin()), forward = needle.forward(needle.begin());
     if (dot(tip - meanOf(channel.end, x), forward) >= 0.0) return; // it cuts on
     const double far = 2.0 * needle.radius() + 0.5 * channel.spacing;
-    if (distanceToPath(tip, inside - 1, channel, x) <= far) return;
+    if (distanceToPath(channel, tip, x, inside - 1) <= far) return;
     auto here = embed(tip - giveOf(now.law(), needle) * forward, channel.points[inside - 1].nodes, now.tissue.model, x);
     if (!here) return;
     channel.points.resize(inside);

@@ -273,8 +273,8 @@ private:
              found = missed()) {
             const std::size_t before = coupling_.contactCount;
             addMissed(context_, found, scene_, coupling_);
-            leaveToChannels(context_.dt, scene_, coupling_); // a thread meets the tissue that it runs through
-            if (coupling_.contactCount == before) break;
+            leaveToChannels(context_.dt, scene_, coupling_, before);
+            if (coupling_.contactCount == before) break; // all were of threads along their channels: nothing to solve
             std::tie(coupling_.rigid, coupling_.articulations) = plan_;
             // A spring's force is that of its length alone. From the last solve's it would grow with every new one.
             for (Constraint& each : coupling_.constraints)
