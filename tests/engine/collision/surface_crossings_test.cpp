@@ -117,6 +117,17 @@ TEST_CASE("the depth of a crossing in a closed surface is that of the edge insid
         CHECK(found.front().depth == Approx(0.003));
         CHECK(!found.front().through);
     }
+    SECTION("a line of short edges that ends inside")
+    {
+        std::vector<std::array<int, 2>> segments;
+        for (int i = 0; i <= 12; ++i) line.vertices.push_back({0.001, 0.002, 0.0145 - 1e-3 * i}); // the last at 2.5 mm
+        for (int i = 0; i < 12; ++i) segments.push_back({i, i + 1});
+        scene.add(line, {.segments = segments, .proximity = 1e-3});
+        const std::vector<SurfaceCrossing> found = crossingsOf(scene, 0, 1);
+        REQUIRE(found.size() == 1);
+        CHECK(found.front().depth == Approx(0.0075));
+        CHECK(!found.front().through);
+    }
     SECTION("an edge that passes right through")
     {
         line.vertices = {{0.001, 0.002, 0.05}, {0.003, 0.001, -0.03}};

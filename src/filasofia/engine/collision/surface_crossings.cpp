@@ -84,19 +84,49 @@ Vec3 normalOf(const CollisionSurface& surface, const geometry::Triangle& triangl
     return normalized(cross(surface.x[triangle[1]] - at, surface.x[triangle[2]] - at));
 }
 
+/// [m] How deep a line goes on to be beyond a vertex of it that is inside, until it crosses the closed surface or ends.
+/// Its edges may be far shorter than it is deep.
+double depthBeyond(const CollisionSurface& line, const CollisionSurface& closed, std::array<int, 2> from,
+                   std::span<const SurfaceCrossing> all)
+{
+    auto [last, vertex] = from;
+    double depth = 0.0;
+    for (std::size_t count = line.shape->edges.size(); count > 0; --count) {
+        int next = -1;
+        for (const int e : line.shape->vertexEdges[static_cast<std::size_t>(vertex)]) {
+            const std::array<int, 2>& edge = line.shape->edges[static_cast<std::size_t>(e)];
+            const int other = edge[0] == vertex ? edge[1] : edge[0];
+            const bool crosses = std::ranges::find(all, edge, &SurfaceCrossing::edge) != all.end();
+            if (other != last && !crosses) next = other;
+        }
+        if (next < 0) break;
+        depth = std::max(depth, depthInside(closed, line.x[static_cast<std::size_t>(next)]));
+        last = std::exchange(vertex, next);
+    }
+    return depth;
+}
+
 /// The crossings of one edge, ascending along it: what a plane tells of its depth would be far too much for a long edge
 /// that only grazes a corner.
-void measureDepths(const CollisionSurface& own, const CollisionSurface& closed, std::span<SurfaceCrossing> ofEdge)
+void measureDepths(const CollisionSurface& own, const CollisionSurface& closed, std::span<SurfaceCrossing> ofEdge,
+                   std::span<const SurfaceCrossing> all)
 {
-    const Vec3 from = own.x[ofEdge.front().edge[0]], to = own.x[ofEdge.front().edge[1]];
+    const std::array<int, 2> edge = ofEdge.front().edge;
+    const auto depthAtEnd = [&](int last, int vertex) {
+        const double depth = depthInside(closed, own.x[vertex]);
+        return depth > 0.0 && own.shape->triangles.empty()
+                   ? std::max(depth, depthBeyond(own, closed, {last, vertex}, all))
+                   : depth;
+    };
+    const Vec3 from = own.x[edge[0]], to = own.x[edge[1]];
     const auto depthAt = [&](double along) { return depthInside(closed, from + along * (to - from)); };
     for (std::size_t i = 0; i < ofEdge.size(); ++i) {
         const double low = i == 0 ? 0.0 : ofEdge[i - 1].along,
                      high = i + 1 == ofEdge.size() ? 1.0 : ofEdge[i + 1].along;
         const double at = ofEdge[i].along;
         double depth = std::max(depthAt(0.5 * (low + at)), depthAt(0.5 * (at + high)));
-        if (low == 0.0) depth = std::max(depth, depthAt(0.0));
-        if (high == 1.0) depth = std::max(depth, depthAt(1.0));
+        if (low == 0.0) depth = std::max(depth, depthAtEnd(edge[1], edge[0]));
+        if (high == 1.0) depth = std::max(depth, depthAtEnd(edge[0], edge[1]));
         ofEdge[i].depth = depth;
         if (i == 0) continue;
         const Vec3 in = normalOf(closed, ofEdge[i - 1].triangle), out = normalOf(closed, ofEdge[i].triangle);
@@ -122,7 +152,7 @@ void measure(const SurfacePair& meeting, std::vector<SurfaceCrossing>& crossings
         if (!target.shape->closed)
             for (SurfaceCrossing& each : ofEdge) each.through = true;
         else if (!meeting.self())
-            measureDepths(*meeting.sides[side], target, ofEdge);
+            measureDepths(*meeting.sides[side], target, ofEdge, crossings);
         i = end;
     }
 }

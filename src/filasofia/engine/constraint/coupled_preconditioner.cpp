@@ -44,9 +44,14 @@ Trapped trappedAt(const Constraint& constraint, double kappa)
 
 } // namespace
 
+std::size_t CoupledSolve::bodyOf(int point) const
+{
+    return static_cast<std::size_t>(std::ranges::upper_bound(first_, point) - first_.begin()) - 1;
+}
+
 const BodySmoother& CoupledSolve::smootherAt(int& point) const
 {
-    const auto body = static_cast<std::size_t>(std::ranges::upper_bound(first_, point) - first_.begin()) - 1;
+    const std::size_t body = bodyOf(point);
     point -= first_[body];
     return *(*bodies_)[body].smoother;
 }
@@ -71,35 +76,77 @@ double CoupledSolve::ownStiffness(const ConstraintRow& row)
     return sum;
 }
 
+std::array<CoupledSolve::Side, 2> CoupledSolve::sidesOf(const ConstraintRow& row) const
+{
+    const Vec3 normal = row.constraint->frame[0];
+    std::array<Side, 2> sides;
+    for (const WeightedPoint& at : constraints_->pointsOf(row)) {
+        const Mat3& own = compliance_[static_cast<std::size_t>(at.point)];
+        Side& side = sides[at.weight < 0.0 ? 1 : 0];
+        side.body = bodyOf(at.point);
+        side.along += at.weight * at.weight * dot(normal, own * normal);
+        side.inAll += at.weight * at.weight * trace(own);
+    }
+    return sides;
+}
+
+void CoupledSolve::findLoads()
+{
+    loads_.assign(bodies_->size(), {});
+    const auto isExact = [&](const Side& side) { return side.body && (*bodies_)[*side.body].smoother->isExact(); };
+    double most = 0.0; // of tissue that pushes
+    for (std::size_t c = 0; c < rows_.size(); ++c)
+        for (std::size_t k = 0; k < 2; ++k) {
+            const Side &own = sides_[c][k], &other = sides_[c][1 - k];
+            const bool pushes = !constraint(c).bilateral() && rows_[c].law.impulse.x > 0.0;
+            if (!pushes || !isExact(own) || !other.body || isExact(other) || !(other.along > 0.0)) continue;
+            loads_[*own.body].pushing += 1.0 / other.along;
+            most = std::max(most, 1.0 / other.along);
+        }
+    for (std::size_t c = 0; c < rows_.size() && most > 0.0; ++c)
+        for (std::size_t k = 0; k < 2; ++k) {
+            const Constraint& each = constraint(c);
+            const Side &own = sides_[c][k], &other = sides_[c][1 - k];
+            if (!each.bilateral() || !isExact(own)) continue;
+            if (each.kind != ConstraintKind::Weld && each.kind != ConstraintKind::Shaft) continue;
+            double held = most * other.along > 1.0 ? 1.0 / other.along : most;
+            if (each.softness > 0.0) held = std::min(held, each.softness);
+            loads_[*own.body].holding = std::max(loads_[*own.body].holding, held);
+        }
+}
+
+double CoupledSolve::loaded(const Side& side, bool bilateral) const
+{
+    if (!side.body || !(side.along > 0.0)) return side.along;
+    const Load& load = loads_[*side.body];
+    return load.holding > 0.0 ? 1.0 / (1.0 / side.along + (bilateral ? load.pushing : load.holding)) : side.along;
+}
+
 void CoupledSolve::chooseStiffness()
 {
     double heaviest = 0.0;
     for (const double mass : masses_) heaviest = std::max(heaviest, mass);
+    sides_.clear();
+    for (const ConstraintRow& row : constraints_->list) sides_.push_back(sidesOf(row));
+    findLoads();
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const ConstraintRow& row = constraints_->list[c];
         const Constraint& each = *row.constraint;
-        const Vec3 normal = each.frame[0];
-        std::array<double, 2> ofSides = {}, anyDirection = {};
-        for (int k = row.first; k < row.first + row.count; ++k) {
-            const WeightedPoint& at = constraints_->points[static_cast<std::size_t>(k)];
-            const Mat3& own = compliance_[static_cast<std::size_t>(at.point)];
-            const std::size_t side = at.weight < 0.0 ? 1 : 0;
-            ofSides[side] += at.weight * at.weight * dot(normal, own * normal);
-            anyDirection[side] += at.weight * at.weight * trace(own);
-        }
-        double compliance = ofSides[0] + ofSides[1];
-        const bool bothMove = ofSides[0] > kStiff * anyDirection[0] && ofSides[1] > kStiff * anyDirection[1];
-        if (!each.bilateral() && !(compliance > kStiff * (anyDirection[0] + anyDirection[1]))) compliance = 0.0;
+        const auto& [one, two] = sides_[c];
+        double compliance = one.along + two.along;
+        const bool bothMove = one.along > kStiff * one.inAll && two.along > kStiff * two.inAll;
+        if (!each.bilateral() && !(compliance > kStiff * (one.inAll + two.inAll))) compliance = 0.0;
         const bool spring = each.softness > 0.0;
         const bool exact = isExact(row);
         const Kappa& kappas = exact ? limits_->exactKappa : limits_->kappa;
         const double kappa = each.bilateral() ? kappas.holding : kappas.contact;
         const Trapped trapped = bothMove ? Trapped{} : trappedAt(each, kappa);
-        double rigid = each.yielding * trapped.yielding * kappa / compliance;
+        const double pressed = exact ? compliance : loaded(one, each.bilateral()) + loaded(two, each.bilateral());
+        double rigid = each.yielding * trapped.yielding * std::min(kappa / pressed, kExact / compliance);
         if (exact && each.bilateral()) rigid = std::max(rigid, std::min(ownStiffness(row), kExact / compliance));
         // A link's drive has inertia that its mass does not show. With tissue in the island a needle between jaws must
         // bear it, too.
-        const double heavier = bothMove ? 1.0 / std::min(ofSides[0], ofSides[1]) : 0.0;
+        const double heavier = bothMove ? 1.0 / std::min(one.along, two.along) : 0.0;
         rigid = std::max(rigid, limits_->bearing * std::max(heaviest, heavier));
         if (exact && !each.bilateral() && betweenRigid(each))
             rigid = std::max(rigid, std::min(heavier, kExact / compliance));
@@ -112,10 +159,10 @@ void CoupledSolve::chooseStiffness()
         rows_[c].law.impulse.x *= 1.0 - loss;
         rows_[c].trapped = loss > 0.0;
         if (compliance == 0.0) rows_[c].law.impulse = {}; // no body can move along the normal
-        normals_[c] = {.axis = normal,
+        normals_[c] = {.axis = each.frame[0],
                        .impulse = rows_[c].law.impulse.x,
                        .stiffness = along,
-                       .velocity = each.bias.x + dot(normal, velocities_[c]),
+                       .velocity = each.bias.x + dot(each.frame[0], velocities_[c]),
                        .sleeps = !each.bilateral()};
     }
 }

@@ -130,7 +130,25 @@ private:
         return at.sleeps && !activeSetFrozen_ && at.impulse - at.stiffness * (at.velocity + length * at.along) <= 0.0;
     }
 
+    /// What a constraint acts on on one side; nothing if nothing can move there.
+    struct Side {
+        std::optional<std::size_t> body;
+        double along = 0.0; ///< [1/kg] compliance along the normal
+        double inAll = 0.0; ///< [1/kg] summed over all directions
+    };
+    /// What a body whose D is A bears if others hold it. D knows it as free: a wire of 15 mg that a hand pushed against
+    /// tissue sank in, as its contact was as soft as the wire is light.
+    struct Load {
+        double holding = 0.0; ///< [kg] what holds it, at most as stiff as the tissue that pushes; 0: nothing
+        double pushing = 0.0; ///< [kg] tissue that pushes at it
+    };
+
     void begin(const std::vector<std::vector<ContactPoint>>& pointsOf);
+    [[nodiscard]] std::size_t bodyOf(int point) const; ///< index of the body that a contact point is of
+    [[nodiscard]] std::array<Side, 2> sidesOf(const ConstraintRow& row) const;
+    void findLoads();
+    /// [1/kg] The compliance of a side along the normal, where what holds or pushes the body bears, too.
+    [[nodiscard]] double loaded(const Side& side, bool bilateral) const;
     void chooseStiffness();
     /// The smoother of the body that a contact point is of; `point` becomes its number in the body.
     const BodySmoother& smootherAt(int& point) const;
@@ -193,6 +211,8 @@ private:
     std::vector<int> sharing_;   ///< per contact point: the first one with the same unknowns
     std::vector<double> shares_;
     std::vector<Mat3> compliance_; ///< [1/kg] per contact point
+    std::vector<std::array<Side, 2>> sides_;
+    std::vector<Load> loads_; ///< per body
     // What the passes over all rows read lies apart from the rest: a thousand rows do not fit into a core's cache
     // beside a body. Vectors per row are in world axes.
     std::vector<Row> rows_;
