@@ -69,6 +69,17 @@ std::array<int, 3> lowestFirst(std::array<int, 3> face)
     return face;
 }
 
+/// The node of a face's tetrahedron that is not on it.
+int nodeBehind(const std::vector<geometry::Tetrahedron>& tetrahedra, const std::array<int, 3>& face)
+{
+    for (const geometry::Tetrahedron& t : tetrahedra) {
+        int inside = 0, other = -1;
+        for (const int node : t) std::ranges::find(face, node) != face.end() ? ++inside : other = node;
+        if (inside == 3) return other;
+    }
+    return -1;
+}
+
 /// The edit from one mesh's surface to that of another mesh with the same nodes.
 OwnSurfaceEdit editBetween(const geometry::TetMesh& from, const geometry::TetMesh& to)
 {
@@ -81,20 +92,20 @@ OwnSurfaceEdit editBetween(const geometry::TetMesh& from, const geometry::TetMes
     };
     const Faces were = facesOf(old), are = facesOf(now);
     OwnSurfaceEdit edit;
+    std::vector<std::array<int, 3>> left, fresh;
     std::map<int, int> vertexOf;
     for (std::size_t v = 0; v < old.nodes.size(); ++v) vertexOf[old.nodes[v]] = static_cast<int>(v);
     for (std::size_t t = 0; t < old.mesh.triangles.size(); ++t) {
         const geometry::Triangle& corners = old.mesh.triangles[t];
-        if (!are.contains(lowestFirst({old.nodes[corners[0]], old.nodes[corners[1]], old.nodes[corners[2]]})))
+        const auto face = lowestFirst({old.nodes[corners[0]], old.nodes[corners[1]], old.nodes[corners[2]]});
+        if (are.contains(face))
+            left.push_back(face);
+        else
             edit.surface.removed.push_back(static_cast<int>(t));
     }
     for (std::array<int, 3> face : are) {
         if (were.contains(face)) continue;
-        for (const geometry::Tetrahedron& t : to.tetrahedra) {
-            int inside = 0, other = 0;
-            for (const int node : t) std::ranges::find(face, node) != face.end() ? ++inside : other = node;
-            if (inside == 3) edit.behind.push_back(other);
-        }
+        const std::array<int, 3> nodes = face;
         for (int& node : face) {
             if (!vertexOf.contains(node)) {
                 vertexOf[node] = static_cast<int>(old.nodes.size() + edit.nodes.size());
@@ -104,7 +115,10 @@ OwnSurfaceEdit editBetween(const geometry::TetMesh& from, const geometry::TetMes
             node = vertexOf[node];
         }
         edit.surface.added.push_back(face);
+        fresh.push_back(nodes);
     }
+    for (const auto& faces : {left, fresh})
+        for (const std::array<int, 3>& face : faces) edit.behind.push_back(nodeBehind(to.tetrahedra, face));
     return edit;
 }
 
@@ -166,6 +180,39 @@ TEST_CASE("contacts on features that an edit leaves keep their forces, and the o
     CHECK_NOTHROW(checkContacts(scene));
     CHECK_FALSE(stage.step(1e-3).has(physics::StepFlag::Undone));
     CHECK(!scene.contactReports.empty());
+}
+
+TEST_CASE("after a cut every triangle of the surface knows the node behind it")
+{
+    // A cut gave elements behind the old surface copies of their nodes. Their triangles kept the nodes of the other
+    // lip, and contacts were taken to be on inverted elements, in every third step: a cut vessel never rested.
+    Stage stage;
+    physics::SoftBodyDef def = block(boxMesh({4, 4, 4}, {0.04, 0.04, 0.04}));
+    def.gravity = false;
+    def.dynamicTopology = true;
+    stage.add(def);
+    auto sheet = std::make_shared<geometry::TriangleMesh>();
+    sheet->vertices = {{0.021, 0, -0.03}, {0.021, 0, 0.07}, {0.021, 0.05, 0.02}};
+    sheet->triangles = {{0, 1, 2}};
+    const BodyId blade = stage.add(
+        physics::RigidBodyDef{.elements = {{{0, 0.05, 0}, {}}}, .mesh = sheet, .collision = {{.cutting = true}}});
+    for (int i = 1; i <= 40; ++i) {
+        stage.post(physics::SetPose{blade, 0, {{0, 0.05 - 0.001 * i, 0}, {}}});
+        stage.step(1e-3);
+    }
+    const CollisionModel& now = stage.model().collision[0];
+    REQUIRE(stage.model().opened);
+    REQUIRE(now.behind.size() == now.shape->triangles.size());
+    std::vector<geometry::Tetrahedron> tetrahedra;
+    for (const FemElement& element : stage.model().elements) tetrahedra.push_back(element.nodes);
+    int wrong = 0;
+    for (std::size_t t = 0; t < now.behind.size(); ++t) {
+        std::array<int, 3> face{};
+        for (std::size_t k = 0; k < 3; ++k)
+            face[k] = now.embedding.nodes[static_cast<std::size_t>(now.shape->triangles[t][k])][0];
+        wrong += now.behind[t] != nodeBehind(tetrahedra, face);
+    }
+    CHECK(wrong == 0);
 }
 
 } // namespace edit_collision_test

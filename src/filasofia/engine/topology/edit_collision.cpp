@@ -52,10 +52,10 @@ void editSides(SurfaceName name, const CollisionShape& now, std::vector<SheetSid
 /// Per triangle, the node behind it after the edit.
 std::vector<int> behindNow(const OwnSurfaceEdit& edit, const ShapeChange& change, const std::vector<int>& before)
 {
-    std::vector<int> behind(before.size() - edit.surface.removed.size() + edit.surface.added.size());
+    if (!edit.behind.empty()) return edit.behind;
+    std::vector<int> behind(before.size() - edit.surface.removed.size());
     for (std::size_t t = 0; t < before.size(); ++t)
         if (change.triangles[t] >= 0) behind[change.triangles[t]] = before[t];
-    for (std::size_t i = 0; i < change.fresh.size(); ++i) behind[change.fresh[i]] = edit.behind[i];
     return behind;
 }
 
@@ -65,7 +65,7 @@ void editCollision(const OwnSurfaceEdit& edit, int model, SoftModel& body, Scene
 {
     CollisionModel& collision = body.collision[static_cast<std::size_t>(model)];
     FILASOFIA_ASSERT(edit.nodes.size() == edit.surface.vertices.size());
-    FILASOFIA_ASSERT(edit.behind.size() == edit.surface.changed.size() + edit.surface.added.size());
+    FILASOFIA_ASSERT(!edit.behind.empty() || (edit.surface.changed.empty() && edit.surface.added.empty()));
     const std::shared_ptr<const CollisionShape> before = collision.shape;
     ShapeChange change;
     CollisionShape now = editShape(*before, edit.surface, change);
@@ -79,6 +79,7 @@ void editCollision(const OwnSurfaceEdit& edit, int model, SoftModel& body, Scene
     editMemories(name, *before, now, change, scene.contacts);
     editSides(name, now, scene.sides);
     collision.shape = std::make_shared<const CollisionShape>(std::move(now));
+    FILASOFIA_ASSERT(collision.behind.empty() || collision.behind.size() == collision.shape->triangles.size());
 }
 
 } // namespace filasofia::engine

@@ -8,8 +8,10 @@ namespace filasofia::engine {
 /// How an edit of a soft body's mesh changes the body's own surface.
 struct OwnSurfaceEdit {
     SurfaceEdit surface;
-    std::vector<int> nodes = {};  ///< per appended vertex: its node
-    std::vector<int> behind = {}; ///< per changed, then per added triangle: the fourth node of its tetrahedron
+    std::vector<int> nodes = {}; ///< per appended vertex: its node
+    /// Per triangle of the edited surface: the fourth node of its tetrahedron, which a cut may have replaced by a copy
+    /// though the triangle is as before. Empty: those that are left keep theirs, and none is new.
+    std::vector<int> behind = {};
 };
 
 /// Applies the edit to a collision model that is the body's own surface, and to the contacts and sides in the scene's

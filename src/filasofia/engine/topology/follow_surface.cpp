@@ -108,16 +108,16 @@ OwnSurfaceEdit followSurface(const frame::TopologyEdit& edit, BodyTopology& topo
     for (const auto& [place, change] : changed) {
         surface.change(place, *change);
         out.surface.changed.emplace_back(place, inVertices(change->nodes));
-        out.behind.push_back(cornerBehind(change->tetrahedron, change->face, topology));
     }
     surface.remove(out.surface.removed);
     for (const BoundaryChange& change : edit.boundary) {
         if (change.kind != Kind::Added) continue;
         surface.add(change);
         out.surface.added.push_back(inVertices(change.nodes));
-        out.behind.push_back(cornerBehind(change.tetrahedron, change.face, topology));
     }
     surface.finish();
+    for (const auto& [element, face] : topology.boundaryFaces)
+        out.behind.push_back(cornerBehind(element, face, topology));
     return out;
 }
 
