@@ -173,8 +173,8 @@ class Suturing(CaseTrainer):
         score, way_in, way_out, gap, loaded = map(float, found.groups())
         self.assertGreater(score, 550)
         self.assertLess(max(way_in, way_out), 1.5)  # 0.1 and 0.6 mm were measured
-        self.assertLess(gap, 1.0)  # 0.1 mm was measured; not every knot holds
-        self.assertLess(loaded, 1.0)
+        self.assertLess(gap, 0.5)  # 0.1 mm was measured
+        self.assertLess(loaded, 0.6)  # 0.2 mm was measured
         self.assertEqual([line["what"] for line in self.lines() if line.get("event") == "step"],
                          ["grasp", "in", "out", "draw", "clear", "knot", "load"])
         self.assertEqual([line for line in self.lines() if line.get("event") == "mistake"], [])

@@ -20,8 +20,8 @@ struct KnotDef {
     Vec3 place = {};               ///< [m], where the knot is to lie: on the tissue, above the middle of the wound
     Vec3 up = {0.0, 1.0, 0.0};     ///< [-], any length > 0, away from the tissue
     Vec3 across = {1.0, 0.0, 0.0}; ///< [-], any length > 0, across the wound: hands tighten along it
-    /// [-], each in [1, 5]: of the throws. A surgeon's knot has 2, 1 and 1. Each throw is wound in the other sense than
-    /// that before, so they make square knots.
+    /// [-], each in [1, 5]: of the throws. A surgeon's knot has 2, 1 and 1. Hands change sides with each throw, so each
+    /// is the mirror image of that before: they make square knots.
     std::vector<int> turns = {2, 1, 1};
     double loop = 1.5e-3;     ///< [m], > 0, radius of the loops through which the second strand goes
     double height = 8e-3;     ///< [m], > loop, of the loops over the place

@@ -158,9 +158,20 @@ struct KnotHands::Impl {
             simulation.physics().setPose(hands[i].body, Pose{at});
             place(hands[i], at);
         }
-        hands[0].side = dot(hands[0].direction - hands[1].direction, def.across) > 0.0 ? 1.0 : -1.0;
+        hands[0].side = apart(thread) > 0.0 ? 1.0 : -1.0;
         hands[1].side = -hands[0].side;
         next(Phase::Take);
+    }
+    /// From the second strand to the first, along `across`, where they leave the tissue: their ends may have crossed.
+    /// If they leave it together, as out of a knot, or are nowhere near it, their ends count.
+    [[nodiscard]] double apart(const frame::SoftBodyFrame& thread) const
+    {
+        const std::array<int, 2> bases = {baseOf(thread, 0), baseOf(thread, 1)};
+        const auto at = [&](int i) {
+            return dot(thread.positions[static_cast<std::size_t>(bases[static_cast<std::size_t>(i)])], def.across);
+        };
+        if (bases[0] != def.nodes[1] && std::abs(at(0) - at(1)) > 2.0 * def.loop) return at(0) - at(1);
+        return dot(hands[0].direction - hands[1].direction, def.across);
     }
     void place(Hand& hand, Vec3 at) const
     {
@@ -259,16 +270,14 @@ struct KnotHands::Impl {
     [[nodiscard]] bool rests() const { return still > kStill || since > def.patience; }
     [[nodiscard]] Throw made() const
     {
-        return {.turns = def.turns[static_cast<std::size_t>(throws)],
-                .side = hands[0].side,
-                .sense = throws % 2 == 0 ? 1.0 : -1.0};
+        return {.turns = def.turns[static_cast<std::size_t>(throws)], .side = hands[0].side};
     }
     /// Chooses the nodes for the fingers, and brings those there.
     void seize(const frame::SoftBodyFrame& thread)
     {
         const auto at = [&](int node) { return thread.positions[static_cast<std::size_t>(node)]; };
-        const int inwards = def.nodes[1] > def.nodes[0] ? 1 : -1;
-        int node = baseOf(thread, 0, inwards);
+        const int inwards = inwardsOf(0);
+        int node = baseOf(thread, 0);
         const std::vector<Vec3> loops = loopsOf(frame, made(), 0.0);
         double left = kLead * distance(at(node), loops.front());
         fingers.clear();
@@ -284,15 +293,18 @@ struct KnotHands::Impl {
                        fingers.size(), " of ", loops.size(), " fingers find a node of it");
         pinching.clear();
         for (int i = 0; throws > 0 && i < 2; ++i) {
-            const int base = baseOf(thread, i, i == 0 ? inwards : -inwards);
+            const int base = baseOf(thread, i);
             pinching.push_back({.node = base, .from = at(base)});
             simulation.physics().setPose(fingersBody, Pose{at(base)}, static_cast<int>(loops.size()) + i);
         }
         next(Phase::Seize);
     }
+    /// [-], 1 or -1: from a hand's node towards the other one.
+    [[nodiscard]] int inwardsOf(int hand) const { return (def.nodes[1] > def.nodes[0]) == (hand == 0) ? 1 : -1; }
     /// The first node of a strand, from its hand on, that is near the tissue.
-    [[nodiscard]] int baseOf(const frame::SoftBodyFrame& thread, int hand, int inwards) const
+    [[nodiscard]] int baseOf(const frame::SoftBodyFrame& thread, int hand) const
     {
+        const int inwards = inwardsOf(hand);
         const int other = def.nodes[static_cast<std::size_t>(1 - hand)];
         int node = def.nodes[static_cast<std::size_t>(hand)];
         const auto height = [&] { return dot(thread.positions[static_cast<std::size_t>(node)] - def.place, def.up); };

@@ -21,8 +21,8 @@ std::vector<Vec3> loopsOf(const KnotFrame& frame, const Throw& made, double part
     const double begin = 0.5 * made.turns * frame.pitch;
     std::vector<Vec3> fingers;
     for (int i = 0; i <= made.turns * kFingersPerTurn; ++i) {
-        // The strand comes from below, and leaves there.
-        const double angle = made.sense * kAngle * i - 0.5 * std::numbers::pi;
+        // The strand comes from below, goes up behind, and leaves below.
+        const double angle = -kAngle * i - 0.5 * std::numbers::pi;
         const double radius = part * frame.loop;
         fingers.push_back(frame.at(made.side * (begin - along * i), frame.height + radius * std::sin(angle),
                                    radius * std::cos(angle)));

@@ -9,6 +9,10 @@
 /// Two ends that only go around each other make no throw: that comes undone by turning back. One end has to go through
 /// a loop. So the winding strand is laid across the wound, fingers form loops of it about a line along `across`, and
 /// the other end goes along that line through the loops, against the direction in which the first strand is wound.
+///
+/// The winding strand also leaves behind the other one, which is half a turn more. So the loops begin behind as well:
+/// those that began in front would be undone by that half turn. As the strands change sides from throw to throw, each
+/// throw is the mirror image of that before: a square knot.
 namespace filasofia::prefab {
 
 /// The axes of a knot: unit vectors, each at right angles to the others.
@@ -20,11 +24,9 @@ struct KnotFrame {
     [[nodiscard]] Vec3 at(double x, double y, double z) const { return place + x * across + y * up + z * front; }
 };
 
-/// A throw: `side` is that of the winding strand before it, 1 or -1 along `across`; `sense` is 1 or -1, the sense of
-/// winding.
 struct Throw {
     int turns = 1;
-    double side = -1.0, sense = 1.0;
+    double side = -1.0; ///< 1 or -1 along `across`, where the winding strand is before it
 };
 
 constexpr int kFingersPerTurn = 8;
