@@ -82,44 +82,12 @@ std::array<CoupledSolve::Side, 2> CoupledSolve::sidesOf(const ConstraintRow& row
     std::array<Side, 2> sides;
     for (const WeightedPoint& at : constraints_->pointsOf(row)) {
         const Mat3& own = compliance_[static_cast<std::size_t>(at.point)];
-        Side& side = sides[at.weight < 0.0 ? 1 : 0];
+        Side& side = sides[sideOf(at)];
         side.body = bodyOf(at.point);
         side.along += at.weight * at.weight * dot(normal, own * normal);
         side.inAll += at.weight * at.weight * trace(own);
     }
     return sides;
-}
-
-void CoupledSolve::findLoads()
-{
-    loads_.assign(bodies_->size(), {});
-    const auto isExact = [&](const Side& side) { return side.body && (*bodies_)[*side.body].smoother->isExact(); };
-    double most = 0.0; // of tissue that pushes
-    for (std::size_t c = 0; c < rows_.size(); ++c)
-        for (std::size_t k = 0; k < 2; ++k) {
-            const Side &own = sides_[c][k], &other = sides_[c][1 - k];
-            const bool pushes = !constraint(c).bilateral() && rows_[c].law.impulse.x > 0.0;
-            if (!pushes || !isExact(own) || !other.body || isExact(other) || !(other.along > 0.0)) continue;
-            loads_[*own.body].pushing += 1.0 / other.along;
-            most = std::max(most, 1.0 / other.along);
-        }
-    for (std::size_t c = 0; c < rows_.size() && most > 0.0; ++c)
-        for (std::size_t k = 0; k < 2; ++k) {
-            const Constraint& each = constraint(c);
-            const Side &own = sides_[c][k], &other = sides_[c][1 - k];
-            if (!each.bilateral() || !isExact(own)) continue;
-            if (each.kind != ConstraintKind::Weld && each.kind != ConstraintKind::Shaft) continue;
-            double held = most * other.along > 1.0 ? 1.0 / other.along : most;
-            if (each.softness > 0.0) held = std::min(held, each.softness);
-            loads_[*own.body].holding = std::max(loads_[*own.body].holding, held);
-        }
-}
-
-double CoupledSolve::loaded(const Side& side, bool bilateral) const
-{
-    if (!side.body || !(side.along > 0.0)) return side.along;
-    const Load& load = loads_[*side.body];
-    return load.holding > 0.0 ? 1.0 / (1.0 / side.along + (bilateral ? load.pushing : load.holding)) : side.along;
 }
 
 void CoupledSolve::chooseStiffness()
@@ -128,7 +96,7 @@ void CoupledSolve::chooseStiffness()
     for (const double mass : masses_) heaviest = std::max(heaviest, mass);
     sides_.clear();
     for (const ConstraintRow& row : constraints_->list) sides_.push_back(sidesOf(row));
-    findLoads();
+    findHolds();
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const ConstraintRow& row = constraints_->list[c];
         const Constraint& each = *row.constraint;
@@ -141,7 +109,7 @@ void CoupledSolve::chooseStiffness()
         const Kappa& kappas = exact ? limits_->exactKappa : limits_->kappa;
         const double kappa = each.bilateral() ? kappas.holding : kappas.contact;
         const Trapped trapped = bothMove ? Trapped{} : trappedAt(each, kappa);
-        const double pressed = exact ? compliance : loaded(one, each.bilateral()) + loaded(two, each.bilateral());
+        const double pressed = exact || spring ? compliance : heldCompliance(c);
         double rigid = each.yielding * trapped.yielding * std::min(kappa / pressed, kExact / compliance);
         if (exact && each.bilateral()) rigid = std::max(rigid, std::min(ownStiffness(row), kExact / compliance));
         // A link's drive has inertia that its mass does not show. With tissue in the island a needle between jaws must

@@ -5,6 +5,7 @@
 #include "filasofia/engine/constraint/constraint.h"
 #include "filasofia/engine/constraint/constraint_filter.h"
 #include "filasofia/engine/constraint/impulse_sweeps.h"
+#include "filasofia/linalg/dense_cholesky.h"
 #include "filasofia/linalg/matrix_free_cg.h"
 
 #include <algorithm>
@@ -136,19 +137,24 @@ private:
         double along = 0.0; ///< [1/kg] compliance along the normal
         double inAll = 0.0; ///< [1/kg] summed over all directions
     };
-    /// What a body whose D is A bears if others hold it. D knows it as free: a wire of 15 mg that a hand pushed against
-    /// tissue sank in, as its contact was as soft as the wire is light.
-    struct Load {
-        double holding = 0.0; ///< [kg] what holds it, at most as stiff as the tissue that pushes; 0: nothing
-        double pushing = 0.0; ///< [kg] tissue that pushes at it
+    /// What attachments and tissue do to a body whose D is A: D knows it as free.
+    struct Hold {
+        double pushing = 0.0;                 ///< [kg] the tissue that pushes at it
+        std::vector<std::size_t> attachments; ///< rows; empty: nothing holds it
+        std::vector<Vec3> answers;            ///< [1/kg] D^-1 at its points, per attachment and axis
+        linalg::DenseCholesky factor;         ///< of the compliance of the attachments
     };
 
     void begin(const std::vector<std::vector<ContactPoint>>& pointsOf);
     [[nodiscard]] std::size_t bodyOf(int point) const; ///< index of the body that a contact point is of
+    [[nodiscard]] static std::size_t sideOf(const WeightedPoint& point) { return point.weight < 0.0 ? 1 : 0; }
     [[nodiscard]] std::array<Side, 2> sidesOf(const ConstraintRow& row) const;
-    void findLoads();
-    /// [1/kg] The compliance of a side along the normal, where what holds or pushes the body bears, too.
-    [[nodiscard]] double loaded(const Side& side, bool bilateral) const;
+    void findHolds();
+    void measureHold(std::size_t body);
+    [[nodiscard]] bool isHeld(const Side& side) const;
+    [[nodiscard]] Mat3 takenByHold(std::size_t c, std::size_t side); ///< [1/kg] by which a held body yields less there
+    /// [1/kg] The compliance of a row along the normal where bodies are held, or at an attachment, pushed.
+    [[nodiscard]] double heldCompliance(std::size_t c);
     void chooseStiffness();
     /// The smoother of the body that a contact point is of; `point` becomes its number in the body.
     const BodySmoother& smootherAt(int& point) const;
@@ -212,7 +218,8 @@ private:
     std::vector<double> shares_;
     std::vector<Mat3> compliance_; ///< [1/kg] per contact point
     std::vector<std::array<Side, 2>> sides_;
-    std::vector<Load> loads_; ///< per body
+    std::vector<Hold> holds_;  ///< per body
+    std::vector<double> held_; ///< scratch of takenByHold()
     // What the passes over all rows read lies apart from the rest: a thousand rows do not fit into a core's cache
     // beside a body. Vectors per row are in world axes.
     std::vector<Row> rows_;

@@ -1,0 +1,127 @@
+// Bodies that others hold: the part of CoupledSolve that finds how much they yield. A wire of 15 mg that a hand pushed
+// against tissue sank in, as its contact was as soft as the wire is light (docs/lab/contact.md).
+#include "filasofia/engine/constraint/coupled_solve.h"
+
+namespace filasofia::engine {
+namespace {
+
+// Per body. One is a hinge, about which a body turns: a thread that a needle draws is not held by that. Each costs
+// three solves with D.
+constexpr std::size_t kFewestAttachments = 2, kMostAttachments = 8;
+// Of the mean compliance of the attachments, as several may hold the same motion.
+constexpr double kShift = 1e-4;
+
+} // namespace
+
+void CoupledSolve::findHolds()
+{
+    holds_.assign(bodies_->size(), {});
+    const auto isExact = [&](const Side& side) { return side.body && (*bodies_)[*side.body].smoother->isExact(); };
+    for (std::size_t c = 0; c < rows_.size(); ++c)
+        for (std::size_t k = 0; k < 2; ++k) {
+            const Side &own = sides_[c][k], &tissue = sides_[c][1 - k];
+            const bool pushes = !constraint(c).bilateral() && rows_[c].law.impulse.x > 0.0;
+            if (pushes && isExact(own) && tissue.body && !isExact(tissue) && tissue.along > 0.0)
+                holds_[*own.body].pushing += 1.0 / tissue.along;
+        }
+    for (std::size_t c = 0; c < rows_.size(); ++c)
+        for (const Side& own : sides_[c])
+            if (constraint(c).kind == ConstraintKind::Weld && own.body && holds_[*own.body].pushing > 0.0)
+                holds_[*own.body].attachments.push_back(c);
+    for (std::size_t b = 0; b < holds_.size(); ++b) {
+        std::vector<std::size_t>& attachments = holds_[b].attachments;
+        if (attachments.size() < kFewestAttachments || attachments.size() > kMostAttachments)
+            attachments.clear();
+        else
+            measureHold(b);
+    }
+}
+
+void CoupledSolve::measureHold(std::size_t body)
+{
+    Hold& hold = holds_[body];
+    const auto first = static_cast<std::size_t>(first_[body]),
+               count = static_cast<std::size_t>(first_[body + 1]) - first;
+    const CoupledBody& own = (*bodies_)[body];
+    std::vector<Vec3> impulses(count), before(count), after(count);
+    const auto forEachPoint = [&](std::size_t c, const auto& use) {
+        for (const WeightedPoint& each : constraints_->pointsOf(constraints_->list[c]))
+            if (const auto at = static_cast<std::size_t>(each.point); at >= first && at < first + count)
+                use(at - first, each.weight);
+    };
+    // The vector z is free until the first iteration.
+    own.matrix->read(SolveVector::Preconditioned, before);
+    for (const std::size_t c : hold.attachments)
+        for (int axis = 0; axis < 3; ++axis) {
+            std::ranges::fill(impulses, Vec3{});
+            forEachPoint(c, [&](std::size_t at, double weight) { impulses[at][axis] += weight; });
+            own.preconditioner->subtractSmoothed(impulses);
+            own.matrix->read(SolveVector::Preconditioned, after);
+            for (std::size_t k = 0; k < count; ++k) hold.answers.push_back(before[k] - after[k]);
+            before.swap(after);
+        }
+    const std::size_t size = 3 * hold.attachments.size();
+    std::vector<double> compliance(size * size);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < size; ++i) {
+        const std::size_t c = hold.attachments[i / 3];
+        const Side& other = sides_[c][sides_[c][0].body == body ? 1 : 0];
+        const double softness = constraint(c).softness;
+        for (std::size_t j = 0; j <= i; ++j)
+            forEachPoint(c, [&](std::size_t at, double weight) {
+                compliance[i * size + j] += weight * hold.answers[j * count + at][static_cast<int>(i % 3)];
+            });
+        sum += compliance[i * size + i];
+        compliance[i * size + i] += other.inAll / 3.0 + (softness > 0.0 ? 1.0 / softness : 0.0);
+    }
+    for (std::size_t i = 0; i < size; ++i) compliance[i * size + i] += kShift * sum / static_cast<double>(size);
+    if (!hold.factor.factorise(compliance, static_cast<int>(size))) hold.attachments.clear();
+}
+
+bool CoupledSolve::isHeld(const Side& side) const { return side.body && !holds_[*side.body].attachments.empty(); }
+
+Mat3 CoupledSolve::takenByHold(std::size_t c, std::size_t side)
+{
+    const std::size_t body = *sides_[c][side].body;
+    const Hold& hold = holds_[body];
+    const auto first = static_cast<std::size_t>(first_[body]),
+               count = static_cast<std::size_t>(first_[body + 1]) - first;
+    std::vector<Vec3> answers(3 * hold.attachments.size()); // of the side, per attachment and axis
+    for (const WeightedPoint& each : constraints_->pointsOf(constraints_->list[c]))
+        for (std::size_t i = 0; sideOf(each) == side && i < answers.size(); ++i)
+            answers[i] += each.weight * hold.answers[i * count + static_cast<std::size_t>(each.point) - first];
+    Mat3 taken;
+    for (int axis = 0; axis < 3; ++axis) {
+        held_.clear();
+        for (const Vec3 each : answers) held_.push_back(each[axis]);
+        hold.factor.solve(held_);
+        for (std::size_t i = 0; i < answers.size(); ++i) taken[axis] += held_[i] * answers[i];
+    }
+    return taken;
+}
+
+double CoupledSolve::heldCompliance(std::size_t c)
+{
+    const std::array<Side, 2>& sides = sides_[c];
+    const Constraint& each = constraint(c);
+    if (each.bilateral()) {
+        double sum = 0.0;
+        for (const Side& side : sides)
+            sum +=
+                isHeld(side) && side.along > 0.0 ? 1.0 / (1.0 / side.along + holds_[*side.body].pushing) : side.along;
+        return sum;
+    }
+    const double free = sides[0].along + sides[1].along;
+    if (std::ranges::none_of(sides, [&](const Side& side) { return isHeld(side); })) return free;
+    Mat3 all = kShift * (sides[0].inAll + sides[1].inAll) * Mat3::identity();
+    for (const WeightedPoint& at : constraints_->pointsOf(constraints_->list[c]))
+        all += at.weight * at.weight * compliance_[static_cast<std::size_t>(at.point)];
+    for (std::size_t k = 0; k < 2; ++k)
+        if (isHeld(sides[k])) all -= takenByHold(c, k);
+    // Where the two rub, they hold each other across the normal: a tip that is softer sideways does not yield by that.
+    const Vec3 normal = each.frame[0];
+    const double yields = each.friction > 0.0 ? 1.0 / dot(normal, inverse(all) * normal) : dot(normal, all * normal);
+    return std::clamp(yields, kShift * free, free);
+}
+
+} // namespace filasofia::engine
