@@ -147,7 +147,7 @@ private:
     }
 
     GmshOptions options_;
-    std::vector<int> labels_, volumes_; ///< per tetrahedron; of the volumes
+    std::vector<int> labels_, volumes_; ///< per tetrahedron; those of the volumes
     std::string out_;
 };
 

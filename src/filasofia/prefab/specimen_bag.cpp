@@ -2,6 +2,7 @@
 
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/geometry/solid_angle.h"
 
 #include <algorithm>
 #include <numbers>
@@ -73,16 +74,6 @@ geometry::TriangleMesh pouch(const Mouth& mouth, double depth, int cells)
     return mesh;
 }
 
-/// [-], how often a closed surface goes around a point, once for each of its triangles: Van Oosterom and Strackee 1983.
-double turnsAround(Vec3 point, Vec3 a, Vec3 b, Vec3 c)
-{
-    const Vec3 p = a - point, q = b - point, r = c - point;
-    const double lp = length(p), lq = length(q), lr = length(r);
-    const double volume = dot(p, cross(q, r));
-    const double rest = lp * lq * lr + dot(p, q) * lr + dot(q, r) * lp + dot(r, p) * lq;
-    return std::atan2(volume, rest) / (2.0 * kPi);
-}
-
 } // namespace
 
 struct SpecimenBag::Impl {
@@ -139,16 +130,16 @@ struct SpecimenBag::Impl {
     [[nodiscard]] bool isIn(Vec3 point, const std::vector<Vec3>& nodes, Vec3 middle) const
     {
         const auto node = [&](int i) { return nodes[static_cast<std::size_t>(i)]; };
-        double turns = 0.0;
-        for (const auto& [a, b, c] : mesh->triangles) turns += turnsAround(point, node(a), node(b), node(c));
+        double angle = 0.0; // 4 pi inside
+        for (const auto& [a, b, c] : mesh->triangles) angle += geometry::solidAngle(point, node(a), node(b), node(c));
         // The lid has the edges of the mouth in the other direction.
         const auto& [a, b, c] = mesh->triangles.front();
         const bool same = (a == 0 && b == 1) || (b == 0 && c == 1) || (c == 0 && a == 1);
         for (int i = 0; i < rim(); ++i) {
             const int next = (i + 1) % rim();
-            turns += turnsAround(point, node(same ? next : i), node(same ? i : next), middle);
+            angle += geometry::solidAngle(point, node(same ? next : i), node(same ? i : next), middle);
         }
-        return std::abs(turns) > 0.5;
+        return std::abs(angle) > 2.0 * kPi;
     }
 
     runtime::Simulation& simulation;

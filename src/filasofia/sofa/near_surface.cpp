@@ -1,6 +1,7 @@
 #include "filasofia/sofa/near_surface.h"
 
 #include "filasofia/geometry/distance.h"
+#include "filasofia/geometry/solid_angle.h"
 
 #include <cmath>
 
@@ -41,17 +42,12 @@ bool NearSurface::has(Vec3 point, double within) const
     return geometry::squaredDistance(tree_.bounds(), point) == 0.0 && isInside(point);
 }
 
-/// By the solid angle of the surface (van Oosterom and Strackee 1983): 4 pi around a point inside, 0 outside.
+/// By the solid angle of the surface: 4 pi around a point inside, 0 outside.
 bool NearSurface::isInside(Vec3 point) const
 {
     double angle = 0.0;
-    for (const auto& [i, j, k] : triangles_) {
-        const Vec3 a = vertices_[static_cast<std::size_t>(i)] - point,
-                   b = vertices_[static_cast<std::size_t>(j)] - point,
-                   c = vertices_[static_cast<std::size_t>(k)] - point;
-        const double la = length(a), lb = length(b), lc = length(c);
-        angle += 2.0 * std::atan2(dot(a, cross(b, c)), la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-    }
+    const auto at = [&](int corner) { return vertices_[static_cast<std::size_t>(corner)]; };
+    for (const auto& [a, b, c] : triangles_) angle += geometry::solidAngle(point, at(a), at(b), at(c));
     return std::abs(angle) > 2.0 * M_PI;
 }
 

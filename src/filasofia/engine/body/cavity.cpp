@@ -5,6 +5,7 @@
 #include "filasofia/engine/body/body_topology.h"
 #include "filasofia/engine/body/elements.h"
 #include "filasofia/engine/body/soft_model.h"
+#include "filasofia/geometry/solid_angle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -89,17 +90,14 @@ std::vector<Space> spacesOf(const SoftModel& model, const std::vector<std::array
     return out;
 }
 
-/// Whether a closed part of the surface goes around a point (Van Oosterom and Strackee 1983, equation 8).
+/// Whether a closed part of the surface goes around a point.
 bool goesAround(const SoftModel& model, const std::vector<int>& parts, int part, Vec3 point)
 {
     double solid = 0.0;
     for (std::size_t t = 0; t < parts.size(); ++t) {
         if (parts[t] != part) continue;
-        std::array<Vec3, 3> r;
-        for (std::size_t k = 0; k < 3; ++k) r[k] = model.rest[static_cast<std::size_t>(model.surface[t][k])] - point;
-        const double a = length(r[0]), b = length(r[1]), c = length(r[2]);
-        solid += 2.0 * std::atan2(tripleProduct(r[0], r[1], r[2]),
-                                  a * b * c + dot(r[0], r[1]) * c + dot(r[1], r[2]) * a + dot(r[2], r[0]) * b);
+        const auto corner = [&](std::size_t k) { return model.rest[static_cast<std::size_t>(model.surface[t][k])]; };
+        solid += geometry::solidAngle(point, corner(0), corner(1), corner(2));
     }
     return std::abs(solid) > 2.0 * std::numbers::pi;
 }
