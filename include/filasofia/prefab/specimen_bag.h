@@ -4,8 +4,8 @@
 
 namespace filasofia::prefab {
 
-/// A bag of thin film whose mouth two arms hold open: in what it differs from others. By default it is one of
-/// polyurethane for a trocar of 10 mm.
+/// What may differ between bags of thin film whose mouth two arms hold open. By default it is one of polyurethane for a
+/// trocar of 10 mm.
 struct SpecimenBagDef {
     std::string name = "specimen bag"; ///< what errors and reports call its film, a soft body
     double arms = 65e-3;               ///< [m], > 0, of each arm, from the pivot, that the mouth is fixed to
@@ -44,7 +44,8 @@ constexpr auto fields(const SpecimenBagDef*)
 /// Hangs a bag on an instrument, whose two jaws are the arms that spread its mouth (InstrumentKind::SpecimenBag). The
 /// film hangs to the -X side of the pivot. Its mouth is a triangle: two sides are along the arms, and the third one,
 /// the film's own edge, is between their tips. When the jaws close, the arms come together and the mouth is a slit.
-/// What is in the bag is carried by contact alone, and its weight goes into the instrument.
+/// What is in the bag is carried by contact alone, and its weight goes into the instrument. The film is the
+/// simulation's: it stays in the scene if this object is destroyed.
 ///
 /// Any thread may call.
 class SpecimenBag {
@@ -62,7 +63,9 @@ public:
     /// [-], in [0, 1], the share of a body's nodes, or of a rigid body's elements, that is in the bag now: between its
     /// film and its mouth. It looks at every node and every triangle.
     [[nodiscard]] double share(BodyId of) const;
-    [[nodiscard]] Vec3 load() const;  ///< [N], on the arms: the weight of the film and of what is in it
+    /// [N], on the arms now: at rest, the weight of the film and of what is in it. In motion their inertia is added,
+    /// and what else touches the bag.
+    [[nodiscard]] Vec3 load() const;
     [[nodiscard]] Vec3 mouth() const; ///< [m], the middle of the mouth, in the world
 
 private:

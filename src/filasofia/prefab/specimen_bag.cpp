@@ -20,56 +20,83 @@ struct Mouth {
     Vec3 down = {};                   ///< [-], a unit vector, to where the bag hangs
 };
 
-/// The mesh of the film: rings of nodes, one below the other, and a node at the bottom. The first ring is the mouth:
-/// from the pivot along the first arm, along the free edge and back along the second arm.
-geometry::TriangleMesh pouch(const Mouth& mouth, double depth, int cells)
+/// The nodes of the mouth: from the pivot along the first arm, along the free edge and back along the second arm.
+std::vector<Vec3> rimOf(const Mouth& mouth, int cells)
 {
-    const int around = 3 * cells;
     std::vector<Vec3> rim;
-    for (int side = 0; side < 3; ++side)
+    for (std::size_t side = 0; side < 3; ++side)
         for (int i = 0; i < cells; ++i) {
-            const Vec3 a = mouth.corners[static_cast<std::size_t>(side)];
-            const Vec3 b = mouth.corners[static_cast<std::size_t>((side + 1) % 3)];
+            const Vec3 a = mouth.corners[side], b = mouth.corners[(side + 1) % 3];
             rim.push_back(a + static_cast<double>(i) / cells * (b - a));
         }
-    Vec3 middle;
-    double edge = 0.0; // around the mouth
-    for (std::size_t i = 0; i < rim.size(); ++i) {
-        middle += 1.0 / around * rim[i];
-        edge += distance(rim[i], rim[(i + 1) % rim.size()]);
-    }
-    // The bottom is round. Walls that hang down from three straight sides are as wide there as at the mouth.
-    const double radius = edge / (2.0 * kPi);
-    const Vec3 first = normalized(rim.front() - middle);
-    const Vec3 second = normalized((mouth.corners[1] - middle) - dot(mouth.corners[1] - middle, first) * first);
-    const int straight = std::max(2, static_cast<int>(std::lround(kStraight * depth * around / edge)));
+    return rim;
+}
 
+/// The round cross-section of the bag, as long around as its mouth. Walls that hang down from three straight sides are
+/// as wide there as at the mouth.
+struct Circle {
+    Vec3 middle = {};                ///< [m], where the mouth has it
+    double edge = 0.0, radius = 0.0; ///< [m], around it
+    Vec3 first = {}, second = {};    ///< [-], unit vectors: to the pivot, and across, towards the tip of the first arm
+
+    Circle(const Mouth& mouth, const std::vector<Vec3>& rim)
+    {
+        for (std::size_t i = 0; i < rim.size(); ++i) {
+            middle += 1.0 / static_cast<double>(rim.size()) * rim[i];
+            edge += distance(rim[i], rim[(i + 1) % rim.size()]);
+        }
+        radius = edge / (2.0 * kPi);
+        first = normalized(rim.front() - middle);
+        second = normalized((mouth.corners[1] - middle) - dot(mouth.corners[1] - middle, first) * first);
+    }
+    [[nodiscard]] Vec3 at(double angle) const
+    {
+        return middle + radius * (std::cos(angle) * first + std::sin(angle) * second);
+    }
+};
+
+/// The triangles between rings of as many nodes, one below the other, and from the last ring to the node after it.
+std::vector<geometry::Triangle> trianglesOf(int rings, int around)
+{
+    std::vector<geometry::Triangle> triangles;
+    const int last = rings * around;
+    for (int ring = 0; ring < rings; ++ring)
+        for (int i = 0; i < around; ++i) {
+            const int a = ring * around + i, b = ring * around + (i + 1) % around;
+            if (ring + 1 == rings) {
+                triangles.push_back({a, b, last});
+                continue;
+            }
+            triangles.push_back({a, b, b + around});
+            triangles.push_back({a, b + around, a + around});
+        }
+    return triangles;
+}
+
+/// The mesh of the film: rings of nodes, one below the other, and a node at the bottom. The first ring is the mouth.
+geometry::TriangleMesh pouch(const Mouth& mouth, double depth, int cells)
+{
+    const std::vector<Vec3> rim = rimOf(mouth, cells);
+    const Circle circle(mouth, rim);
+    const int around = 3 * cells;
+    const int straight = std::max(2, static_cast<int>(std::lround(kStraight * depth * around / circle.edge)));
+
+    // The walls hang down, and turn from the triangle of the mouth into the circle; below, the bottom closes it.
     geometry::TriangleMesh mesh;
     for (int ring = 0; ring < straight + kRound; ++ring) {
         const double upright = std::min(1.0, static_cast<double>(ring) / straight);
         const double turn = 0.5 * kPi * std::max(0, ring - straight) / kRound;
         const double low = kStraight * upright + (1.0 - kStraight) * std::sin(turn);
         for (int i = 0; i < around; ++i) {
-            const double angle = 2.0 * kPi * i / around;
-            const Vec3 circle = middle + radius * (std::cos(angle) * first + std::sin(angle) * second);
-            const Vec3 flat = rim[static_cast<std::size_t>(i)] + upright * (circle - rim[static_cast<std::size_t>(i)]);
-            mesh.vertices.push_back(middle + std::cos(turn) * (flat - middle) + low * depth * mouth.down);
+            const Vec3 above = rim[static_cast<std::size_t>(i)];
+            const Vec3 flat = above + upright * (circle.at(2.0 * kPi * i / around) - above);
+            mesh.vertices.push_back(circle.middle + std::cos(turn) * (flat - circle.middle) + low * depth * mouth.down);
         }
     }
-    const int last = static_cast<int>(mesh.vertices.size());
-    mesh.vertices.push_back(middle + depth * mouth.down);
-    for (int ring = 0; ring < straight + kRound; ++ring)
-        for (int i = 0; i < around; ++i) {
-            const int a = ring * around + i, b = ring * around + (i + 1) % around;
-            if (ring + 1 == straight + kRound) {
-                mesh.triangles.push_back({a, b, last});
-                continue;
-            }
-            mesh.triangles.push_back({a, b, b + around});
-            mesh.triangles.push_back({a, b + around, a + around});
-        }
+    mesh.vertices.push_back(circle.middle + depth * mouth.down);
+    mesh.triangles = trianglesOf(straight + kRound, around);
     // Whether it faces outwards depends on which arm is the first.
-    if (dot(cross(first, second), mouth.down) < 0.0)
+    if (dot(cross(circle.first, circle.second), mouth.down) < 0.0)
         for (auto& each : mesh.triangles) std::swap(each[1], each[2]);
     return mesh;
 }
