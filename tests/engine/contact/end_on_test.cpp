@@ -108,4 +108,42 @@ TEST_CASE("a tool of a tenth of a gram that is attached to a hand goes where the
     CHECK(light.force == Approx(heavy.force).epsilon(0.01));
 }
 
+TEST_CASE("a bent wire that straightens in a hollow organ does not pierce its wall, and comes to rest")
+{
+    for (const auto& [rate, friction] : {std::pair{1000.0, 0.3}, {1000.0, 0.0}, {250.0, 0.3}}) {
+        INFO(rate << " Hz, friction " << friction);
+        Stage stage;
+        physics::SoftBodyDef organ{.name = "organ",
+                                   .mesh = geometry::shapes::bladder({0.01, 0.01, 0.01}, 2e-3, {6, 2})};
+        organ.material = physics::FemMaterial{.youngModulus = 20e3, .poissonRatio = 0.45};
+        organ.rayleigh.mass = 10;
+        organ.gravity = false;
+        organ.cavities = {{}};
+        organ.collision = {{.proximity = 0.3e-3}};
+        organ.friction = friction;
+        stage.add(organ);
+        physics::RodBodyDef wire{.name = "wire", .points = geometry::shapes::arc(6.8e-3, -2.2, 2.2, 39)};
+        wire.radius = kRadius;
+        wire.youngModulus = 2e8;
+        wire.gravity = false;
+        wire.friction = friction;
+        wire.collision = physics::RodCollision{};
+        stage.add(wire);
+        double deepest = 0.0;
+        std::uint32_t flags = 0;
+        for (int i = 0; i < static_cast<int>(0.3 * rate); ++i) {
+            flags |= stage.step(1.0 / rate).flags;
+            for (const frame::Contact& each : stage.world.scene().contactReports)
+                deepest = std::max(deepest, -each.gap);
+        }
+        CHECK(deepest < kRadius); // by the impact at 1.2 m/s; its axis stays outside
+        CHECK(flags == 0);
+        double fastest = 0.0, farthest = 0.0; // [m/s], [m] depth at the last step
+        for (const Vec3& each : stage.soft(1).v) fastest = std::max(fastest, length(each));
+        for (const frame::Contact& each : stage.world.scene().contactReports) farthest = std::max(farthest, -each.gap);
+        CHECK(fastest < 2e-3);
+        CHECK(farthest < 5e-6);
+    }
+}
+
 } // namespace end_on_test

@@ -8,8 +8,11 @@ namespace {
 // Per body. One is a hinge, about which a body turns: a thread that a needle draws is not held by that. Each costs
 // three solves with D.
 constexpr std::size_t kFewestAttachments = 2, kMostAttachments = 8;
-// Of the mean compliance of the attachments, as several may hold the same motion.
+// Relative to the mean compliance of the attachments: several may hold the same motion.
 constexpr double kShift = 1e-4;
+// Kappa of a rod's side where it touches tissue. The filter knows the rod as it is, so this costs no iterations. With
+// the 3 to 10 of tissue, contacts learn over many steps what a bent wire of some milligrams presses with, and sink in.
+constexpr double kRodOnTissue = 100.0;
 
 } // namespace
 
@@ -86,7 +89,7 @@ Mat3 CoupledSolve::takenByHold(std::size_t c, std::size_t side)
     const Hold& hold = holds_[body];
     const auto first = static_cast<std::size_t>(first_[body]),
                count = static_cast<std::size_t>(first_[body + 1]) - first;
-    std::vector<Vec3> answers(3 * hold.attachments.size()); // of the side, per attachment and axis
+    std::vector<Vec3> answers(3 * hold.attachments.size()); // that side's, per attachment and axis
     for (const WeightedPoint& each : constraints_->pointsOf(constraints_->list[c]))
         for (std::size_t i = 0; sideOf(each) == side && i < answers.size(); ++i)
             answers[i] += each.weight * hold.answers[i * count + static_cast<std::size_t>(each.point) - first];
@@ -100,7 +103,7 @@ Mat3 CoupledSolve::takenByHold(std::size_t c, std::size_t side)
     return taken;
 }
 
-double CoupledSolve::heldCompliance(std::size_t c)
+double CoupledSolve::compliancePressed(std::size_t c, double kappa)
 {
     const std::array<Side, 2>& sides = sides_[c];
     const Constraint& each = constraint(c);
@@ -111,13 +114,20 @@ double CoupledSolve::heldCompliance(std::size_t c)
                 isHeld(side) && side.along > 0.0 ? 1.0 / (1.0 / side.along + holds_[*side.body].pushing) : side.along;
         return sum;
     }
-    const double free = sides[0].along + sides[1].along;
+    std::array<double, 2> shares{1.0, 1.0};
+    double free = 0.0;
+    for (std::size_t k = 0; k < 2; ++k) {
+        const BodySmoother* smoother = sides[k].body ? (*bodies_)[*sides[k].body].smoother : nullptr;
+        if (smoother && smoother->isExact() && smoother->couplesNodes())
+            shares[k] = std::min(1.0, kappa / kRodOnTissue);
+        free += shares[k] * sides[k].along;
+    }
     if (std::ranges::none_of(sides, [&](const Side& side) { return isHeld(side); })) return free;
-    Mat3 all = kShift * (sides[0].inAll + sides[1].inAll) * Mat3::identity();
+    Mat3 all = kShift * (shares[0] * sides[0].inAll + shares[1] * sides[1].inAll) * Mat3::identity();
     for (const WeightedPoint& at : constraints_->pointsOf(constraints_->list[c]))
-        all += at.weight * at.weight * compliance_[static_cast<std::size_t>(at.point)];
+        all += shares[sideOf(at)] * at.weight * at.weight * compliance_[static_cast<std::size_t>(at.point)];
     for (std::size_t k = 0; k < 2; ++k)
-        if (isHeld(sides[k])) all -= takenByHold(c, k);
+        if (isHeld(sides[k])) all -= shares[k] * takenByHold(c, k);
     // Where the two rub, they hold each other across the normal: a tip that is softer sideways does not yield by that.
     const Vec3 normal = each.frame[0];
     const double yields = each.friction > 0.0 ? 1.0 / dot(normal, inverse(all) * normal) : dot(normal, all * normal);

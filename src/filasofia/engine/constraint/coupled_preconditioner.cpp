@@ -109,7 +109,7 @@ void CoupledSolve::chooseStiffness()
         const Kappa& kappas = exact ? limits_->exactKappa : limits_->kappa;
         const double kappa = each.bilateral() ? kappas.holding : kappas.contact;
         const Trapped trapped = bothMove ? Trapped{} : trappedAt(each, kappa);
-        const double pressed = exact || spring ? compliance : heldCompliance(c);
+        const double pressed = exact || spring ? compliance : compliancePressed(c, kappa);
         double rigid = each.yielding * trapped.yielding * std::min(kappa / pressed, kExact / compliance);
         if (exact && each.bilateral()) rigid = std::max(rigid, std::min(ownStiffness(row), kExact / compliance));
         // A link's drive has inertia that its mass does not show. With tissue in the island a needle between jaws must

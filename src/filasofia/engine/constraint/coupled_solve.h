@@ -142,7 +142,7 @@ private:
         double pushing = 0.0;                 ///< [kg] the tissue that pushes at it
         std::vector<std::size_t> attachments; ///< rows; empty: nothing holds it
         std::vector<Vec3> answers;            ///< [1/kg] D^-1 at its points, per attachment and axis
-        linalg::DenseCholesky factor;         ///< of the compliance of the attachments
+        linalg::DenseCholesky factor;         ///< the compliance of the attachments, factorised
     };
 
     void begin(const std::vector<std::vector<ContactPoint>>& pointsOf);
@@ -153,8 +153,9 @@ private:
     void measureHold(std::size_t body);
     [[nodiscard]] bool isHeld(const Side& side) const;
     [[nodiscard]] Mat3 takenByHold(std::size_t c, std::size_t side); ///< [1/kg] by which a held body yields less there
-    /// [1/kg] The compliance of a row along the normal where bodies are held, or at an attachment, pushed.
-    [[nodiscard]] double heldCompliance(std::size_t c);
+    /// [1/kg] The compliance of a row along the normal that Sigma follows: that of bodies as they are held, or at an
+    /// attachment, pushed; less for rods on tissue.
+    [[nodiscard]] double compliancePressed(std::size_t c, double kappa);
     void chooseStiffness();
     /// The smoother of the body that a contact point is of; `point` becomes its number in the body.
     const BodySmoother& smootherAt(int& point) const;
