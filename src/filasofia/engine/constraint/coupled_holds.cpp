@@ -10,9 +10,6 @@ namespace {
 constexpr std::size_t kFewestAttachments = 2, kMostAttachments = 8;
 // Relative to the mean compliance of the attachments: several may hold the same motion.
 constexpr double kShift = 1e-4;
-// Kappa of a rod's side where it touches tissue. The filter knows the rod as it is, so this costs no iterations. With
-// the 3 to 10 of tissue, contacts learn over many steps what a bent wire of some milligrams presses with, and sink in.
-constexpr double kRodOnTissue = 100.0;
 
 } // namespace
 
@@ -114,12 +111,15 @@ double CoupledSolve::compliancePressed(std::size_t c, double kappa)
                 isHeld(side) && side.along > 0.0 ? 1.0 / (1.0 / side.along + holds_[*side.body].pushing) : side.along;
         return sum;
     }
+    // A rod's side has the kappa that rods have on rigid bodies. The filter knows the rod as it is, so that costs no
+    // iterations. With the 3 to 10 of tissue, contacts learn over many steps what a bent wire of some milligrams
+    // presses with, and it sinks in.
     std::array<double, 2> shares{1.0, 1.0};
     double free = 0.0;
     for (std::size_t k = 0; k < 2; ++k) {
         const BodySmoother* smoother = sides[k].body ? (*bodies_)[*sides[k].body].smoother : nullptr;
         if (smoother && smoother->isExact() && smoother->couplesNodes())
-            shares[k] = std::min(1.0, kappa / kRodOnTissue);
+            shares[k] = std::min(1.0, kappa / limits_->exactKappa.contact);
         free += shares[k] * sides[k].along;
     }
     if (std::ranges::none_of(sides, [&](const Side& side) { return isHeld(side); })) return free;
