@@ -2,7 +2,7 @@
 
 #include "filasofia/engine/collision/feature_normals.h"
 #include "filasofia/engine/collision/surface_crossings.h"
-#include "filasofia/engine/scene/find_body.h"
+#include "filasofia/engine/contact/may_cross.h"
 
 #include <algorithm>
 #include <cmath>
@@ -53,82 +53,6 @@ double intervalNow(const ContactDetection& detection)
 bool isLost(const SurfaceCrossing& crossing, const SurfacePair& meeting)
 {
     return crossing.depth > (crossing.through ? kShallow * meeting.proximities() : meeting.depths());
-}
-
-/// Whether an attachment between two bodies holds a place on the surface of one of them. A rigid body is held as a
-/// whole.
-bool holds(const Attachment& attachment, const SurfaceOwner& owner, std::span<const int> vertices)
-{
-    if (!owner.soft) return true;
-    const std::size_t side = attachment.body == owner.name.body ? 0 : 1;
-    const auto isHeld = [&](int node) {
-        return std::ranges::any_of(attachment.pairs, [&](const std::array<AttachedPoint, 2>& pair) {
-            return std::ranges::find(pair[side].nodes, node, &NodeWeight::node) != pair[side].nodes.end();
-        });
-    };
-    const geometry::Embedding& embedding = owner.collision->embedding;
-    return std::ranges::any_of(vertices, [&](int vertex) {
-        if (vertex < 0) return false;
-        const auto at = static_cast<std::size_t>(vertex);
-        for (std::size_t k = 0; k < 4; ++k)
-            if (embedding.weights[at][k] != 0.0 && isHeld(embedding.nodes[at][k])) return true;
-        return false;
-    });
-}
-
-std::vector<const Attachment*> attachmentsBetween(const Scene& scene, BodyId a, BodyId b)
-{
-    std::vector<const Attachment*> between;
-    for (const Attachment& each : scene.attachments)
-        if ((each.body == a && each.to == b) || (each.body == b && each.to == a)) between.push_back(&each);
-    return between;
-}
-
-double radiusOfLine(const Scene& scene, BodyId id)
-{
-    const std::optional<BodyPlace> line = findBody(scene, id);
-    if (!line) return 0.0;
-    if (line->soft) return scene.soft[line->index].model.rod.radius;
-    return scene.rigid[line->index].model.needle->radius;
-}
-
-/// The channels in which one of two bodies runs through the other.
-std::vector<const Channel*> channelsBetween(const Scene& scene, BodyId a, BodyId b)
-{
-    std::vector<const Channel*> between;
-    for (const Channel& each : scene.channels) {
-        const auto runs = [&](BodyId id) {
-            return std::ranges::find(each.lines, id, &ThreadedLine::body) != each.lines.end();
-        };
-        if ((each.tissue == a && runs(b)) || (each.tissue == b && runs(a))) between.push_back(&each);
-    }
-    return between;
-}
-
-/// Whether a line that crosses the surface of tissue does so in its channel, or beside it by as little as contacts of
-/// the line are left to the channel.
-bool isIn(const Channel& channel, Vec3 place, double proximities, const Scene& scene)
-{
-    const std::vector<Vec3>& x = scene.soft[findBody(scene, channel.tissue)->index].state.x;
-    double radius = 0.0;
-    for (const ThreadedLine& each : channel.lines) radius = std::max(radius, radiusOfLine(scene, each.body));
-    return distanceToPath(channel, place, x) < 2.0 * (radius + proximities) + channel.spacing;
-}
-
-/// Whether a place lies between the legs of a clip on this body, or beside them by less than half its opening. Walls of
-/// a lumen are through each other there: that is what shut means. Other walls there are not told either.
-bool isClipped(const Scene& scene, const SurfaceOwner& owner, Vec3 place)
-{
-    if (!owner.soft) return false;
-    return std::ranges::any_of(scene.soft[owner.body].state.clips, [&](const Clip& clip) {
-        const auto rigid = findIn(scene.rigid, clip.clip);
-        if (!rigid) return false;
-        const Pose& pose = scene.rigid[*rigid].state.poses[static_cast<std::size_t>(clip.def.element)];
-        const Vec3 at = transform(inverse(pose), place);
-        const double half = 0.5 * clip.def.opening;
-        return std::abs(at.x) < 0.5 * clip.def.width + half && std::abs(at.y) < half &&
-               std::abs(at.z) < 0.5 * clip.def.length + half;
-    });
 }
 
 /// A vertex of a surface that lies in another, closed one, if their surfaces do not cross.
@@ -189,7 +113,7 @@ private:
         if (!movable(one, plan_) && !movable(two, plan_)) return false; // scenery
         const CollisionSurface &a = surfaceOf(pair[0]), &b = surfaceOf(pair[1]);
         const SurfacePair meeting{{&a, &b}, pair, 0.0};
-        const auto between = attachmentsBetween(scene_, one.name.body, two.name.body);
+        const bool held = areAttached(scene_, one.name.body, two.name.body);
         cross(pair);
         eraseHeld(scene_, one, two, pair, crossings_);
         if (const auto channels = channelsBetween(scene_, one.name.body, two.name.body); !channels.empty())
@@ -205,8 +129,8 @@ private:
         for (const SurfaceCrossing& each : crossings_)
             if (unseen || isLost(each, meeting)) tell({.crossings = 1, .depth = each.depth, .place = each.place});
         if (!crossings_.empty() && one.soft == two.soft) keepLost(one, two, {});
-        if (!unseen && between.empty()) passes = tellDeepInRound(meeting, one, two, before, tell) || passes;
-        if (!crossings_.empty() || meeting.self() || !between.empty()) return passes;
+        if (!unseen && !held) passes = tellDeepInRound(meeting, one, two, before, tell) || passes;
+        if (!crossings_.empty() || meeting.self() || held) return passes;
         if (const auto within = insideOf(a, b))
             tell(*within);
         else if (const auto around = insideOf(b, a))
@@ -216,13 +140,13 @@ private:
 
     /// A line may cross tissue where it runs through it, and nowhere else. Nothing parts them: it would be drawn out of
     /// its channel.
-    bool testBesideChannels(std::span<const Channel* const> channels, const SurfacePair& meeting,
-                            const SurfaceOwner& one, const SurfaceOwner& two)
+    bool testBesideChannels(std::span<const WideChannel> channels, const SurfacePair& meeting, const SurfaceOwner& one,
+                            const SurfaceOwner& two)
     {
         bool passes = false;
         for (const SurfaceCrossing& each : crossings_) {
-            const auto isHere = [&](const Channel* channel) {
-                return isIn(*channel, each.place, meeting.proximities(), scene_);
+            const auto isHere = [&](const WideChannel& channel) {
+                return isIn(channel, each.place, meeting.proximities(), scene_);
             };
             if (std::ranges::any_of(channels, isHere) || !isLost(each, meeting)) continue;
             add(one, two, {.crossings = 1, .depth = each.depth, .place = each.place}, watch_.told);
@@ -370,24 +294,6 @@ void findCrossings(const StepContext& context, std::array<int, 2> pair, ContactD
     crossings.clear();
     findSurfaceCrossings(meeting, context.pool, detection.scratch, crossings);
     if (meeting.self()) boundSurface(one, kStepsAhead * context.dt);
-}
-
-bool holdsTogether(const Scene& scene, const SurfacePlace& one, const SurfacePlace& two)
-{
-    return std::ranges::any_of(
-        attachmentsBetween(scene, one.owner.name.body, two.owner.name.body), [&](const Attachment* each) {
-            return holds(*each, one.owner, one.vertices) || holds(*each, two.owner, two.vertices);
-        });
-}
-
-void eraseHeld(const Scene& scene, const SurfaceOwner& one, const SurfaceOwner& two, std::array<int, 2> places,
-               std::vector<SurfaceCrossing>& crossings)
-{
-    const auto ownerOf = [&](int place) -> const SurfaceOwner& { return place == places[0] ? one : two; };
-    std::erase_if(crossings, [&](const SurfaceCrossing& crossing) {
-        return holdsTogether(scene, {ownerOf(crossing.surfaces[0]), crossing.edge},
-                             {ownerOf(crossing.surfaces[1]), crossing.triangle});
-    });
 }
 
 std::vector<std::array<int, 2>> reportIntersections(const StepContext& context, const Scene& scene,

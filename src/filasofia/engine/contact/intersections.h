@@ -26,17 +26,4 @@ std::vector<std::array<int, 2>> reportIntersections(const StepContext& context, 
 void findCrossings(const StepContext& context, std::array<int, 2> pair, ContactDetection& detection,
                    std::vector<SurfaceCrossing>& crossings);
 
-/// A place on a surface: some of its vertices.
-struct SurfacePlace {
-    const SurfaceOwner& owner;
-    std::span<const int> vertices; ///< -1: unused
-};
-/// Whether an attachment between the bodies of two places holds one of them: attached bodies may overlap there.
-bool holdsTogether(const Scene& scene, const SurfacePlace& one, const SurfacePlace& two);
-
-/// Erases the crossings of a pair of surfaces, at these places in the list, at what attaches their bodies to each
-/// other.
-void eraseHeld(const Scene& scene, const SurfaceOwner& one, const SurfaceOwner& two, std::array<int, 2> places,
-               std::vector<SurfaceCrossing>& crossings);
-
 } // namespace filasofia::engine

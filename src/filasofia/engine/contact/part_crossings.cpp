@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/collision/surface_crossings.h"
 #include "filasofia/engine/contact/intersections.h"
+#include "filasofia/engine/contact/may_cross.h"
 #include "filasofia/geometry/distance.h"
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include "filasofia/engine/collision/element_pairs.h"
 #include "filasofia/engine/collision/feature_pass.h"
 #include "filasofia/engine/contact/contact_surfaces.h"
-#include "filasofia/engine/contact/intersections.h"
+#include "filasofia/engine/contact/may_cross.h"
 #include "filasofia/geometry/distance.h"
 
 #include <algorithm>

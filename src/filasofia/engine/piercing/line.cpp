@@ -1,6 +1,7 @@
 #include "filasofia/engine/piercing/line.h"
 
 #include "filasofia/engine/scene/find_body.h"
+#include "filasofia/engine/scene/line_radius.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +13,10 @@ LineShape::LineShape(const Scene& scene, const ThreadedLine& line) : id_(line.bo
     const BodyPlace place = *findBody(scene, line.body);
     soft_ = place.soft;
     body_ = place.index;
+    radius_ = lineRadius(scene, id_);
     places_.push_back(line.start);
     if (soft_) {
         const SoftBody& rod = scene.soft[body_];
-        radius_ = rod.model.rod.radius;
         sharp_ = rod.model.rod.needle;
         first_ = line.first;
         nodes_ = rod.state.x.size();
@@ -32,7 +33,6 @@ LineShape::LineShape(const Scene& scene, const ThreadedLine& line) : id_(line.bo
     const RigidBody& rigid = scene.rigid[body_];
     const Needle& needle = *rigid.model.needle;
     element_ = needle.element;
-    radius_ = needle.radius;
     for (Vec3 each : needle.points) corners_.push_back(transform(rigid.state.poses[element_], each));
     for (std::size_t i = 1; i < needle.points.size(); ++i)
         places_.push_back(places_.back() + length(needle.points[i] - needle.points[i - 1]));
