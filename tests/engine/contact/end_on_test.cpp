@@ -82,17 +82,14 @@ TEST_CASE("a wire that is pushed end-on against tissue stays outside, and bears 
     Pushed rigid(0.3);
     rigid.addTool(0.1);
     rigid.push(4e-3, 1000.0);
-    struct Case {
-        double youngModulus, rate, friction;
-    };
-    for (const Case& each : {Case{2e10, 1000, 0.3}, {2e10, 250, 0.3}, {2e10, 1000, 0.0}, {2e9, 1000, 0.3}}) {
-        INFO(each.youngModulus << " Pa, " << each.rate << " Hz, friction " << each.friction);
-        Pushed wire(each.friction);
-        wire.addWire(each.youngModulus, each.friction);
-        wire.push(4e-3, each.rate);
+    for (const auto& [rate, friction] : {std::pair{1000.0, 0.3}, {4000.0, 0.3}, {1000.0, 0.0}}) {
+        INFO(rate << " Hz, friction " << friction);
+        Pushed wire(friction);
+        wire.addWire(2e10, friction);
+        wire.push(4e-3, rate);
         CHECK(wire.deepest < 0.1e-3);
         CHECK(wire.flags == 0);
-        if (each.youngModulus == 2e10) CHECK(wire.force == Approx(rigid.force).epsilon(0.1)); // the other one bends
+        CHECK(wire.force == Approx(rigid.force).epsilon(0.1));
     }
 }
 
@@ -138,11 +135,12 @@ TEST_CASE("a bent wire that straightens in a hollow organ does not pierce its wa
         }
         CHECK(deepest < kRadius); // by the impact at 1.2 m/s; its axis stays outside
         CHECK(flags == 0);
-        double fastest = 0.0, farthest = 0.0; // [m/s], [m] depth at the last step
+        double fastest = 0.0, lastDepth = 0.0; // [m/s], [m] depth at the last step
         for (const Vec3& each : stage.soft(1).v) fastest = std::max(fastest, length(each));
-        for (const frame::Contact& each : stage.world.scene().contactReports) farthest = std::max(farthest, -each.gap);
+        for (const frame::Contact& each : stage.world.scene().contactReports)
+            lastDepth = std::max(lastDepth, -each.gap);
         CHECK(fastest < 2e-3);
-        CHECK(farthest < 5e-6);
+        CHECK(lastDepth < 5e-6);
     }
 }
 

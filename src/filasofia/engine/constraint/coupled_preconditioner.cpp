@@ -80,10 +80,14 @@ std::array<CoupledSolve::Side, 2> CoupledSolve::sidesOf(const ConstraintRow& row
 {
     const Vec3 normal = row.constraint->frame[0];
     std::array<Side, 2> sides;
+    std::array<double, 2> largest = {}; // where a surface reaches beyond its tetrahedra, some weights change their sign
     for (const WeightedPoint& at : constraints_->pointsOf(row)) {
         const Mat3& own = compliance_[static_cast<std::size_t>(at.point)];
         Side& side = sides[sideOf(at)];
-        side.body = bodyOf(at.point);
+        if (std::abs(at.weight) > largest[sideOf(at)]) {
+            largest[sideOf(at)] = std::abs(at.weight);
+            side.body = bodyOf(at.point);
+        }
         side.along += at.weight * at.weight * dot(normal, own * normal);
         side.inAll += at.weight * at.weight * trace(own);
     }
@@ -110,7 +114,7 @@ void CoupledSolve::chooseStiffness()
         const double kappa = each.bilateral() ? kappas.holding : kappas.contact;
         const Trapped trapped = bothMove ? Trapped{} : trappedAt(each, kappa);
         const double pressed = exact || spring ? compliance : compliancePressed(c, kappa);
-        double rigid = each.yielding * trapped.yielding * std::min(kappa / pressed, kExact / compliance);
+        double rigid = std::min(each.yielding * trapped.yielding * kappa / pressed, kExact / compliance);
         if (exact && each.bilateral()) rigid = std::max(rigid, std::min(ownStiffness(row), kExact / compliance));
         // A link's drive has inertia that its mass does not show. With tissue in the island a needle between jaws must
         // bear it, too.
