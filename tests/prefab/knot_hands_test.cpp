@@ -134,8 +134,8 @@ TEST_CASE("a surgeon's knot that hands tie around two bars holds 2 N with a fric
     REQUIRE(scene.loaded.size() > 50);
     CHECK(scene.passes == 0);
     CHECK(scene.hardest < 1.0);
-    // A throw winds its strands around each other by some half turn more than its loops, and each the other way than
-    // that before: a square knot, no granny.
+    // A throw winds its strands around each other about as often as it has loops, and each the other way than that
+    // before: a square knot, no granny.
     REQUIRE(scene.windings.size() == 3);
     const double first = scene.windings[0], second = scene.windings[1] - first,
                  third = scene.windings[2] - scene.windings[1], sense = std::copysign(1.0, first);

@@ -189,6 +189,7 @@ TEST_CASE("sewing gives the same bits for any number of threads, and from a stat
     constexpr int kPasses = 3;
     Sewing one(kPasses, 0.0), three(kPasses, 0.0, 20e3, 3);
     three.sew();
+    CHECK(three.inverted == 0);
     one.pass(0);
     one.pass(1);
     const auto saved = one.stage.world.save();
