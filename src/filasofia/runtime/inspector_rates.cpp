@@ -64,6 +64,7 @@ void InspectorRates::add(const physics::StepReport& report)
     beyondStrain_ = report.beyondStrain.count;
     mostBeyondStrain_ = std::max(mostBeyondStrain_, beyondStrain_);
     unrest_ = report.unrest;
+    energyGained_ += report.has(StepFlag::EnergyGained);
     paused_ = report.dt == 0.0;
     time_ = report.time;
     step_ = report.step;
@@ -106,6 +107,7 @@ void InspectorRates::draw()
         ImGui::Text("elements beyond their range %d   at most %d", beyondStrain_, mostBeyondStrain_);
     if (unrest_.bodies > 0)
         ImGui::Text("not at rest: %.1f mm/s, %.1f s after a drive", 1e3 * unrest_.speed, unrest_.undriven);
+    if (energyGained_ > 0) ImGui::Text("energy from nowhere in %llu steps", count(energyGained_));
     if (const std::uint64_t lost = impl_.feed.lost()) ImGui::Text("%llu step reports dropped", count(lost));
     drawStages();
     drawSolvers();

@@ -75,6 +75,7 @@ private:
     std::uint64_t late_ = 0, clamped_ = 0, undone_ = 0, notConverged_ = 0,
                   outOfTime_ = 0;                 ///< steps since the panel was opened
     physics::Unrest unrest_;                      ///< in the last step
+    std::uint64_t energyGained_ = 0;              ///< steps since the panel was opened
     int intersecting_ = 0, mostIntersecting_ = 0; ///< pairs of bodies that pass through each other, in the same way
     int beyondStrain_ = 0, mostBeyondStrain_ = 0; ///< elements beyond the range of their material, in the same way
     int inverted_ = 0, mostInverted_ = 0;         ///< elements inside out in the newest step, and at most since then
