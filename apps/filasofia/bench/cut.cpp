@@ -100,8 +100,8 @@ std::vector<Verdict> judgeCuts(const std::vector<CutTimes>& cuts)
     const auto p99Ms = [](const CutTimes& cut) { return 1e3 * runtime::spreadOf(cut.topology).p99; };
     const auto ratio = [](const CutTimes& cut) { return mean(cut.after) / std::max(1.0, mean(cut.before)); };
     const auto flags = [](const CutTimes& cut) { return static_cast<double>(cut.flags); };
-    return {judge(cuts, alone, meanMs, 0.05, "20000 tetrahedra: mean of the topology work at most 0.05 ms", " ms"),
-            judge(cuts, alone, p99Ms, 0.5, "20000 tetrahedra: p99 of the topology work at most 0.5 ms", " ms"),
+    return {judge(cuts, alone, meanMs, 0.03, "20000 tetrahedra: mean of the topology work at most 0.03 ms", " ms"),
+            judge(cuts, alone, p99Ms, 0.25, "20000 tetrahedra: p99 of the topology work at most 0.25 ms", " ms"),
             judge(cuts, touched, p99Ms, 1.0, "with attachments and contact: p99 at most 1 ms", " ms"),
             judge(cuts, any, ratio, 2.0, "mean iterations after a cut at most twice those before", ""),
             judge(cuts, any, flags, 0.0, "no step raises a flag", "")};

@@ -9,11 +9,21 @@ namespace filasofia::app {
 namespace {
 
 constexpr double kError = 1e-3, kTightError = 1e-5;         ///< [-] relative to the displacement
+constexpr double kErrorAtLongSteps = 1e-4;                  ///< [-] the same at the longer of kSolverSteps
 constexpr std::array kOverFloor{2.5, 4.0};                  ///< [-] at each of kSolverSteps
 constexpr double kFloorAvx512 = 15e-9, kFloorAvx2 = 25e-9;  ///< [s] per tetrahedron
-constexpr double kExponent = 1.15;                          ///< [-]
+constexpr double kExponent = 1.1;                           ///< [-]
 constexpr double kTwoThreads = 1.6, kDisturbed = 1.0 / 1.2; ///< [-] speed-up over one thread
+constexpr int kLargeFrom = 29000;  ///< number of tetrahedra of "30000"; the true number is a little less
 constexpr int kFirstForTwo = 9000; ///< number of tetrahedra of "10000"; the true number is a little less
+
+/// What one thread may take for a step of 5 ms, on a machine whose lower bound is kFloorAvx512.
+struct StepLimit {
+    std::string mesh;
+    double seconds;
+};
+const std::array kStepLimits{StepLimit{"3004", 0.07e-3}, StepLimit{"10000", 0.24e-3}, StepLimit{"30000", 0.8e-3},
+                             StepLimit{"95680", 3.5e-3}};
 
 std::string nameOf(const SolverCell& cell) { return text(cell.mesh.name, " tetrahedra, ", 1e3 * cell.dt, " ms"); }
 
@@ -50,6 +60,42 @@ Verdict judgeErrors(const std::vector<SolverCell>& cells, bool tight)
     return worst.against(bound,
                          text("error at ", tight ? text("a tolerance of ", kTightTolerance) : "the default tolerance",
                               " is at most ", bound, " of the displacement"));
+}
+
+Verdict judgeErrorsAtLongSteps(const std::vector<SolverCell>& cells)
+{
+    Worst worst;
+    for (const SolverCell& cell : cells)
+        for (std::size_t h = 0; h < 2; ++h)
+            if (cell.dt == kSolverSteps.back())
+                worst.add(cell.errors.standard[h], text(nameOf(cell), h == 0 ? ", hanging" : ", standing"));
+    return worst.against(kErrorAtLongSteps,
+                         text("error at the default tolerance and steps of ", 1e3 * kSolverSteps.back(),
+                              " ms is at most ", kErrorAtLongSteps, " of the displacement"));
+}
+
+/// [-] By how much the lower bound at 3004 tetrahedra exceeds kFloorAvx512, at least 1: limits of time grow with it.
+double slownessOf(const std::vector<SolverCell>& cells)
+{
+    double slowness = 1.0;
+    for (const SolverCell& cell : cells)
+        if (cell.mesh.name == "3004" && cell.dt == kSolverSteps.back())
+            slowness = std::max(slowness, cell.find({1, false})->floorPerElement() / kFloorAvx512);
+    return slowness;
+}
+
+Verdict judgeStep(const std::vector<SolverCell>& cells, const StepLimit& limit)
+{
+    const double slowness = slownessOf(cells);
+    Worst worst;
+    for (const SolverCell& cell : cells)
+        if (cell.mesh.name == limit.mesh && cell.dt == kSolverSteps.back())
+            worst.add(cell.find({1, false})->step().median, nameOf(cell));
+    return worst.against(slowness * limit.seconds,
+                         text("a step of ", 1e3 * kSolverSteps.back(), " ms takes one thread at most ",
+                              std::round(1e5 * limit.seconds) / 100.0, " ms at ", limit.mesh, " tetrahedra, times ",
+                              std::round(100.0 * slowness) / 100.0, " for this machine's lower bound"),
+                         1e-3);
 }
 
 Verdict judgeFloor(const std::vector<SolverCell>& cells, std::size_t d)
@@ -90,13 +136,14 @@ Verdict judgeGrowth(const std::vector<SolverCell>& cells)
     Worst worst;
     for (const SolverCell& small : cells)
         for (const SolverCell& large : cells) {
-            if (small.dt != large.dt || small.mesh.name != "3004" || large.mesh.name != "30000") continue;
+            if (small.dt != large.dt || small.mesh.name != "3004" || large.mesh.elements() < kLargeFrom) continue;
             const double growth = large.find({1, false})->step().median / small.find({1, false})->step().median;
             worst.add(std::log(growth) / std::log(static_cast<double>(large.mesh.elements()) / small.mesh.elements()),
-                      text(1e3 * small.dt, " ms"));
+                      nameOf(large));
         }
-    return worst.against(kExponent,
-                         text("the cost of a step grows from 3004 to 30000 tetrahedra no faster than n^", kExponent));
+    return worst.against(kExponent, text("the cost of a step grows from 3004 to 30000 and more tetrahedra no faster "
+                                         "than n^",
+                                         kExponent));
 }
 
 Verdict judgeTwoThreads(const std::vector<SolverCell>& cells, bool othersBusy)
@@ -155,18 +202,15 @@ Verdict judgeFlags(const std::vector<SolverCell>& cells)
 std::vector<Verdict> judgeSolver(const std::vector<SolverCell>& cells, const std::vector<StiffRun>& stiff,
                                  const std::string& simdTarget)
 {
-    return {judgeErrors(cells, false),
-            judgeErrors(cells, true),
-            judgeFloor(cells, 0),
-            judgeFloor(cells, 1),
-            judgeReference(cells, "3004", 8.0),
-            judgeReference(cells, "10000", 12.0),
-            judgeFloorPerElement(cells, simdTarget),
-            judgeGrowth(cells),
-            judgeTwoThreads(cells, false),
-            judgeTwoThreads(cells, true),
-            judgeStiff(stiff),
-            judgeFlags(cells)};
+    std::vector<Verdict> verdicts{judgeErrors(cells, false), judgeErrors(cells, true), judgeErrorsAtLongSteps(cells),
+                                  judgeFloor(cells, 0), judgeFloor(cells, 1)};
+    for (const StepLimit& limit : kStepLimits) verdicts.push_back(judgeStep(cells, limit));
+    for (Verdict& each : std::vector<Verdict>{judgeReference(cells, "3004", 8.0), judgeReference(cells, "10000", 12.0),
+                                              judgeFloorPerElement(cells, simdTarget), judgeGrowth(cells),
+                                              judgeTwoThreads(cells, false), judgeTwoThreads(cells, true),
+                                              judgeStiff(stiff), judgeFlags(cells)})
+        verdicts.push_back(std::move(each));
+    return verdicts;
 }
 
 } // namespace filasofia::app
