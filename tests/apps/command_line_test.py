@@ -373,6 +373,10 @@ class Run(Program):
             self.assertIsNotNone(row, said)
             self.assertLessEqual(int(row[1]), int(steps))
             self.assertAlmostEqual(float(row[2 if scene == "friction" else 3]), force, delta=0.15 * force)
+        stitch = self.output("run", "suture", "--headless", "--steps", "100")  # the jaws hold the needle from the start
+        self.assertRegex(stitch, r"(?m)^needle, driver +\d+ ")
+        self.assertNotIn("inside out", stitch)
+        self.assertIn("task 'suture' is not finished: 0 of 5 steps done, next 'entry'", stitch)
         self.assertNotIn("contacts between", self.output(*self.BUNNY, "--steps", "3"))
         self.assertNotIn("contacts between", self.output("run", "poke", "--headless", "--steps", "3"))
 

@@ -74,7 +74,7 @@ struct Problem : NodeOperator {
         products = 0;
         residual = NodeArray(blocksFor(count));
         store(b, residual);
-        return cg.solve({*this, preconditioner, residual, product(b, b)}, x, limits, pool);
+        return cg.solve({*this, preconditioner, residual, product(b, b), mass}, x, limits, pool);
     }
     NodeSolveReport solveFrom(const std::vector<Vec3>& guess, const SolveLimits& limits)
     {
@@ -98,6 +98,7 @@ struct Problem : NodeOperator {
     }
 
     int count, products = 0;
+    double mass = 0.0;
     BlockSparseMatrix matrix;
     std::vector<int> order;
     std::vector<Vec3> q, b, exact;
@@ -152,6 +153,27 @@ TEST_CASE(
         CHECK(report.residual == Approx(std::sqrt(rz / (rz + energy))).epsilon(1e-3)); // floats are summed
         CHECK(report.residual <= tolerance);
         CHECK(report.converged);
+    }
+}
+
+TEST_CASE("errors of an answer too small to matter are relative to one that matters")
+{
+    std::mt19937 random(17);
+    Problem problem(random);
+    WorkerPool pool(1);
+    problem.mass = problem.count;
+    const double whole = product(problem.b, problem.exact); // energy of the answer
+    const int iterations = problem.solveFrom({}, {.tolerance = 1e-3}).iterations;
+    for (const double factor : {0.1, 10.0, 1e4}) {
+        const double small = factor * std::sqrt(whole / problem.mass);
+        const NodeSolveReport report = problem.solveFrom({}, {.tolerance = 1e-3, .smallAnswer = small});
+        NodeArray z(problem.residual.blocks());
+        const double rz = problem.preconditioner.apply(problem.residual, z, pool);
+        const double energy = std::max(whole - problem.energyOfError(), problem.mass * small * small);
+        CHECK(report.residual == Approx(std::sqrt(rz / (rz + energy))).epsilon(1e-3)); // floats are summed
+        CHECK(report.converged);
+        CHECK((factor < 1.0 ? report.iterations == iterations : report.iterations < iterations));
+        CHECK((factor < 100.0 || report.iterations == 0));
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include "filasofia/linalg/node_parts.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace filasofia::linalg {
@@ -33,6 +34,7 @@ NodeSolveReport MatrixFreeCg::solve(const NodeSystem& system, NodeArray& x, cons
     x.setZero();
     const double guessCurvature = system.a.multiply(p_, q_, pool);
     const double derivative = sumOfParts(pool, parts, sums_, [&](Blocks blocks) { return dot(p_, r, blocks); });
+    const double small = system.mass * limits.smallAnswer * limits.smallAnswer;
     double energy = 0.0; // x . A x
     if (guessCurvature > 0.0 && std::isfinite(guessCurvature) && std::isfinite(derivative / guessCurvature)) {
         step(derivative / guessCurvature);
@@ -45,7 +47,7 @@ NodeSolveReport MatrixFreeCg::solve(const NodeSystem& system, NodeArray& x, cons
         const bool anew = report.iterations == kBlendAfter && system.m.blendRotations();
         const double rzNew = system.m.apply(r, z_, pool); // the energy of the error, as the preconditioner sees it
         const bool number = rzNew >= 0.0 && std::isfinite(rzNew);
-        report.residual = rzNew == 0.0 ? 0.0 : number ? std::sqrt(rzNew / (rzNew + energy)) : 1.0;
+        report.residual = rzNew == 0.0 ? 0.0 : number ? std::sqrt(rzNew / (rzNew + std::max(energy, small))) : 1.0;
         report.converged = report.residual <= limits.tolerance;
         if (report.converged || !number) break;
         if (report.iterations >= limits.maxIterations) break;

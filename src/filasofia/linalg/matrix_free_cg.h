@@ -11,6 +11,7 @@ namespace filasofia::linalg {
 /// When a solve ends.
 struct SolveLimits {
     double tolerance = 1e-2;              ///< [-], error relative to the answer, in the norm of the energy x . A x
+    double smallAnswer = 0.0;             ///< [unit of x] the error is relative to at least the energy of this in all x
     int maxIterations = 300;              ///< the solve ends there, converged or not
     int minIterations = 0;                ///< iterations before outOfTime is asked
     std::function<bool()> outOfTime = {}; ///< asked between iterations; empty: never out of time
@@ -28,6 +29,7 @@ struct NodeSystem {
     TwoLevelPreconditioner& m;
     NodeArray& r;             ///< b on entry; on return the residual as the recurrence knows it
     double squaredNorm = 0.0; ///< b . b; only zero and values that are not finite matter
+    double mass = 0.0;        ///< sum of all masses: the energy of a small answer is mass times its square
 };
 
 /// Preconditioned conjugate gradients (Shewchuk 1994, section B3) in single precision.
@@ -38,7 +40,8 @@ struct NodeSystem {
 ///
 /// They end by the energy of the error relative to that of the answer, r.z / (x.A x + r.z), which costs nothing to
 /// compute. A residual relative to the right-hand side would not do: if stiff forces nearly cancel, a small part of
-/// them is still enough to throw the body about.
+/// them is still enough to throw the body about. The energy of the answer counts as that of SolveLimits::smallAnswer if
+/// it is less: at rest, the answer is rounding noise.
 class MatrixFreeCg {
 public:
     MatrixFreeCg() = default;

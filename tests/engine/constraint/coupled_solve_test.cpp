@@ -120,7 +120,7 @@ struct Problem {
 };
 
 const CoupledLimits kTight{
-    .linear = {.tolerance = 1e-12, .maxIterations = 5000}, .nonlinear = 2000, .tolerance = 1e-10, .smallChange = 1e-6};
+    .linear = {.tolerance = 1e-12, .smallAnswer = 1e-6, .maxIterations = 5000}, .nonlinear = 2000, .tolerance = 1e-10};
 
 } // namespace
 

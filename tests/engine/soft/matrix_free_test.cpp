@@ -153,6 +153,30 @@ TEST_CASE("a body of few nodes has room for a coarse node per node, and a larger
     CHECK(coarse(boxMesh({8, 8, 8}, {1, 1, 1})) < 9 * 9 * 9 / 4);
 }
 
+TEST_CASE("a body at rest takes few iterations a step, and hangs where a tighter tolerance leaves it")
+{
+    // At 1 kHz the change of the velocities is rounding noise of some 0.2 um/s.
+    for (const double period : {0.001, 0.01}) {
+        SoftBodyDef def = pinnedBox(boxMesh({10, 7, 4}, {0.02, 0.014, 0.008}, 0.1));
+        def.material = FemMaterial{.youngModulus = 5e4, .poissonRatio = 0.45};
+        def.rayleigh.mass = 20.0;
+        Stage loose(NativeEngineDef{.period = period, .threads = 1}),
+            tight(NativeEngineDef{.period = period, .threads = 1});
+        for (Stage* stage : {&loose, &tight}) stage->post(SetGravity{{0, -9.81, 0}});
+        loose.add(def);
+        def.solver = ConjugateGradient{.maxIterations = 2000, .tolerance = 1e-6};
+        tight.add(def);
+        const int settled = static_cast<int>(2.0 / period);
+        loose.run(settled, period);
+        tight.run(settled, period);
+        const double iterations = iterationsOf(loose, 100, period);
+        INFO("at a period of " << period << " s: " << iterations << " iterations");
+        CHECK(iterations <= 3.0);
+        const double sag = relativeDistance(tight.soft().x, tight.model().rest, 1.0);
+        CHECK(relativeDistance(loose.soft().x, tight.soft().x, sag) < 1e-3);
+    }
+}
+
 TEST_CASE("a step twice as long as the solver was prepared for takes at most half as many iterations more")
 {
     for (double period : {0.001, 0.005}) {

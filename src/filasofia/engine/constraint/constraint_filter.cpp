@@ -10,6 +10,7 @@ void ConstraintFilter::begin(std::span<const CoupledBody> bodies, std::span<cons
     columns_.collect(bodies, first, rows);
     places_.assign(columns_.places().begin(), columns_.places().end());
     vector_.resize(columns_.unknowns());
+    placed_.assign(rows.list.size(), 0);
 }
 
 bool ConstraintFilter::build(std::span<const Vec3> sigma)
@@ -18,7 +19,9 @@ bool ConstraintFilter::build(std::span<const Vec3> sigma)
     places_.resize(columns_.places().size());
     k_.assign(columns_.d().begin(), columns_.d().end());
     for (std::size_t r = 0; r < sigma_.size(); ++r) {
-        if (sigma_[r] == Vec3{}) continue;
+        // A contact that pushes no more keeps its places, so that the order is found anew only for one that begins.
+        if (sigma_[r] == Vec3{} && placed_[r] == 0) continue;
+        placed_[r] = 1;
         for (const ConstraintColumns::Column& one : columns_.of(r)) {
             const Mat3 stiff = transpose(Mat3::diagonal(sigma_[r]) * one.j);
             for (const ConstraintColumns::Column& two : columns_.of(r)) {

@@ -31,6 +31,7 @@ private:
     std::vector<linalg::BlockCholesky::Place> places_; ///< where D has its blocks, then where the rows add theirs
     std::vector<Mat3> k_;                              ///< lower half, at these places
     std::vector<Vec3> sigma_, vector_;                 ///< per row; per unknown
+    std::vector<char> placed_;                         ///< per row: 1 once it has taken part since begin()
     linalg::BlockCholesky factor_;
 };
 

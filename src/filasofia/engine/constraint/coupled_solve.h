@@ -26,7 +26,7 @@ inline constexpr double kRigidKappa = 1e4;
 
 /// Limits and parameters of a coupled solve.
 struct CoupledLimits {
-    linalg::SolveLimits linear; ///< for all iterations together
+    linalg::SolveLimits linear{.smallAnswer = 1e-3}; ///< for all iterations together
     /// Iterations in which impulses are projected onto the constraint law; after them, the active set is frozen, or
     /// sweeps take over.
     int nonlinear = 40;
@@ -37,8 +37,7 @@ struct CoupledLimits {
     /// The same for constraints between bodies whose D is A, if the filter knows all constraints together from the
     /// start: they cost no iterations, however stiff they are.
     Kappa exactKappa = {};
-    double bearing = 0.0;      ///< [-] minimum penalty, relative to the mass of the heaviest body
-    double smallChange = 1e-3; ///< [m/s] the error is relative to at least the energy of this velocity change
+    double bearing = 0.0; ///< [-] minimum penalty, relative to the mass of the heaviest body
 };
 
 /// `residual` is defined as for one body; after sweeps it is the share of the impulses that the last one changed.
@@ -85,8 +84,8 @@ struct CoupledReport : linalg::NodeSolveReport {
 /// The slower the solve, the more it knows of the constraints, as that costs about as much as some iterations:
 ///     at once, if any constraint is bilateral, or after 4 iterations: B is deflated by rigid motions of patches
 ///         (CoarseCorrection)
-///     after 16 iterations, if few bodies have a coarse level: B is deflated by the motions of all coarse nodes that
-///         constraints follow, and M is that of all constraints together (ConstraintFilter)
+///     after 16 iterations, or six very short steps, if few bodies have a coarse level: B is deflated by the motions of
+///         all coarse nodes that constraints follow, and M is that of all constraints together (ConstraintFilter)
 /// If D is A in all bodies, there is no B, and M is that of all constraints together at once: z is then the solution
 /// for the constraints that are active. If a body's D couples its nodes, as a rod's does, that M is used from the
 /// start, too.

@@ -179,7 +179,9 @@ linalg::NodeSolveReport MatrixFreeSystem::solve(const linalg::SolveLimits& limit
     linalg::SolveLimits tighter = limits;
     if (freeNodes_ <= kFewNodes)
         tighter.tolerance = std::min(limits.tolerance, std::max(kTighter * limits.tolerance, kSmallestTolerance));
-    const linalg::NodeSolveReport report = cg_.solve({*this, preconditioner_, residual_, size_}, dv_, tighter, pool);
+    // Scaled, the mean mass of a node is 1.
+    const linalg::NodeSolveReport report =
+        cg_.solve({*this, preconditioner_, residual_, size_, static_cast<double>(freeNodes_)}, dv_, tighter, pool);
     finish(report, rigidPush(), kHandedOn, dv, residual, pool);
     return report;
 }
