@@ -25,7 +25,8 @@ struct Ball {
 
 /// The point of another soft body that a node is attached to.
 enum class AttachMode {
-    Nearest,    ///< its nearest node; the attachment pulls the two together
+    /// Its nearest node; the attachment pulls the two together. The nearest of several nodes with the same one is held.
+    Nearest,
     Barycentric ///< the current position of the node, as a weighted mean of the nodes around it
 };
 

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <utility>
 
 namespace filasofia::engine {
@@ -282,6 +283,26 @@ AttachedPairs paired(std::vector<AttachedPoint> first, std::vector<AttachedPoint
     return pairs;
 }
 
+/// Several nodes that are drawn to one would make the elements between them flat, and turn them inside out: only the
+/// nearest of them keeps its pair. The first wins a tie.
+void keepNearest(std::span<const Vec3> x, std::span<const Vec3> toX, AttachedPairs& pairs)
+{
+    std::map<int, std::pair<double, int>> nearest; // of each node that others are drawn to
+    const auto places = [](const std::array<AttachedPoint, 2>& pair) {
+        return std::array{pair[0].nodes.front().node, pair[1].nodes.front().node};
+    };
+    for (const auto& pair : pairs) {
+        const auto [node, other] = places(pair);
+        const double squared = lengthSquared(x[static_cast<std::size_t>(node)] - toX[static_cast<std::size_t>(other)]);
+        const auto [at, isNew] = nearest.try_emplace(other, squared, node);
+        if (!isNew) at->second = std::min(at->second, std::pair(squared, node));
+    }
+    std::erase_if(pairs, [&](const auto& pair) {
+        const auto [node, other] = places(pair);
+        return nearest.at(other).second != node;
+    });
+}
+
 /// Pairs of nodes, without those of removed pieces.
 AttachedPairs nodePairsOf(const physics::AttachmentDef& def, std::size_t body, const Scene& scene)
 {
@@ -355,7 +376,11 @@ AttachedPairs pairsOf(const physics::AttachmentDef& def, std::size_t body, const
         held.push_back({.nodes = {{node, 1.0}}, .place = {}});
         places.push_back(x[static_cast<std::size_t>(node)]);
     }
-    return paired(std::move(held), attachedTo(def.to, def.element, def.mode, places, scene));
+    AttachedPairs pairs = paired(std::move(held), attachedTo(def.to, def.element, def.mode, places, scene));
+    const auto holder = findBody(scene, def.to);
+    if (def.mode == physics::AttachMode::Nearest && holder && holder->soft)
+        keepNearest(x, scene.soft[holder->index].state.x, pairs);
+    return pairs;
 }
 
 AttachedPairs pairsOf(const physics::RigidAttachmentDef& def, std::size_t body, const Scene& scene)
