@@ -251,4 +251,24 @@ TEST_CASE("a hollow body that is pressed flat is told to pass through itself, un
     }
 }
 
+TEST_CASE("cubes at one place are told as long as they are there, and take few iterations")
+{
+    // No edge passes through a face, and no corner is inside: they pressed with kilonewtons, and no step said so.
+    Stage stage;
+    constexpr int cubes = 8;
+    for (int i = 0; i < cubes; ++i)
+        stage.add(physics::RigidBodyDef{.mesh = geometry::shapes::box({0.02, 0.02, 0.02}),
+                                        .dynamic = true,
+                                        .mass = physics::TotalMass{0.01},
+                                        .gravity = false,
+                                        .collision = {{}}});
+    for (int i = 0; i < 40; ++i) {
+        const physics::StepReport report = stage.step(1e-3);
+        CHECK(report.has(physics::StepFlag::Intersecting));
+        CHECK(report.intersections.size() == cubes * (cubes - 1) / 2);
+        CHECK(report.iterations() < 300);
+    }
+    for (const RigidBody& body : stage.world.scene().rigid) CHECK(length(body.state.velocities[0]) < 0.1);
+}
+
 } // namespace intersections_test
