@@ -23,6 +23,15 @@ double pinnedShare(const BodyPoint& point, const Scene& scene)
     return share;
 }
 
+/// Whether a solve can move a rigid element in every direction. A jaw can only turn where its base is told: in all
+/// other directions it is driven as the base is.
+bool movesFreely(const BodyPoint& point, const RigidPlan& plan)
+{
+    if (!planPlace(plan, point)) return false;
+    const RigidPlanElement& element = plan[point.body];
+    return element.articulation < 0 || plan[element.base].dynamic;
+}
+
 } // namespace
 
 bool canMove(const BodyPoint& point, const Scene& scene, const RigidPlan& plan)
@@ -56,7 +65,7 @@ void yieldWherePinned(double dt, const Scene& scene, Coupling& coupling)
         if (contact.softness > 0.0) continue;
         const std::size_t tissue = isSoft(contact.sides[0]) ? 0 : 1;
         const BodyPoint &place = contact.sides[tissue], &other = contact.sides[1 - tissue];
-        if (!(pinnedShare(place, scene) > kPinned) || isSoft(other) || canMove(other, scene, coupling.rigid)) continue;
+        if (!(pinnedShare(place, scene) > kPinned) || isSoft(other) || movesFreely(other, coupling.rigid)) continue;
         // What has come nearer goes on to push when it stands still: by its last impulse, so the contact remembers it.
         const double nearing = (tissue == 0 ? 1.0 : -1.0) * dot(other.velocity, contact.frame[0]); // [m/s]
         const bool driven = contact.impulse.x > 0.0 || nearing > 0.0;

@@ -18,8 +18,9 @@ bool arePinned(const Constraint& contact, const Scene& scene);
 void yieldAsSpring(double dt, double stiffness, Constraint& contact);
 
 /// Does so with contacts of tissue that moves by more than half with pinned nodes, with rigid bodies that no solve can
-/// move: a cube that was driven into tissue beside its pins pushed with 72 kN. Where all nodes are pinned, only what
-/// comes nearer begins to push, and not scenery that overlaps them.
+/// move, and with jaws of tools that are told: a cube that was driven into tissue beside its pins pushed with 72 kN,
+/// and jaws of 20 mN m that were moved over it with 256 MN. Where all nodes are pinned, only what comes nearer begins
+/// to push, and not scenery that overlaps them.
 void yieldWherePinned(double dt, const Scene& scene, Coupling& coupling);
 
 } // namespace filasofia::engine
