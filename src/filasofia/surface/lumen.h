@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/geometry/tet_mesh.h"
+#include "filasofia/geometry/triangle_mesh.h"
 #include "filasofia/math/vec3.h"
 
 #include <span>

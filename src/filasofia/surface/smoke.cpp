@@ -19,7 +19,7 @@ constexpr double kJoinWithin = 0.012;            ///< [m], and so near to it
 constexpr double kOld = 3.0;                     ///< mixing times, after which the rest of a puff joins the room's
 constexpr double kGasHeat = 1.8 * 850.0 * 310.0; ///< [J/m^3], density, heat capacity and temperature of carbon dioxide
 constexpr double kWander = 0.5;                  ///< [s], in which the draught turns
-constexpr double kAside = 0.45;                  ///< [-], strongest drift aside per way up
+constexpr double kMostDrift = 0.45;              ///< [-], strongest drift aside per way up
 constexpr double kWidest = 0.25;                 ///< [-], radius of a puff over the smallest side of the room, at most
 
 /// A number in [-1, 1] that is the same for the same seed, tick and axis.
@@ -194,7 +194,7 @@ void Smoke::add(const Fume& fume, Vec3 up, double gravity, double dt)
     }
     // The draught acts across the way up only.
     Vec3 drift{draught(def_.seed, time_, 0), draught(def_.seed, time_, 1), draught(def_.seed, time_, 2)};
-    drift = kAside * (drift - dot(drift, up) * up);
+    drift = kMostDrift * (drift - dot(drift, up) * up);
     puffs_.push_back({.place = place,
                       .radius = def_.radius,
                       .buoyancy = buoyancy,
