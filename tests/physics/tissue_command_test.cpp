@@ -67,6 +67,8 @@ TEST_CASE("a change of tissue that is not possible is refused where it is asked 
     liver.refused({.where = AtInterface{{"tumour"}, {"tumour"}}}, {"where", "second", "another label", "got 7"});
     liver.refused({.where = Ball{{}, -1.0}}, {"radius", "got -1"});
     liver.refused({.where = geometry::Box{{1, 0, 0}, {0, 1, 1}}}, {"where", "high must be >= low"});
+    checkError([&] { liver.server.setTissue(liver.id, {.where = all}, TissueFactors{.restScale = 0.4}); },
+               {"soft body 'liver': factors: restScale must be in [0.5, 2], got 0.4"});
     liver.server.step(1e-3);
     CHECK(liver.calls.commands.size() == 2); // gravity and the body
 

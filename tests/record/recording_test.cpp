@@ -158,7 +158,9 @@ TEST_CASE("every other kind of command comes back bit for bit")
     CHECK(std::isinf(std::get<MassSpringMaterial>(std::get<SoftBodyDef>(*whole.def).material).tearingThreshold));
     const TissueRegion region{.where = Ball{kVec, kThird}, .poissonRatio = 0.1, .restScale = kThird + 0.5};
     const auto tissue = roundTrip(SetTissue{BodyId{3}, region});
-    CHECK((tissue.id == BodyId{3} && tissue.region == region));
+    CHECK((tissue.id == BodyId{3} && tissue.region == region && !tissue.factors));
+    const TissueFactors factors{.youngModulus = 3.0, .tearingThreshold = kThird, .restScale = kThird + 0.5};
+    CHECK(roundTrip(SetTissue{BodyId{3}, region, factors}).factors == factors);
     const auto active = roundTrip(SetFibreStress{BodyId{3}, 1, kThird});
     CHECK((active.id == BodyId{3} && active.family == 1 && sameBits(active.stress, kThird)));
     const auto bent =

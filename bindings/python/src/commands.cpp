@@ -182,12 +182,15 @@ void addSoft(nb::class_<HeldSimulation>& sim)
         "A material of the kind that the body was made with.");
     sim.def(
         "set_tissue",
-        [](HeldSimulation& self, nb::handle id, nb::handle region) {
+        [](HeldSimulation& self, nb::handle id, nb::handle region, nb::handle factors) {
+            std::optional<TissueFactors> times;
+            if (!factors.is_none()) times = readArgument<TissueFactors>(factors, "set_tissue", "factors");
             server(self, "set_tissue")
-                .setTissue(body(id, "set_tissue"), readArgument<TissueRegion>(region, "set_tissue", "region"));
+                .setTissue(body(id, "set_tissue"), readArgument<TissueRegion>(region, "set_tissue", "region"), times);
         },
-        nb::arg("body").none(), nb::arg("region").none(),
-        nb::sig("def set_tissue(self, body: filasofia.BodyId, region: filasofia.TissueRegion) -> None"),
+        nb::arg("body").none(), nb::arg("region").none(), nb::arg("factors").none() = nb::none(),
+        nb::sig("def set_tissue(self, body: filasofia.BodyId, region: filasofia.TissueRegion, "
+                "factors: filasofia.TissueFactors | None = None) -> None"),
         "Changes the tissue of a part of a FEM body: coagulation stiffens and shrinks it.");
     sim.def(
         "set_fibre_stress",

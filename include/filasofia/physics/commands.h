@@ -80,6 +80,8 @@ struct SetMaterial {
 struct SetTissue {
     BodyId id = {};
     TissueRegion region = {};
+    /// If given, modulus, threshold and scale of the region are first set to those of the material times these.
+    std::optional<TissueFactors> factors = {};
 };
 /// Sets the stress by which a family of fibres contracts (FibreFamily::activeStress). Lasts until the next SetMaterial;
 /// a Reset keeps it.
@@ -211,8 +213,11 @@ constexpr auto fields(const SetMaterial*)
 constexpr auto fields(const SetTissue*)
 {
     return describe("SetTissue", field("id", &SetTissue::id, "the soft body"),
-                    field("region", &SetTissue::region, "what differs, and where"));
+                    field("region", &SetTissue::region, "what differs, and where"),
+                    field("factors", &SetTissue::factors, "of what the material says there"));
 }
+/// The last field is younger than the first recordings of this command.
+constexpr std::size_t addedFields(const SetTissue*) { return 1; }
 constexpr auto fields(const SetFibreStress*)
 {
     using T = SetFibreStress;

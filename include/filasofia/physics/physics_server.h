@@ -86,7 +86,7 @@ public:
     void setMaterial(BodyId soft, const SoftMaterial& material);
     /// Changes the tissue of a part of a FEM body from the next step on: see SetTissue. The step takes about 1 us per
     /// element that changes.
-    void setTissue(BodyId soft, const TissueRegion& region);
+    void setTissue(BodyId soft, const TissueRegion& region, const std::optional<TissueFactors>& factors = {});
     /// [Pa], in [0, 1e9]: the stress by which a family of fibres contracts from the next step on: see SetFibreStress.
     void setFibreStress(BodyId soft, int family, double stress);
     /// Bends parts of a rod by itself from the next step on: see SetCurvature. `rate` [1/(m s)], > 0: by which its

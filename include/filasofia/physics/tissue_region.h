@@ -65,6 +65,15 @@ struct TissueRegion {
     friend bool operator==(const TissueRegion&, const TissueRegion&) = default;
 };
 
+/// Factors of what the body's material says of a tetrahedron, whatever that is: heat stiffens, weakens and shrinks.
+struct TissueFactors {
+    double youngModulus = 1.0;     ///< [-], in [0.001, 1000]
+    double tearingThreshold = 1.0; ///< [-], in [0.001, 1000]; what cannot tear still cannot
+    double restScale = 1.0;        ///< [-], in [0.5, 2]
+
+    friend bool operator==(const TissueFactors&, const TissueFactors&) = default;
+};
+
 /// The tetrahedra of a region, ascending. Throws an Error that begins with `object` if there is none, or if the mesh
 /// has no such label.
 std::vector<int> tetrahedraOf(const RegionShape& where, const geometry::TetMesh& mesh, std::string_view object);
@@ -159,6 +168,14 @@ constexpr auto fields(const TissueRegion*)
 }
 /// The last field is younger than the first recordings with regions.
 constexpr std::size_t addedFields(const TissueRegion*) { return 1; }
+constexpr auto fields(const TissueFactors*)
+{
+    using T = TissueFactors;
+    return describe("TissueFactors",
+                    field("youngModulus", &T::youngModulus, "-", closed(1e-3, 1e3), "of Young's modulus"),
+                    field("tearingThreshold", &T::tearingThreshold, "-", closed(1e-3, 1e3), "of the stress that tears"),
+                    field("restScale", &T::restScale, "-", closed(0.5, 2), "of the lengths at rest"));
+}
 constexpr auto fields(const Along*)
 {
     return describe("Along", field("direction", &Along::direction, "-", finite(), "direction of the fibres"));

@@ -25,7 +25,7 @@ private:
     void set(const SetJoint& c) { server_.setJoint(c.id, c.joint, c.command); }
     void set(const SetHaptic& c) { server_.setHaptic(c.id, c.target, c.element); }
     void set(const SetGravity& c) { server_.setGravity(c.gravity); }
-    void set(const SetTissue& c) { server_.setTissue(c.id, c.region); }
+    void set(const SetTissue& c) { server_.setTissue(c.id, c.region, c.factors); }
     void set(const SetFibreStress& c) { server_.setFibreStress(c.id, c.family, c.stress); }
     void set(const SetCurvature& c) { server_.setCurvature(c.id, c.sections, c.rate); }
     void set(const SetCutting& c) { server_.setCutting(c.id, c.cutting); }

@@ -176,7 +176,7 @@ struct PhysicsServer::Impl {
     }
 
     /// Looks for the tetrahedra here, unless they depend on where the body is in the step.
-    void setTissue(BodyId id, TissueRegion region)
+    void setTissue(BodyId id, TissueRegion region, const std::optional<TissueFactors>& factors)
     {
         const auto def = ask([&](const Registry& bodies) { return bodies.find(id).def; });
         const auto* soft = std::get_if<SoftBodyDef>(def.get());
@@ -184,7 +184,7 @@ struct PhysicsServer::Impl {
             validate(region, describeBody(*def) + ": region");
             region.where = Listed{tetrahedraOf(region.where, *loadMesh(*soft), describeBody(*def) + ": region.where")};
         }
-        post(SetTissue{id, std::move(region)});
+        post(SetTissue{id, std::move(region), factors});
     }
 
     /// Returns the attachment that the command makes, if it makes one. Throws an Error if it is invalid.
@@ -446,7 +446,10 @@ void PhysicsServer::remove(BodyId id) { impl_->post(RemoveBody{id}); }
 void PhysicsServer::setPose(BodyId id, const Pose& pose, int element) { impl_->post(SetPose{id, element, pose}); }
 void PhysicsServer::setGravity(Vec3 gravity) { impl_->post(SetGravity{gravity}); }
 void PhysicsServer::setMaterial(BodyId id, const SoftMaterial& material) { impl_->setMaterial(id, material); }
-void PhysicsServer::setTissue(BodyId id, const TissueRegion& region) { impl_->setTissue(id, region); }
+void PhysicsServer::setTissue(BodyId id, const TissueRegion& region, const std::optional<TissueFactors>& factors)
+{
+    impl_->setTissue(id, region, factors);
+}
 void PhysicsServer::setFibreStress(BodyId id, int family, double stress)
 {
     impl_->post(SetFibreStress{id, family, stress});

@@ -136,6 +136,7 @@ struct Registry::Check {
         const Body& body = find<SoftBodyDef>(set.id, "must be a soft body to have its tissue changed");
         const std::string object = describeBody(*body.def) + ": region";
         validate(set.region, object);
+        if (set.factors) validate(*set.factors, describeBody(*body.def) + ": factors");
         const auto& def = std::get<SoftBodyDef>(*body.def);
         if (!std::holds_alternative<FemMaterial>(def.material))
             fail(object, ": the body's material must be a FemMaterial, is a ", nameOf(def.material));

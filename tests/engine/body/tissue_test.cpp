@@ -160,6 +160,35 @@ TEST_CASE("tissue: a burn changes the elements that are in it now, shrinks them,
     }
 }
 
+TEST_CASE("tissue: factors are of what the material says of each tetrahedron, however often they are set")
+{
+    FemMaterial material{.youngModulus = 10e3, .poissonRatio = 0.4, .tearingThreshold = 1e5};
+    material.regions = {{.where = Listed{{0, 1}}, .youngModulus = 30e3, .tearingThreshold = 2e5, .restScale = 1.1}};
+    SoftBodyDef def = body(material);
+    def.dynamicTopology = true;
+    Stage stage;
+    const BodyId id = stage.add(def);
+    const auto set = [&](const TissueFactors& factors, std::vector<int> where) {
+        stage.post(SetTissue{id, {.where = Listed{std::move(where)}}, factors});
+        stage.step(1e-4);
+    };
+    set({.youngModulus = 5.0, .tearingThreshold = 0.9, .restScale = 0.95}, {0, 2});
+    set({.youngModulus = 2.0, .tearingThreshold = 0.5, .restScale = 0.9}, {0, 2});
+    const auto& elements = stage.model().elements;
+    CHECK(elements[0].youngModulus == 2.0 * 30e3);
+    CHECK(elements[0].tearingThreshold == 0.5 * 2e5);
+    CHECK(elements[0].restScale == Approx(0.9 * 1.1));
+    CHECK(elements[1].youngModulus == 30e3);
+    CHECK(elements[2].youngModulus == 2.0 * 10e3);
+    CHECK(elements[2].restScale == 0.9);
+    CHECK(elements[3].tearingThreshold == 1e5);
+    CHECK(stage.model().tearingThreshold == 0.5 * 1e5);
+    set({}, {0, 2});
+    CHECK(elements[2].youngModulus == 10e3);
+    CHECK(elements[2].restScale == 1.0);
+    CHECK(elements[0].restScale == 1.1);
+}
+
 TEST_CASE("tissue: if the terms that relax change, the new ones begin with the present stress")
 {
     const auto with = [](const std::vector<PronyTerm>& terms) {

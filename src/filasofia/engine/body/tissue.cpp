@@ -136,12 +136,13 @@ Mat3 blockAtRest(const SoftModel& model, std::size_t element, const ImplicitWeig
     return sum;
 }
 
-std::vector<int> changeTissue(const physics::TissueRegion& region, const SoftState& state, SoftModel& model)
+std::vector<int> changeTissue(const physics::SetTissue& set, const SoftState& state, SoftModel& model)
 {
-    const std::vector<int> elements = elementsIn(region.where, state, model);
+    const std::vector<int> elements = elementsIn(set.region.where, state, model);
     for (int e : elements) {
         FemElement& element = model.elements[static_cast<std::size_t>(e)];
-        apply(region, element);
+        if (set.factors) apply(*set.factors, model.tissue->of[static_cast<std::size_t>(element.tetrahedron)], element);
+        apply(set.region, element);
         model.tearingThreshold = std::min(model.tearingThreshold, element.tearingThreshold);
         model.yieldStress = std::min(model.yieldStress, element.yieldStress);
         shapeElement(model.rest, element);

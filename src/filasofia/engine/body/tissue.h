@@ -4,6 +4,7 @@
 #include "filasofia/engine/elastic/fibre.h"
 #include "filasofia/engine/elastic/law.h"
 #include "filasofia/engine/integration/euler.h"
+#include "filasofia/physics/commands.h"
 
 /// What the elements of a FEM body are made of: the response of law, fibres and relaxation together, in double, and the
 /// changes of tissue that commands make.
@@ -43,7 +44,7 @@ Corners stiffnessTimes(const TissueTangent& tangent, const FemElement& element, 
 /// An element's part of the step's matrix at rest, between nodes with shape gradients gi and gj, per volume.
 Mat3 blockAtRest(const SoftModel& model, std::size_t element, const ImplicitWeights& weights, Vec3 gi, Vec3 gj);
 
-/// Sets the properties of the elements of a region in a body's present state. Returns the elements, ascending.
-std::vector<int> changeTissue(const physics::TissueRegion& region, const SoftState& state, SoftModel& model);
+/// Carries out a command in a body's present state. Returns the elements of its region, ascending.
+std::vector<int> changeTissue(const physics::SetTissue& set, const SoftState& state, SoftModel& model);
 
 } // namespace filasofia::engine

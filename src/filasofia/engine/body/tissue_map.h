@@ -30,6 +30,14 @@ template <class Tissue> void apply(const physics::TissueRegion& region, Tissue& 
     tissue.restScale = region.restScale.value_or(tissue.restScale);
 }
 
+/// Sets what factors concern, of an element whose tetrahedron is `of` that material.
+template <class Tissue> void apply(const physics::TissueFactors& factors, const TetrahedronTissue& of, Tissue& tissue)
+{
+    tissue.youngModulus = factors.youngModulus * of.youngModulus;
+    tissue.tearingThreshold = factors.tearingThreshold * of.tearingThreshold;
+    tissue.restScale = factors.restScale * of.restScale;
+}
+
 /// A material looked up in a mesh, which takes too long for a step: it is made where a body is built.
 struct TissueMap {
     std::vector<TetrahedronTissue> of; ///< per tetrahedron

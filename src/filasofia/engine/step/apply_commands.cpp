@@ -85,7 +85,7 @@ struct ApplyCommand {
     void operator()(const physics::SetTissue& set) const
     {
         SoftBody& body = soft(set.id);
-        const std::vector<int> elements = changeTissue(set.region, body.state, body.model);
+        const std::vector<int> elements = changeTissue(set, body.state, body.model);
         if (elements.empty()) {
             report.set(physics::StepFlag::NothingChanged);
             logWarning("soft body '", body.model.name, "': a change of tissue reached no element");
