@@ -28,6 +28,20 @@ def test_a_source_burns_and_its_heat_is_accounted_for():
     assert told[-1].injury and told[-1].balance.burnt > 0
 
 
+def test_heat_shrinks_tissue_if_told_so():
+    def width(tissue):
+        sim, body = burning(depth=0.002, tissue=tissue)
+        sim.treat(body, fs.Heat(place=(0, 0.006, 0), radius=0.008, power=100.0, limit=363.0))
+        sim.step(1000)
+        x = sim.frame[body].positions
+        top = x[x[:, 1] > 0.003][:, 0]
+        return top.max() - top.min()
+
+    cold = width(None)
+    assert width(fs.HeatedTissueDef(shrinkage=0.3)) < cold - 1e-3
+    assert width(fs.HeatedTissueDef(shrinkage=0)) > cold - 1e-4
+
+
 def test_wrong_heat_is_an_error():
     sim, tissue = burning()
     with pytest.raises(fs.Error, match="burns already"):
@@ -36,6 +50,8 @@ def test_wrong_heat_is_an_error():
         sim.treat(tissue, fs.Heat(power=-1))
     with pytest.raises(fs.Error, match="depth"):
         burning(depth=0)
+    with pytest.raises(fs.Error, match=r"tissue.strength must be in \[0.01, 100\], got 0"):
+        burning(tissue=fs.HeatedTissueDef(strength=0))
 
 
 def touching(electrode):

@@ -258,6 +258,29 @@ TEST_CASE("a bipolar electrode heats between its jaws, and only while both touch
     CHECK(peakOf(def) - 310.15 < 0.7 * (peakOf(wide) - 310.15));
 }
 
+TEST_CASE("bipolar forceps stop what bleeds between their jaws")
+{
+    const ElectrodeDef forceps{.mode = EnergyMode::Bipolar,
+                               .power = 15.0,
+                               .radius = 1.5_mm,
+                               .limit = 373.15,
+                               .tip = {.element = 0, .from = {-2_mm, 0, 0}, .to = {2_mm, 0, 0}},
+                               .other = ElectrodeTip{.element = 1, .from = {2_mm, 0, 0}, .to = {-2_mm, 0, 0}}};
+    const auto wellsInTheLastSecond = [&](bool pressed) {
+        StillTheatre theatre(forceps);
+        theatre.sim.bleed(theatre.tissue, {.vesselDensity = std::numeric_limits<double>::infinity()});
+        theatre.sim.treat(theatre.tissue, Injure{.place = {0, 6_mm, 2.5_mm}, .radius = 2_mm});
+        theatre.run(100);
+        theatre.sim.activate(theatre.stick, pressed);
+        const double before = theatre.run(1500).blood.at(0).balance.welled;
+        CHECK(before > 0.0);
+        return theatre.run(500).blood.at(0).balance.welled - before;
+    };
+    const double bleeding = wellsInTheLastSecond(false);
+    CHECK(bleeding > 0.0);
+    CHECK(wellsInTheLastSecond(true) == 0.0);
+}
+
 TEST_CASE("bodies that one electrode touches divide its power by the area touched, and an injury is told")
 {
     StillTheatre theatre({.mode = EnergyMode::Coagulate, .power = 40.0, .radius = 4_mm, .limit = 1e4});

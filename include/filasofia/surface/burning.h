@@ -4,8 +4,10 @@
 #include "filasofia/surface/body_surface.h"
 #include "filasofia/surface/burning_def.h"
 #include "filasofia/surface/heat.h"
+#include "filasofia/surface/heated_tissue.h"
 
 #include <map>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,8 +31,10 @@ public:
     using Balance = HeatBalance;
 
     /// `skin` are the triangles of the body before it is cut, by its nodes. Throws an Error that names `object` if the
-    /// Def is wrong or there is no triangle.
-    Burning(const BurningDef& def, std::vector<geometry::Triangle> skin, const std::string& object);
+    /// Def is wrong or there is no triangle. `inside` is its mesh before it is cut, at rest in the world, which a Def
+    /// with `tissue` needs.
+    Burning(const BurningDef& def, std::vector<geometry::Triangle> skin, const std::string& object,
+            std::shared_ptr<const geometry::TetMesh> inside = nullptr);
 
     /// The surface from now on: heat and burns follow the nodes, and new nodes are as those around them. If the
     /// boundary is older than the last one, the body was put back to its start, and so is everything here.
@@ -58,6 +62,10 @@ public:
     [[nodiscard]] std::vector<float> levels() const;
     /// What the last step gave off, at most one for each cube of a centimetre.
     [[nodiscard]] std::vector<Fume> takeFumes() { return std::exchange(fumes_, {}); }
+    /// [-] Share of a vertex's collagen that is denatured; 0 without `tissue`.
+    [[nodiscard]] double denatured(std::size_t vertex) const { return 1.0 - intact_[vertex]; }
+    /// The tissue that heat has changed since the last call.
+    [[nodiscard]] std::vector<HeatedPart> takeParts() { return std::exchange(parts_, {}); }
     /// Per node of the body, 1 where it is damaged: omega >= 1.
     [[nodiscard]] std::vector<std::uint8_t> burnt() const;
     [[nodiscard]] const BurningDef& def() const { return def_; }
@@ -72,6 +80,7 @@ private:
     void warm(double dt);
     void hurt(double dt);
     void fume();
+    void denature(double dt);
     [[nodiscard]] double stored() const;
     [[nodiscard]] bool idle() const;
 
@@ -85,12 +94,17 @@ private:
     std::vector<double> warmth_;      ///< [K] per vertex, above rest
     std::vector<double> water_;       ///< [-] per vertex, in [0, 1], share that has not boiled away
     std::vector<double> damage_;      ///< [-] per vertex, omega
-    std::map<int, Heat> sources_;     ///< by their numbers
-    std::vector<TipHeat> tips_;       ///< for the next step, and by vertices within it
-    std::map<int, double> taken_;     ///< [J]
-    std::vector<Fume> fumes_;         ///< what the last step gave off
-    HeatBalance balance_;             ///< without what balance() adds
-    std::vector<Vec3> places_;        ///< working memory, like those below
+    std::vector<double> intact_;      ///< [-] per vertex, share of collagen that is not denatured
+    std::optional<HeatedTissue> inside_;
+    std::vector<Vec3> rest_;   ///< [m] per vertex, if there is an inside
+    double sinceSpread_ = 0.0; ///< [s]
+    std::vector<HeatedPart> parts_;
+    std::map<int, Heat> sources_; ///< by their numbers
+    std::vector<TipHeat> tips_;   ///< for the next step, and by vertices within it
+    std::map<int, double> taken_; ///< [J]
+    std::vector<Fume> fumes_;     ///< what the last step gave off
+    HeatBalance balance_;         ///< without what balance() adds
+    std::vector<Vec3> places_;    ///< working memory, like those below
     std::vector<double> power_, limit_, before_, used_, steamed_;
 };
 

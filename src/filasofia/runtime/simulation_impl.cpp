@@ -54,7 +54,9 @@ void Simulation::Impl::useEngine(const std::string& name)
         fail("engine: a loaded scene of SOFA runs with no other engine, got ", shownWord(name));
     SimulationDef other = def;
     other.engine = name;
-    physics.useEngine(engineFor(other));
+    std::unique_ptr<physics::PhysicsEngine> engine = engineFor(other);
+    burnings.check(*engine, physics);
+    physics.useEngine(std::move(engine));
     def.engine = name;
 }
 
@@ -184,7 +186,19 @@ std::uint32_t Simulation::Impl::stepSurfaces(const physics::StepReport& report)
         now.stamp(*event);
         return events.tryPost(std::move(event));
     };
-    return stepSurfaces(report.step, report.time, burnt, bled, given) ? 0u : kEventLost;
+    const bool all = stepSurfaces(report.step, report.time, burnt, bled, given);
+    changeHeatedTissue();
+    return all ? 0u : kEventLost;
+}
+
+/// By commands, which the recording of physics has: a replay does without this.
+void Simulation::Impl::changeHeatedTissue()
+{
+    for (const physics::SetTissue& each : burnings.takeTissue()) try {
+            if (physics.has(each.id)) physics.setTissue(each.id, each.region, each.factors);
+        } catch (const Error& problem) { // a thread has removed the body meanwhile
+            logWarning("heat: a change of tissue came too late: ", problem.what());
+        }
 }
 
 bool Simulation::Impl::stepSurfaces(std::uint64_t step, double time, const SurfaceLayers<surface::Burning>::Post& burnt,

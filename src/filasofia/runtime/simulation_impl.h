@@ -98,6 +98,8 @@ struct Simulation::Impl {
     /// event is lost.
     bool stepSurfaces(std::uint64_t step, double time, const SurfaceLayers<surface::Burning>::Post& burnt,
                       const SurfaceLayers<surface::Bleeding>::Post& bled, const Electrodes::Post& given);
+    /// Changes the tissue that heat has denatured.
+    void changeHeatedTissue();
     /// Lets ducts flow, closes the vessels at cut ends that clips shut, and posts their events. Returns StepFlag bits
     /// if some were lost.
     std::uint32_t stepDucts(const physics::StepReport& report);

@@ -18,6 +18,10 @@ template <> struct Kind<surface::Bleeding> {
     static double told(const surface::BloodBalance& balance) { return balance.welled; }
     static std::vector<float> film(const surface::Bleeding& layer) { return layer.thickness(); }
     static auto& reports(RunReport& report) { return report.blood; }
+    static auto make(const surface::BleedingDef& def, const physics::SoftBodyDef& body, const std::string& object)
+    {
+        return std::make_shared<const surface::Bleeding>(def, skinOf(body, object), object);
+    }
     static BloodReport report(const std::string& name, const surface::Bleeding& layer)
     {
         return {name, layer.balance()};
@@ -28,6 +32,16 @@ template <> struct Kind<surface::Burning> {
     static double told(const surface::HeatBalance& balance) { return balance.burnt; }
     static std::vector<float> film(const surface::Burning& layer) { return layer.levels(); }
     static auto& reports(RunReport& report) { return report.heat; }
+    static auto make(const surface::BurningDef& def, const physics::SoftBodyDef& body, const std::string& object)
+    {
+        std::shared_ptr<const geometry::TetMesh> inside;
+        if (def.tissue) {
+            if (!std::holds_alternative<physics::FemMaterial>(body.material))
+                fail(object, ": tissue needs a body with a FemMaterial");
+            inside = std::make_shared<const geometry::TetMesh>(physics::worldMesh(body));
+        }
+        return std::make_shared<const surface::Burning>(def, skinOf(body, object), object, std::move(inside));
+    }
     static HeatReport report(const std::string& name, const surface::Burning& layer)
     {
         return {name, layer.def().target, layer.balance()};
@@ -42,6 +56,28 @@ double spreadOf(const surface::BurningDef& def)
     const double loss = def.loss + def.perfusion * def.bloodHeatCapacity * def.depth; // [W/(m^2 K)]
     const double perMinute = kLongest / (def.density * def.heatCapacity);             // [m^3 K/W]
     return std::sqrt(def.conductivity * (loss > 0.0 ? std::min(def.depth / loss, perMinute) : perMinute));
+}
+
+/// What heat that has denatured a share of some tetrahedra does to them.
+physics::SetTissue changeOf(BodyId id, const surface::HeatedTissueDef& def, surface::HeatedPart part)
+{
+    const auto towards = [&](double all) { return 1.0 + part.share * (all - 1.0); };
+    return {.id = id,
+            .region = {.where = physics::Listed{std::move(part.tetrahedra)}},
+            .factors = physics::TissueFactors{.youngModulus = towards(def.stiffness),
+                                              .tearingThreshold = towards(def.strength),
+                                              .restScale = towards(1.0 - def.shrinkage)}};
+}
+
+/// Throws an Error that begins with `object` if the engine cannot change the tissue of a body.
+void checkTissue(BodyId id, const physics::BodyDef& body, const physics::PhysicsEngine& engine,
+                 const std::string& object)
+{
+    try {
+        engine.check(physics::SetTissue{.id = id, .region = {}, .factors = physics::TissueFactors{}}, &body);
+    } catch (const Error& problem) {
+        fail(object, ": tissue: ", problem.what());
+    }
 }
 
 /// Whether an injury reaches a node of the surface, as it was or as it is now.
@@ -81,7 +117,10 @@ void SurfaceLayers<Layer>::add(BodyId id, const Def& def, Vec3 gravity, const ph
     const std::string object = text(Kind<Layer>::kDoing, " of ", physics::describeBody(*body));
     const auto* soft = std::get_if<physics::SoftBodyDef>(&*body);
     if (soft == nullptr) fail(object, ": needs a soft body with a surface");
-    auto start = std::make_shared<const Layer>(def, skinOf(*soft, object), object);
+    validate(def, object);
+    std::shared_ptr<const Layer> start = Kind<Layer>::make(def, *soft, object);
+    if constexpr (requires { def.tissue; })
+        if (def.tissue) checkTissue(id, *body, physics.engine(), object);
     const std::lock_guard lock(mutex_);
     if (patients_.contains(id)) fail(object, ": it ", Kind<Layer>::kDoes, " already");
     patients_[id] = {
@@ -197,6 +236,11 @@ bool SurfaceLayers<Layer>::takeResults(BodyId id, double time, Patient& patient,
         patient.fumes = patient.turn->layer.takeFumes();
         if (patient.restart) patient.fumes.clear();
     }
+    if constexpr (requires { patient.turn->layer.takeParts(); }) {
+        patient.tissue.clear();
+        for (surface::HeatedPart& each : patient.turn->layer.takeParts())
+            if (!patient.restart) patient.tissue.push_back(changeOf(id, *patient.start->def().tissue, std::move(each)));
+    }
     patient.burnt = patient.restart ? nullptr : patient.turn->burnt; // a reset heals
     return tell(id, time, patient, post);
 }
@@ -247,6 +291,26 @@ template <class Layer> std::vector<surface::Fume> SurfaceLayers<Layer>::takeFume
     for (auto& [id, each] : patients_)
         for (const surface::Fume& fume : std::exchange(each.fumes, {})) out.push_back(fume);
     return out;
+}
+
+template <class Layer> std::vector<physics::SetTissue> SurfaceLayers<Layer>::takeTissue()
+{
+    std::vector<physics::SetTissue> out;
+    if (!any_) return out;
+    const std::lock_guard lock(mutex_);
+    for (auto& [id, each] : patients_)
+        for (physics::SetTissue& change : std::exchange(each.tissue, {})) out.push_back(std::move(change));
+    return out;
+}
+
+template <class Layer>
+void SurfaceLayers<Layer>::check(const physics::PhysicsEngine& engine, const physics::PhysicsServer& physics) const
+{
+    const std::lock_guard lock(mutex_);
+    for (const auto& [id, each] : patients_)
+        if constexpr (requires { each.start->def().tissue; })
+            if (each.start->def().tissue && physics.has(id))
+                checkTissue(id, *physics.def(id), engine, text(Kind<Layer>::kDoing, " of '", each.name, "'"));
 }
 
 template <class Layer> auto SurfaceLayers<Layer>::surfaces(double time) const -> std::vector<Surface>

@@ -67,6 +67,11 @@ public:
     /// fill(). Any thread.
     [[nodiscard]] double taken(int electrode, bool toTheEnd = false) const;
 
+    /// The stepping thread. What heat has done to the tissue in steps whose results have come since the last call.
+    [[nodiscard]] std::vector<physics::SetTissue> takeTissue();
+    /// Throws an Error if an engine cannot do to a body's tissue what its heat may ask for. Any thread.
+    void check(const physics::PhysicsEngine& engine, const physics::PhysicsServer& physics) const;
+
     /// The newest film of each body that has a newer one than at the last call.
     [[nodiscard]] std::map<BodyId, NodeFilm> takeFilms();
     void fill(RunReport& report) const;
@@ -102,10 +107,11 @@ private:
         std::optional<double> told = {}; ///< what the last event said
         double tellFrom = 0.0;           ///< [s], no event before
         NodeFlags closed = {};
-        std::vector<surface::TipHeat> tips = {}; ///< for the step that begins
-        std::map<int, double> taken = {};        ///< [J], by electrodes
-        NodeFlags burnt = {};                    ///< takeBurnt() does not have it yet
-        std::vector<surface::Fume> fumes = {};   ///< takeFumes() does not have them yet
+        std::vector<surface::TipHeat> tips = {};     ///< for the step that begins
+        std::map<int, double> taken = {};            ///< [J], by electrodes
+        NodeFlags burnt = {};                        ///< takeBurnt() does not have it yet
+        std::vector<surface::Fume> fumes = {};       ///< takeFumes() does not have them yet
+        std::vector<physics::SetTissue> tissue = {}; ///< takeTissue() does not have them yet
         NodeFilm film = {};
         bool fresh = false;  ///< takeFilms() does not have this film yet
         bool missed = false; ///< the log has said that a command reached nothing

@@ -18,19 +18,25 @@ constexpr double kDecades = 7.0; ///< damage for one level, 23 K at 60 degrees: 
 
 } // namespace
 
-Burning::Burning(const BurningDef& def, std::vector<geometry::Triangle> skin, const std::string& object)
+Burning::Burning(const BurningDef& def, std::vector<geometry::Triangle> skin, const std::string& object,
+                 std::shared_ptr<const geometry::TetMesh> inside)
     : def_(def), skin_(std::move(skin))
 {
     validate(def_, object);
     if (skin_.empty()) fail(object, ": needs a surface of triangles, got none");
     balance_.peak = def_.temperature;
+    if (def_.tissue) {
+        if (!inside) fail(object, ": tissue needs a body of tetrahedra");
+        inside_.emplace(std::move(inside), def_.depth);
+    }
     set(skin_, {});
 }
 
 void Burning::follow(const frame::Boundary& boundary)
 {
     if (boundary.revision == revision_) return;
-    if (boundary.revision < revision_) *this = Burning(def_, skin_, "burning"); // the body was put back to its start
+    if (boundary.revision < revision_) // the body was put back to its start
+        *this = Burning(def_, skin_, "burning", inside_ ? inside_->mesh() : nullptr);
     revision_ = boundary.revision;
     if (boundary.revision > 0) set(boundary.triangles, boundary.rest);
 }
@@ -63,6 +69,9 @@ void Burning::set(std::vector<geometry::Triangle> triangles, std::span<const Vec
     carry(warmth_, 0.0, std::numeric_limits<double>::infinity());
     carry(water_, 1.0, 1.0);
     carry(damage_, 0.0, 1.0); // char beside it is as one that is damaged: the new node is not, unless all around it are
+    carry(intact_, 1.0, 1.0);
+    for (const int v : change.fresh) intact_[v] = 1.0; // what lies behind it is known, and no more is denatured yet
+    if (inside_) surface_.gather(rest.empty() ? std::span<const Vec3>(inside_->mesh()->nodes) : rest, rest_);
     area_.clear();
     if (rest.empty()) return;
     measureRest(rest);
@@ -104,6 +113,7 @@ void Burning::step(std::span<const Vec3> positions, Vec3, double dt)
     fume();
     countTips(dt);
     hurt(dt);
+    if (inside_) denature(dt);
 }
 
 void Burning::take(std::span<const HeatShare> shares, double power, double limit)
@@ -200,6 +210,19 @@ void Burning::hurt(double dt)
         damage_[v] = std::min(damage_[v] + more, kMostDamage);
         balance_.peak = std::max(balance_.peak, to);
     }
+}
+
+void Burning::denature(double dt)
+{
+    const HeatedTissueDef& def = *def_.tissue;
+    for (std::size_t v = 0; v < warmth_.size(); ++v)
+        intact_[v] *= std::exp(-damageOver(def_.temperature + before_[v], def_.temperature + warmth_[v], dt,
+                                           def.frequencyFactor, def.activationEnergy));
+    sinceSpread_ += dt;
+    if (sinceSpread_ < 1.0 / def.rate - 1e-9) return;
+    sinceSpread_ = 0.0;
+    for (HeatedPart& each : inside_->spread(surface_.topology().triangles, surface_.nodes(), rest_, intact_))
+        parts_.push_back(std::move(each));
 }
 
 double Burning::stored() const
