@@ -104,7 +104,7 @@ namespace {
 
 /// How a ball that is pressed in by tenths of the depth was resisted.
 struct Resistance {
-    int percent = 0;     ///< [%] of the depth, up to which the force rose
+    int percent = 0;     ///< depth [%] up to which the force rose
     double force = 0.0;  ///< [N] there
     double least = 10.0; ///< [-] by how much a tenth of the depth more raised the force at least
     int inverted = 0;    ///< most elements inside out while the ball was held
@@ -245,7 +245,7 @@ struct Sandwich {
     BodyId plate, upper;
     double height = 0.0875; ///< [m] place of the plate, 5 mm above its lower face
     double force = 0.0;     ///< [N] on the plate in the last step
-    double between = 0.0;   ///< [N] of the lower organ on the upper one
+    double between = 0.0;   ///< the lower organ on the upper one [N]
     int inverted = 0;       ///< most elements inside out in a step
     std::uint32_t flags = 0;
 
@@ -332,7 +332,7 @@ TEST_CASE("two organs that a plate presses with 20 N have no element inside out 
 TEST_CASE("two organs bear a plate of 20 N for 60 s with no element inside out, and have their shape again without it",
           "[long]")
 {
-    Sandwich scene(8); // of 3,072 elements each
+    Sandwich scene(8); // 3,072 elements each
     scene.bear(10.0);
     const double early = scene.height;
     double least = 1e9, most = 0.0, between = 1e9;

@@ -34,7 +34,7 @@ public:
     [[nodiscard]] const std::shared_ptr<const geometry::TetMesh>& mesh() const { return mesh_; }
 
 private:
-    static constexpr int kSamples = 20; ///< of a tetrahedron, for equal parts of its volume
+    static constexpr int kSamples = 20; ///< per tetrahedron, for equal parts of its volume
     struct Heated {
         std::array<float, kSamples> denatured{}; ///< [-]
         int level = 0;

@@ -8,11 +8,11 @@
 namespace filasofia::surface {
 namespace {
 
-constexpr int kLevels = 8; ///< of a tetrahedron: few, so that few commands are needed
+constexpr int kLevels = 8; ///< per tetrahedron: few, so that few commands are needed
 /// [-] Tissue lies behind a triangle if the way from it to the nearest point runs as nearly along the normal: cosine.
 /// All that does not lie behind an edge that points outwards does. Less would reach around such edges.
 constexpr double kAlong = 0.98;
-constexpr int kSteps = 16; ///< of a vertex, after each of which its triangles are looked at again
+constexpr int kSteps = 16; ///< per vertex; after each, its triangles are looked at again
 
 } // namespace
 

@@ -203,7 +203,7 @@ TEST_CASE("coarse levels that are tied are as exact as those that learn of their
 {
     std::mt19937 random(6);
     const std::vector<int> nodes{0, 1, 2, 3, 4, 5, 6, 7};
-    for (const int count : {1, 5, 12}) { // of 12 constraints
+    for (const int count : {1, 5, 12}) { // 12 constraints
         Problem scene(random, 12);
         const TiedCoarse coarse = tied(scene, count, nodes);
         const std::vector<SolvedTie> ties{{&coarse, {0, 1}}};

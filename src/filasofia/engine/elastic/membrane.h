@@ -27,7 +27,7 @@ using TriangleCorners = std::array<Vec3, 3>; ///< one vector per node of a trian
 
 /// The constants of a triangle. Those of the material are the same in the whole sheet.
 struct MembraneElement {
-    int triangle = 0; ///< of the Def's mesh
+    int triangle = 0; ///< in the Def's mesh
     std::array<int, 3> nodes{};
     /// [1/m^2] 11 12 22: G, the inverse of the products of the edges 01 and 02 at rest. With the present products E,
     /// tr C = G : E and det C = det G det E.
