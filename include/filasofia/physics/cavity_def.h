@@ -28,7 +28,8 @@ struct CavityDef {
     /// [m] a point inside it, at the start, in the world. None: cavities are taken by their volumes, the largest first
     std::optional<Vec3> at = {};
     CavityFill fill = CavityFill::Gas;
-    /// [Pa], in (-101325, 1e8), for a Liquid > -bulkModulus: at the start, above that outside
+    /// [Pa], in (-101325, 1e8), for a Liquid > -bulkModulus: at the start, above that outside. A Liquid loses it as
+    /// soon as its wall yields by pressure / bulkModulus of the volume: an inflow tenses a wall, or a Source
     double pressure = 0.0;
     /// [Pa], in [100, 1e10]: by how much the pressure of a Liquid rises per relative loss of volume. Water has 2.2e9;
     /// beyond a thousand times the stiffness of the wall, only the solver's work grows
@@ -42,8 +43,8 @@ struct CavityDef {
 struct SetCavity {
     BodyId id = {};
     int cavity = 0; ///< index in SoftBodyDef::cavities
-    /// [Pa], in (-101325, 1e8), for a Liquid > -bulkModulus: it is filled or emptied to this pressure at once; the
-    /// pressure of a Source
+    /// [Pa], in (-101325, 1e8), for a Liquid > -bulkModulus: it is filled or emptied to this pressure at once, which
+    /// a Liquid loses as its wall yields; the pressure of a Source
     std::optional<double> pressure = {};
     /// [m^3/s], in [-1e3, 1e3]: what flows in, negative for out, until the next such command: volume at the pressure
     /// outside. Not for a Source. A Reset keeps it
@@ -60,7 +61,8 @@ constexpr auto fields(const CavityDef*)
     return describe(
         "CavityDef", field("at", &T::at, "m", finite(), "a point inside it; none: the largest come first"),
         field("fill", &T::fill, "what it holds"),
-        field("pressure", &T::pressure, "Pa", open(-kAtmosphere, 1e8), "at the start, above that outside"),
+        field("pressure", &T::pressure, "Pa", open(-kAtmosphere, 1e8),
+              "at the start, above that outside; a liquid loses it as its wall yields"),
         field("bulkModulus", &T::bulkModulus, "Pa", closed(100, 1e10), "stiffness of a liquid"),
         field("density", &T::density, "kg/m^3", closed(1e-3, 1e5), "of the fill; none: of air or of water"));
 }
