@@ -5,6 +5,7 @@
 #include "filasofia/prefab/clip_applier.h"
 #include "filasofia/prefab/knot_hands.h"
 #include "filasofia/prefab/metric_tracker.h"
+#include "filasofia/prefab/specimen_bag.h"
 
 #include <nanobind/stl/vector.h>
 
@@ -35,6 +36,7 @@ const DefTable& table()
         out.add<surface::Extract>();
         out.add<prefab::ClipApplierDef>();
         out.add<prefab::KnotDef>();
+        out.add<prefab::SpecimenBagDef>();
         out.add<runtime::PictureDef>();
         out.add<runtime::ViewerDef>();
         out.add<runtime::ReplayDef>();

@@ -54,6 +54,7 @@ NB_MODULE(_core, module)
     bindSimulation(module);
     addClipApplier(module);
     addKnotHands(module);
+    addSpecimenBag(module);
     module.def("set_own_names", [](const std::vector<std::string>& names) {
         setOwnNames({names.begin(), names.end()});
     });

@@ -12,6 +12,7 @@ void addPictures(nb::class_<HeldSimulation>& simulation);
 void addMeasures(nb::module_& module, nb::class_<HeldSimulation>& simulation);
 void addClipApplier(nb::module_& module);
 void addKnotHands(nb::module_& module);
+void addSpecimenBag(nb::module_& module);
 void addStates(nb::module_& module, nb::class_<HeldSimulation>& simulation);
 
 /// The session, if it is usable; Error if not.
