@@ -194,6 +194,7 @@ std::uint32_t Simulation::Impl::stepSurfaces(const physics::StepReport& report)
 /// By commands, which the recording of physics has: a replay does without this.
 void Simulation::Impl::changeHeatedTissue()
 {
+    const std::lock_guard lock(heatMutex);
     for (const physics::SetTissue& each : burnings.takeTissue()) try {
             if (physics.has(each.id)) physics.setTissue(each.id, each.region, each.factors);
         } catch (const Error& problem) { // a thread has removed the body meanwhile
@@ -312,6 +313,7 @@ void Simulation::Impl::takePicture(visual::VisualServer& visual, const std::stri
 
 void Simulation::Impl::reset()
 {
+    const std::lock_guard lock(heatMutex); // a change of tissue posted in between would follow the reset
     physics.reset();
     for (const BodyId each : electrodes.cutting())
         if (physics.has(each)) physics.setCutting(each, false);

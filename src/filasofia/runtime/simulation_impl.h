@@ -23,6 +23,8 @@
 #include "filasofia/runtime/surface_layers.h"
 #include "filasofia/runtime/written_files.h"
 
+#include <mutex>
+
 namespace filasofia::runtime {
 
 /// What the user sets before a run for its picture.
@@ -41,6 +43,7 @@ struct Simulation::Impl {
     Bindings bindings;
     Bleedings bleedings;
     Burnings burnings;
+    std::mutex heatMutex; ///< held while the tissue that heat has changed is posted, and while a reset ends that
     Electrodes electrodes;
     Ducts ducts;
     SmokeRoom smoke;

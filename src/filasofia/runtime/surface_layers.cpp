@@ -167,6 +167,7 @@ template <class Layer> void SurfaceLayers<Layer>::restart()
         each.restart = true;
         each.waiting.clear();
         each.taken.clear();
+        each.tissue.clear();
     }
 }
 

@@ -50,6 +50,7 @@ void HeatedTissue::heat(const std::array<Vec3, 3>& corners, const std::array<dou
 {
     const Vec3 outwards = cross(corners[1] - corners[0], corners[2] - corners[0]);
     const double size = length(outwards);
+    if (!(size > 0.0)) return; // no side is behind it
     tetrahedra_->overlapping(geometry::grown(geometry::boxAround(corners), depth_), found_);
     for (const int tetrahedron : found_) {
         const std::array<Vec3, kSamples> samples = samplesOf(tetrahedron);

@@ -143,6 +143,8 @@ std::vector<int> changeTissue(const physics::SetTissue& set, const SoftState& st
         FemElement& element = model.elements[static_cast<std::size_t>(e)];
         if (set.factors) apply(*set.factors, model.tissue->of[static_cast<std::size_t>(element.tetrahedron)], element);
         apply(set.region, element);
+        element.restScale =
+            std::clamp(element.restScale, 0.5, 2.0); // a region's times a factor may be beyond its range
         model.tearingThreshold = std::min(model.tearingThreshold, element.tearingThreshold);
         model.yieldStress = std::min(model.yieldStress, element.yieldStress);
         shapeElement(model.rest, element);

@@ -25,10 +25,9 @@ constexpr double kUpdateHelps = 0.5;
 constexpr double kLawful = 0.05;
 // Iterations of Newton's method after which rigid bodies are solved by sweeps. Towers and heaps at rest take less.
 constexpr int kSweepAfter = 40;
-// [-] If this many steps in a row are so short, although the coarse levels know the patches, what the preconditioner
-// proposes breaks constraints, and all are joined at once. A plate of 2 mm on a table went by 0.0001 to 0.001 of the
-// proposals for 16 iterations, and gained nothing. Stiff cubes make four such steps until the patches are known, none
-// after them.
+// [-] If this many steps in a row are so short, what the preconditioner proposes breaks constraints, and all are joined
+// at once. A plate of 2 mm on a table went by 0.0001 to 0.001 of the proposals for 16 iterations, and gained nothing.
+// They are more than kCorrectAfter: stiff cubes make short steps until the patches are known, and none after them.
 constexpr double kShort = 0.05;
 constexpr int kStuckAfter = 6;
 constexpr double kSteepEnough = 0.1; // a direction's derivative relative to that of z; if it is less, z is used instead
@@ -81,7 +80,7 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     for (int updates = 0, nonlinear = 0;; ++report.iterations, ++nonlinear) {
         if (report.iterations == kCorrectAfter && !correction_.hasMotions()) correctCoarseLevels();
         if (report.iterations == linalg::kBlendAfter) blendRotations();
-        const bool isStuck = report.iterations > kCorrectAfter && shortSteps >= kStuckAfter && !activeSetFrozen_;
+        const bool isStuck = shortSteps >= kStuckAfter && !activeSetFrozen_;
         if (mayJoin && (report.iterations == kJoinAfter || isStuck)) joinConstraints();
         const double rz = precondition(); // the energy of the error, as the preconditioner estimates it
         // Where stiff constraints hold what is at rest, rounding may make it less than nothing.

@@ -154,12 +154,13 @@ private:
         if (!crossings_.empty() && one.soft == two.soft) keepLost(one, two, {});
         if (!unseen && !held) passes = tellDeepInRound(meeting, one, two, before, tell) || passes;
         if (passes || meeting.self() || held) return passes;
-        const bool cross = !crossings_.empty();
-        if (const auto within = cross ? std::nullopt : insideOf(a, b))
+        const bool touch = !crossings_.empty();
+        if (const auto within = touch ? std::nullopt : insideOf(a, b))
             tell(*within);
-        else if (const auto around = cross ? std::nullopt : insideOf(b, a))
+        else if (const auto around = touch ? std::nullopt : insideOf(b, a))
             tell(*around);
-        else if (const auto both = insideBoth(a, b, meeting.depths()))
+        else if (const auto both = insideBoth(a, b, meeting.depths());
+                 both && (!touch || both->depth > 0.5 * meeting.depths())) // where they cross, contacts bear less
             add(one, two, *both, watch_.told); // only told: parted by lines of intersection, cubes fly at 18 m/s
         return passes;
     }
