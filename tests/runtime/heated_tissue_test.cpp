@@ -150,7 +150,7 @@ TEST_CASE("heated tissue is as stiff as told")
     CHECK(soft / stretch(HeatedTissueDef{.shrinkage = 0.0, .stiffness = 4.0}) == Approx(4.0).epsilon(0.03));
 }
 
-TEST_CASE("heat that acts on tissue has the same bits for any number of threads; without, a run is as a cold one")
+TEST_CASE("heat that acts on tissue has the same bits for any number of threads, and without it a run is as a cold one")
 {
     const auto hash = [](int threads, bool acts) {
         HotBlock block(threads, acts);
