@@ -216,7 +216,7 @@ TEST_CASE("scene files: every mistake is one line with its place, its bound and 
     contains(body(R"(, "mass": {"type": "TotalMass", "mass": 1})"),
              "unknown field 'mass' in bodies[0].mass, a TotalMass (it has ");
     contains(R"({"commands": [{"type": "SetTissue", "time": 0, "id": "a", "restScale": 1}]})",
-             "unknown field 'restScale' in commands[0], a SetTissue (it has id, region, type, class, time)");
+             "unknown field 'restScale' in commands[0], a SetTissue (it has id, region, factors, type, class, time)");
     contains(body(R"(, "friction": true)"), "bodies[0].friction must be a number, got true");
     contains(body(R"(, "gravity": 1)"), "bodies[0].gravity must be true or false, got 1");
     contains(body(R"(, "name": 1)"), "bodies[0].name must be a text, got 1");
