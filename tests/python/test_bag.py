@@ -11,7 +11,7 @@ def stage(opening=np.pi / 6):
     sim = fs.Simulation(physics=fs.PhysicsDef(rate=1000, gravity=(-GRAVITY, 0, 0)))  # the bag hangs to the -x of its tool
     arms = [fs.JointDef(axis=(side, 0, 0), child=i + 1, lower=0, upper=1, start=opening, command=fs.JointPosition(opening))
             for i, side in enumerate((1, -1))]
-    tool = sim.add(fs.RigidBodyDef(name="holder", elements=[(0, 0, 0)] * 3, articulation=fs.ArticulationDef(joints=arms)))
+    tool = sim.add(fs.RigidBodyDef(name="holder", elements=[(0, 0, 0)], articulation=fs.ArticulationDef(joints=arms)))
     ball = sim.add(fs.RigidBodyDef(name="ball", elements=[MOUTH + (-55e-3, 0, 0)], mesh=fs.shapes.sphere(12e-3, 4), dynamic=True,
                                    mass=fs.TotalMass(0.05), collision=[fs.CollisionDef(proximity=5e-4)]))
     return sim, tool, ball
