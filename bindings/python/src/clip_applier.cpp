@@ -1,35 +1,18 @@
-#include "defs.h"
+#include "held_prefab.h"
 #include "results.h"
-#include "simulation.h"
 
 #include "filasofia/prefab/clip_applier.h"
-
-#include <memory>
 
 namespace filasofia::python {
 namespace {
 
-/// A clip applier, as Python holds it. The session outlives it.
-struct HeldApplier {
-    std::shared_ptr<Session> session;
-    std::unique_ptr<prefab::ClipApplier> applier;
-};
+using HeldApplier = HeldPrefab<prefab::ClipApplier>;
 
 void make(HeldApplier* self, HeldSimulation& sim, nb::handle tool, nb::handle def)
 {
     const auto body = readArgument<BodyId>(tool, "ClipApplier", "tool");
-    const auto read = readDef<prefab::ClipApplierDef>(def, "ClipApplier");
-    Session& session = usable(sim, "ClipApplier");
-    const Session::Turn turn(session, "ClipApplier");
-    auto made = std::make_unique<prefab::ClipApplier>(session.simulation(), body, read);
+    hold(self, sim, "ClipApplier", body, readDef<prefab::ClipApplierDef>(def, "ClipApplier"));
     sim.shown = true; // its clips are drawn
-    new (self) HeldApplier{sim.session, std::move(made)};
-}
-
-prefab::ClipApplier& open(HeldApplier& self, const char* what)
-{
-    self.session->requireUsable(what);
-    return *self.applier;
 }
 
 } // namespace
@@ -45,25 +28,25 @@ void addClipApplier(nb::module_& module)
                      "filasofia.ClipApplierDef) -> None"),
              "Adds the clips.")
         .def(
-            "close", [](HeldApplier& self) { open(self, "close").close(); },
+            "close", [](HeldApplier& self) { self.open("close").close(); },
             "Closes the next clip where the tool is, on the target with most nodes between its legs, in the next step.")
         .def(
-            "reload", [](HeldApplier& self) { open(self, "reload").reload(); },
+            "reload", [](HeldApplier& self) { self.open("reload").reload(); },
             "Puts all clips back into the magazine, as a reset does.")
         .def_prop_ro(
-            "left", [](HeldApplier& self) { return open(self, "left").left(); }, "[-], clips in the magazine")
+            "left", [](HeldApplier& self) { return self.open("left").left(); }, "[-], clips in the magazine")
         .def_prop_ro(
-            "applied", [](HeldApplier& self) { return open(self, "applied").applied(); },
+            "applied", [](HeldApplier& self) { return self.open("applied").applied(); },
             "[-], clips that were closed on tissue; known two steps after close()")
         .def_prop_ro(
-            "missed", [](HeldApplier& self) { return open(self, "missed").missed(); },
+            "missed", [](HeldApplier& self) { return self.open("missed").missed(); },
             "[-], clips that were closed on nothing")
         .def_prop_ro(
-            "slipped", [](HeldApplier& self) { return open(self, "slipped").slipped(); },
+            "slipped", [](HeldApplier& self) { return self.open("slipped").slipped(); },
             "[-], clips among those applied that are on no tissue any more")
         .def_prop_ro(
             "bodies",
-            [](HeldApplier& self) { return Convert<std::vector<BodyId>>::make(open(self, "bodies").bodies()); },
+            [](HeldApplier& self) { return Convert<std::vector<BodyId>>::make(self.open("bodies").bodies()); },
             nb::for_getter(nb::sig("def bodies(self) -> list[filasofia.BodyId]")),
             "the clips, in the order in which they are used");
 }

@@ -1,38 +1,21 @@
 #include "arrays.h"
-#include "defs.h"
+#include "held_prefab.h"
 #include "results.h"
-#include "simulation.h"
 
 #include "filasofia/prefab/specimen_bag.h"
-
-#include <memory>
 
 namespace filasofia::python {
 namespace {
 
 constexpr const char* kVector = "numpy.typing.NDArray[numpy.float64]";
 
-/// A bag, as Python holds it. The session outlives it.
-struct HeldBag {
-    std::shared_ptr<Session> session;
-    std::unique_ptr<prefab::SpecimenBag> bag;
-};
+using HeldBag = HeldPrefab<prefab::SpecimenBag>;
 
 void make(HeldBag* self, HeldSimulation& sim, nb::handle tool, nb::handle def)
 {
     const auto body = readArgument<BodyId>(tool, "SpecimenBag", "tool");
-    const auto read = readDef<prefab::SpecimenBagDef>(def, "SpecimenBag");
-    Session& session = usable(sim, "SpecimenBag");
-    const Session::Turn turn(session, "SpecimenBag");
-    auto made = std::make_unique<prefab::SpecimenBag>(session.simulation(), body, read);
+    hold(self, sim, "SpecimenBag", body, readDef<prefab::SpecimenBagDef>(def, "SpecimenBag"));
     sim.shown = true; // its film is drawn
-    new (self) HeldBag{sim.session, std::move(made)};
-}
-
-const prefab::SpecimenBag& open(const HeldBag& self, const char* what)
-{
-    self.session->requireUsable(what);
-    return *self.bag;
 }
 
 } // namespace
@@ -48,24 +31,23 @@ void addSpecimenBag(nb::module_& module)
              nb::sig("def __init__(self, sim: filasofia.Simulation, tool: filasofia.BodyId, definition: "
                      "filasofia.SpecimenBagDef) -> None"),
              "Adds the film. The tool is a rigid body with two joints, which move its elements 1 and 2: arms along "
-             "their "
-             "-z, open at the start. The bag hangs to the -x of the tool.")
+             "their -z, open at the start. The bag hangs to the -x of the tool.")
         .def(
             "share",
             [](const HeldBag& self, nb::handle body) {
-                return open(self, "share").share(readArgument<BodyId>(body, "share", "body"));
+                return self.open("share").share(readArgument<BodyId>(body, "share", "body"));
             },
             nb::arg("body").none(), nb::sig("def share(self, body: filasofia.BodyId) -> float"),
             "[-], in [0, 1], part of a body's nodes, or of a rigid body's elements, that is in the bag now.")
         .def_prop_ro(
-            "body", [](const HeldBag& self) { return Convert<BodyId>::make(open(self, "body").body()); },
+            "body", [](const HeldBag& self) { return Convert<BodyId>::make(self.open("body").body()); },
             nb::for_getter(nb::sig("def body(self) -> filasofia.BodyId")), "the film")
         .def_prop_ro(
-            "load", [](const HeldBag& self) { return vectorOf(open(self, "load").load()); },
+            "load", [](const HeldBag& self) { return vectorOf(self.open("load").load()); },
             nb::for_getter(nb::sig(vector("load").c_str())),
             "[N], on the arms now; at rest, the weight of the film and of what is in it")
         .def_prop_ro(
-            "mouth", [](const HeldBag& self) { return vectorOf(open(self, "mouth").mouth()); },
+            "mouth", [](const HeldBag& self) { return vectorOf(self.open("mouth").mouth()); },
             nb::for_getter(nb::sig(vector("mouth").c_str())), "[m], the middle of the mouth, in the world");
 }
 
