@@ -168,6 +168,7 @@ using prefab::TrocarReport;
 using prefab::withinLimits;
 using runtime::asset;
 using runtime::BleedingEvent;
+using runtime::BreakEvent;
 using runtime::BurnEvent;
 using runtime::ClipEvent;
 using runtime::ContactEvent;

@@ -20,14 +20,15 @@ TEST_CASE("the step table has a line per step")
         step.contacts = {{.normalForce = 0.5}, {.normalForce = 0.25}, {}};
         step.report.times = {.commands = 1e-6, .contacts = 3e-5, .assemble = 2e-4, .advance = 5e-4, .topology = 4e-5};
         step.report.topology.ruptures = {{.area = 1e-5}, {.area = 2e-5}};
+        step.report.breaks = {{.points = 4}, {.points = 1, .broken = true}};
         step.hash = 0xabc;
         table.write(step);
     }
     const auto lines = file.lines();
     REQUIRE(lines.size() == 2);
     CHECK(lines[0] == "step,time [s],dt [s],flags,iterations,hash,contacts,contact force [N],penetration [m],"
-                      "opened [m^2],commands [s],contacts [s],assemble [s],advance [s],topology [s]");
-    CHECK(lines[1] == "7,0.5,0.001,4,42,0000000000000abc,2,0.75,0.0001,3e-05,1e-06,3e-05,0.0002,0.0005,4e-05");
+                      "opened [m^2],let go,commands [s],contacts [s],assemble [s],advance [s],topology [s]");
+    CHECK(lines[1] == "7,0.5,0.001,4,42,0000000000000abc,2,0.75,0.0001,3e-05,5,1e-06,3e-05,0.0002,0.0005,4e-05");
 }
 
 TEST_CASE("a step table says when it cannot be written")

@@ -9,9 +9,11 @@ import typing as _typing
 from . import _core, _defs, shapes
 from ._core import (
     AerosolBalance,
+    AttachmentBreak,
     BleedingEvent,
     BloodBalance,
     BodySolve,
+    BreakEvent,
     BurnEvent,
     ClipApplier,
     ClipChange,
@@ -83,9 +85,11 @@ __all__ = [
     "load",
     "replay",
     "AerosolBalance",
+    "AttachmentBreak",
     "BleedingEvent",
     "BloodBalance",
     "BodySolve",
+    "BreakEvent",
     "BurnEvent",
     "ClipApplier",
     "ClipChange",

@@ -105,6 +105,8 @@ void bindEvents(nb::module_& module)
         .def_ro("balance", &runtime::DuctEvent::balance);
     eventClass<runtime::ClipEvent>(module, "ClipEvent", "A clip was closed, or slipped off.")
         .def_ro("change", &runtime::ClipEvent::change);
+    eventClass<runtime::BreakEvent>(module, "BreakEvent", "Points of an attachment or a grasp let go.")
+        .def_ro("attachment", &runtime::BreakEvent::attachment);
     eventClass<runtime::FileFailedEvent>(module, "FileFailedEvent", "A file that the run writes takes no more data.")
         .def_ro("problem", &runtime::FileFailedEvent::problem);
     eventClass<event::PhysicsUpdateEvent>(module, "PhysicsUpdateEvent", "A step is done.");
@@ -121,6 +123,7 @@ std::size_t alternativeOf(nb::handle given)
                                   nb::type<runtime::EnergyEvent>(),
                                   nb::type<runtime::DuctEvent>(),
                                   nb::type<runtime::ClipEvent>(),
+                                  nb::type<runtime::BreakEvent>(),
                                   nb::type<runtime::FileFailedEvent>(),
                                   nb::type<event::PhysicsUpdateEvent>()};
     static_assert(std::size(classes) == std::variant_size_v<Arrived>);
@@ -128,7 +131,7 @@ std::size_t alternativeOf(nb::handle given)
         if (given.is(classes[i])) return i;
     throw nb::type_error(
         text("on: the event must be ContactEvent, CutEvent, TearEvent, IntersectionEvent, BleedingEvent, "
-             "BurnEvent, EnergyEvent, DuctEvent, ClipEvent, FileFailedEvent or PhysicsUpdateEvent, got ",
+             "BurnEvent, EnergyEvent, DuctEvent, ClipEvent, BreakEvent, FileFailedEvent or PhysicsUpdateEvent, got ",
              shown(given))
             .c_str());
 }

@@ -160,6 +160,17 @@ void bindStep(nb::module_& module)
         .def_ro("partial", &ClipChange::partial, "tissue went on beyond its legs when it was applied");
     addId(change, "clip", &ClipChange::clip);
     addId(change, "tissue", &ClipChange::tissue);
+    nb::class_<AttachmentBreak> broke(module, "AttachmentBreak", "What of an attachment or a grasp let go in a step.");
+    addId(broke, "body", &AttachmentBreak::body);
+    addId(broke, "to", &AttachmentBreak::to);
+    broke
+        .def_prop_ro(
+            "id", [](const AttachmentBreak& self) { return Convert<AttachmentId>::make(self.id); },
+            nb::for_getter(nb::sig("def id(self) -> filasofia.AttachmentId")))
+        .def_ro("grasp", &AttachmentBreak::grasp, "a grasp, by `to`, and no attachment")
+        .def_ro("force", &AttachmentBreak::force, "[N] that it carried, summed over its points")
+        .def_ro("points", &AttachmentBreak::points, "[-], that let go")
+        .def_ro("broken", &AttachmentBreak::broken, "nothing of it holds any more");
     nb::class_<StepReport>(module, "StepReport", "How a step went.")
         .def_ro("step", &StepReport::step, "number of steps completed")
         .def_ro("time", &StepReport::time, "[s], simulated")
@@ -175,6 +186,7 @@ void bindStep(nb::module_& module)
         .def_ro("topology", &StepReport::topology)
         .def_ro("clips", &StepReport::clips)
         .def_ro("clip_changes", &StepReport::clipChanges)
+        .def_ro("breaks", &StepReport::breaks, "attachments and grasps of which points let go")
         .def("__repr__", [](nb::handle self) {
             const auto& report = nb::cast<const StepReport&>(self);
             return text("StepReport(step=", report.step, ", time=", report.time,
@@ -293,6 +305,7 @@ void bindRun(nb::module_& module)
         .def_prop_ro("torn_area", &RunReport::tornArea, "[m^2], of all bodies, one side, at rest")
         .def_ro("nothing_changed", &RunReport::nothingChanged, "steps with a SetTissue that found no element")
         .def_ro("nothing_held", &RunReport::nothingHeld, "lines: attachments and grasps that held nothing")
+        .def_ro("broke", &RunReport::broke, "lines: attachments and grasps of which points let go")
         .def_ro("blunt_blades", &RunReport::bluntBlades)
         .def_ro("callback_problems", &RunReport::callbackProblems)
         .def_ro("file_problems", &RunReport::fileProblems)

@@ -228,6 +228,8 @@ void Session::collect(std::size_t alternative, bool on)
     case 8:
         return observe<runtime::ClipEvent>(alternative);
     case 9:
+        return observe<runtime::BreakEvent>(alternative);
+    case 10:
         return observe<runtime::FileFailedEvent>(alternative);
     default:
         return observe<event::PhysicsUpdateEvent>(alternative);

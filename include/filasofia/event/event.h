@@ -30,6 +30,7 @@ enum class EventType : std::uint8_t {
     Energy,
     Duct,
     Clip,
+    Break,
     FileFailed,
     Device,
     Controller,
@@ -38,7 +39,7 @@ enum class EventType : std::uint8_t {
     Custom3,
     Custom4,
 };
-inline constexpr std::size_t kEventTypes = 24;
+inline constexpr std::size_t kEventTypes = 25;
 
 /// The enumerator's name, such as "PhysicsUpdate".
 std::string_view name(EventType type);

@@ -41,7 +41,8 @@ using Integrator = std::variant<ImplicitEuler, ExplicitEuler>;
 struct ConjugateGradient {
     int maxIterations = 300; ///< [-], in [1, 100000]
     double tolerance =
-        5e-3; ///< [-], in (0, 1), error of a step's solution relative to the solution, in the energy norm
+        5e-3; ///< [-], in (0, 1), error of a step's solution relative to the solution, in the energy norm; a solution
+              ///< that accelerates by less than 0.1 m/s^2 counts as one that does (docs/design/solver.md)
     int minIterations =
         4; ///< [-], in [0, 100000], iterations before a deadline may end the solve: this keeps the energy from growing
     bool assembled = false; ///< the reference solver: the whole matrix, in double precision. Many times slower.

@@ -188,6 +188,17 @@ struct NothingHeld {
     bool grasp = false; ///< a grasp, and no attachment
 };
 
+/// An attachment or a grasp of which points let go in a step: they bore more than they can, or a blade parted them.
+struct AttachmentBreak {
+    AttachmentId id = {};
+    BodyId body = {};    ///< the attached body; of a grasp, what is grasped
+    BodyId to = {};      ///< to what it was attached, none for space; of a grasp, the body that grasps
+    bool grasp = false;  ///< a grasp, and no attachment
+    double force = 0.0;  ///< [N] that it carried in this step, summed over its points
+    int points = 0;      ///< [-] number of points that let go: all that were left, if it is broken
+    bool broken = false; ///< nothing of it holds any more
+};
+
 /// The time budget of a step. It affects only where the solvers stop.
 struct StepBudget {
     std::function<std::int64_t()> now =
@@ -221,6 +232,7 @@ struct StepReport {
     std::vector<ClipChange> clipChanges = {}; ///< what `clips` counts, in the order in which it happened
     /// Attachments and grasps that began in this step and hold nothing (NothingAttached), ascending in each group.
     std::vector<NothingHeld> nothingHeld = {};
+    std::vector<AttachmentBreak> breaks = {}; ///< attachments and grasps of which points let go, ascending
     StageTimes times = {};
 
     void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }

@@ -170,6 +170,8 @@ struct RunReport {
     physics::ClipReport clips = {};                  ///< in all steps
     std::uint64_t nothingChanged = 0; ///< [-], steps with a SetTissue that found no element (StepFlag::NothingChanged)
     std::vector<std::string> nothingHeld; ///< one line per attachment or grasp that held nothing; after 12 a count
+    /// One line per attachment or grasp of which points let go, with the time; after 12 a count
+    std::vector<std::string> broke;
     std::vector<std::string> bluntBlades; ///< one line per blade that touched a soft body without dynamicTopology
     /// why functions of everyStep() are no longer called, in this run or an earlier one: scripts that ended early
     std::vector<std::string> callbackProblems;

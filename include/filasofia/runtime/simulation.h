@@ -5,6 +5,7 @@
 #include "filasofia/event/input_events.h"
 #include "filasofia/physics/physics_server.h"
 #include "filasofia/runtime/bleeding_event.h"
+#include "filasofia/runtime/break_event.h"
 #include "filasofia/runtime/burn_event.h"
 #include "filasofia/runtime/clip_event.h"
 #include "filasofia/runtime/contact_event.h"

@@ -41,6 +41,8 @@ std::string_view name(EventType type)
         return "Duct";
     case EventType::Clip:
         return "Clip";
+    case EventType::Break:
+        return "Break";
     case EventType::FileFailed:
         return "FileFailed";
     case EventType::Device:

@@ -14,7 +14,7 @@ struct StepTable::Impl {
 StepTable::StepTable(const std::filesystem::path& file) : impl_(new Impl{OutputFile(file)})
 {
     impl_->file.write("step,time [s],dt [s],flags,iterations,hash,contacts,contact force [N],penetration [m],"
-                      "opened [m^2],commands [s],contacts [s],assemble [s],advance [s],topology [s]\n");
+                      "opened [m^2],let go,commands [s],contacts [s],assemble [s],advance [s],topology [s]\n");
 }
 
 StepTable::~StepTable() = default;
@@ -26,13 +26,15 @@ void StepTable::write(const physics::StepRecord& step)
     for (const frame::Contact& contact : step.contacts) force += contact.normalForce;
     double opened = 0.0; // by cuts and tears
     for (const physics::Rupture& rupture : report.topology.ruptures) opened += rupture.area;
-    std::array<char, 500> line; // fifteen numbers of at most 25 characters
+    int letGo = 0; // points of attachments and grasps
+    for (const physics::AttachmentBreak& each : report.breaks) letGo += each.points;
+    std::array<char, 500> line; // sixteen numbers of at most 25 characters
     const int length = std::snprintf(
         line.data(), line.size(),
-        "%" PRIu64 ",%.17g,%.17g,%" PRIu32 ",%d,%016" PRIx64 ",%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
+        "%" PRIu64 ",%.17g,%.17g,%" PRIu32 ",%d,%016" PRIx64 ",%d,%.9g,%.9g,%.9g,%d,%.9g,%.9g,%.9g,%.9g,%.9g\n",
         report.step, report.time, report.dt, report.flags, report.iterations(), step.hash, report.contacts.active,
-        force, report.contacts.penetration, opened, report.times.commands, report.times.contacts, report.times.assemble,
-        report.times.advance, report.times.topology);
+        force, report.contacts.penetration, opened, letGo, report.times.commands, report.times.contacts,
+        report.times.assemble, report.times.advance, report.times.topology);
     impl_->file.write({line.data(), static_cast<std::size_t>(length)});
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/runtime/nothing_watch.h"
+#include "filasofia/runtime/attachment_watch.h"
 #include "filasofia/runtime/run.h"
 
 #include <algorithm>
@@ -26,7 +26,7 @@ public:
         refused_ = {};
         lost_.clear();
         clips_ = {};
-        nothing_.begin();
+        attachments_.begin();
     }
     void count(const physics::StepReport& report)
     {
@@ -63,7 +63,7 @@ public:
         clips_.missed += report.clips.missed;
         clips_.slipped += report.clips.slipped;
         clips_.partial += report.clips.partial;
-        nothing_.count(report);
+        attachments_.count(report);
         const physics::TopologyReport& blades = report.topology;
         refused_.steps += blades.bladesRefused() > 0;
         refused_.jumped += blades.bladeJump + blades.bladeTooFast > 0;
@@ -73,7 +73,7 @@ public:
     [[nodiscard]] std::uint64_t stepsEver() const { return stepsEver_; }
     /// Whether the last step was undone, and none in the second before it: one that is to be told.
     [[nodiscard]] bool newlyUndone() const { return newlyUndone_; }
-    [[nodiscard]] const NothingWatch& nothing() const { return nothing_; }
+    [[nodiscard]] const AttachmentWatch& attachments() const { return attachments_; }
     /// What bodies have lost, without their names.
     using Lost = LostPiecesReport;
     [[nodiscard]] const std::map<BodyId, Lost>& lost() const { return lost_; }
@@ -128,7 +128,7 @@ private:
     RefusedBlades refused_;
     std::map<BodyId, Lost> lost_;
     physics::ClipReport clips_;
-    NothingWatch nothing_;
+    AttachmentWatch attachments_;
     physics::Unrest unrest_; ///< in the step with the fastest body
 };
 

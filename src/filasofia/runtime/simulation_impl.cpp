@@ -93,7 +93,8 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     haptics.afterStep(report, physics);
     // Before the update event, so that its observers already know what happened in the step.
     const std::uint32_t flags = postContactEvents(report) | postIntersectionEvents(report) | postRuptureEvents(report) |
-                                postClipEvents(report) | stepDucts(report) | stepSurfaces(report);
+                                postClipEvents(report) | postBreakEvents(report) | stepDucts(report) |
+                                stepSurfaces(report);
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
     now.stamp(*update);
     return flags | (events.tryPost(std::move(update)) ? 0u : kEventLost);
@@ -153,6 +154,18 @@ std::uint32_t Simulation::Impl::postClipEvents(const physics::StepReport& report
     for (const physics::ClipChange& each : report.clipChanges) {
         auto event = std::make_unique<ClipEvent>();
         event->change = each;
+        now.stamp(*event);
+        all = events.tryPost(std::move(event)) && all;
+    }
+    return all ? 0u : kEventLost;
+}
+
+std::uint32_t Simulation::Impl::postBreakEvents(const physics::StepReport& report)
+{
+    bool all = true;
+    for (const physics::AttachmentBreak& each : report.breaks) {
+        auto event = std::make_unique<BreakEvent>();
+        event->attachment = each;
         now.stamp(*event);
         all = events.tryPost(std::move(event)) && all;
     }
@@ -349,7 +362,8 @@ void Simulation::Impl::fill(RunReport& report) const
     electrodes.fill(report, burnings);
     ducts.fill(report);
     smoke.fill(report);
-    report.nothingHeld = counters.nothing().lines(physics);
+    report.nothingHeld = counters.attachments().nothing(physics);
+    report.broke = counters.attachments().broke(physics);
     report.bluntBlades = blades.lines();
     report.callbackProblems = everyStep.problems();
     files.fill(report);

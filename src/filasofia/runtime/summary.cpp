@@ -241,6 +241,7 @@ std::string summary(const RunReport& report)
         out += text("a change of tissue (SetTissue) found no element in ", report.nothingChanged,
                     report.nothingChanged == 1 ? " step" : " steps", "\n");
     for (const std::string& nothing : report.nothingHeld) out += nothing + "\n";
+    for (const std::string& broke : report.broke) out += broke + "\n";
     for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
         out += line("pictures drawn %ld", report.visual.framesDrawn);

@@ -162,9 +162,9 @@ bool leaveOutGone(Half& body, Half& other)
     return !body.points.empty();
 }
 
-void keep(AttachmentId id, const Half& body, const Half& other, const TieLaw& law, SofaScene& scene)
+void keep(AttachmentId id, const Half& body, const Half& other, const TieLaw& law, bool grasp, SofaScene& scene)
 {
-    TieState state{.body = body.end, .to = other.end, .law = law};
+    TieState state{.body = body.end, .to = other.end, .law = law, .grasp = grasp};
     const bool space = !other.end.id, weld = !std::isfinite(law.stiffness);
     for (std::size_t i = 0; i < body.points.size(); ++i) {
         TieRows::Pair& pair = state.pairs.emplace_back(TieRows::Pair{.first = body.points[i]});
@@ -222,7 +222,7 @@ bool addTie(AttachmentId id, BodyId body, const physics::AttachmentDef& def, Sof
     if (side.places.empty()) return false;
     meet(side.places, &def, other);
     if (!leaveOutGone(side, other)) return false;
-    keep(id, side, other, {def.stiffness, def.breakForce, def.pointBreakForce, def.cutDistance}, scene);
+    keep(id, side, other, {def.stiffness, def.breakForce, def.pointBreakForce, def.cutDistance}, false, scene);
     return true;
 }
 
@@ -237,7 +237,7 @@ bool addTie(AttachmentId id, BodyId body, const physics::RigidAttachmentDef& def
         places.push_back(transform(now.poses[static_cast<std::size_t>(def.element)], point));
     pointAt(places, side);
     meet(side.places, nullptr, other);
-    keep(id, side, other, {.stiffness = def.stiffness, .breakForce = def.breakForce}, scene);
+    keep(id, side, other, {.stiffness = def.stiffness, .breakForce = def.breakForce}, false, scene);
     return true;
 }
 
@@ -264,7 +264,7 @@ bool addTie(const physics::Grasp& grasp, SofaScene& scene)
     else
         side.points = embedded(*side.side.soft, most->second);
     side.places = most->second;
-    keep(grasp.id, side, other, {.stiffness = grasp.def.stiffness, .breakForce = grasp.def.breakForce}, scene);
+    keep(grasp.id, side, other, {.stiffness = grasp.def.stiffness, .breakForce = grasp.def.breakForce}, true, scene);
     return true;
 }
 

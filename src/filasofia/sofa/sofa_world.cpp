@@ -206,6 +206,9 @@ void SofaWorld::advance(double dt, const Now& now, physics::StepReport& report)
     if (failed) return;
     const std::int64_t moved = now();
     ruptureBodies(before, dt, scene_, report);
+    for (const auto& tie : scene_.ties)
+        if (const auto gone = physics::breakOf(tie->report(), tie->report().points, tie->grasps()))
+            report.breaks.push_back(*gone);
     report.times.topology = 1e-9 * static_cast<double>(now() - moved);
 }
 

@@ -27,6 +27,7 @@ struct TieLaw {
 struct TieState {
     TieEnd body = {}, to = {};
     TieLaw law = {};
+    bool grasp = false;                    ///< made by a Grasp
     std::vector<TieRows::Pair> pairs = {}; ///< those that hold
     std::vector<TieRows::Pair> whole = {}; ///< those that it was made with
     frame::Attachment report = {};         ///< with its id
@@ -49,6 +50,7 @@ public:
 
     [[nodiscard]] AttachmentId id() const { return state_.report.id; }
     [[nodiscard]] bool holds(BodyId id) const { return state_.body.id == id || state_.to.id == id; }
+    [[nodiscard]] bool grasps() const { return state_.grasp; }
     [[nodiscard]] bool isBroken() const { return state_.report.broken; }
     /// After a step: what frames show of it.
     [[nodiscard]] const frame::Attachment& report() const { return state_.report; }

@@ -57,6 +57,7 @@ struct Attachment {
     double cutDistance = 0.0;                        ///< [m] how near to a pair a blade parts it; 0: it does not
     std::shared_ptr<const AttachedPairs> whole = {}; ///< if pairs can let go one by one: those that a reset brings back
     int parted = 0;                                  ///< number of pairs that blades have parted since the last report
+    bool grasp = false;                              ///< made by a Grasp
 };
 
 /// A grasp that is waiting for the contacts of the next step.

@@ -39,6 +39,7 @@ Vec3 positionOf(const BodyPoint& point, const Scene& scene)
 void grasp(const PendingGrasp& wanted, const Coupling& coupling, Scene& scene, physics::StepReport& report)
 {
     Attachment attachment{wanted.id, wanted.target, wanted.rigid, {}, {}, wanted.stiffness, wanted.breakForce};
+    attachment.grasp = true;
     std::vector<Vec3> forces;
     for (const Constraint& constraint : coupling.contacts()) {
         const CachedContact& contact = constraint.contact.cached;

@@ -6,6 +6,7 @@
 #include "filasofia/engine/contact/attachment_points.h"
 #include "filasofia/engine/contact/pin_reactions.h"
 #include "filasofia/engine/scene/find_body.h"
+#include "filasofia/physics/attachment_break.h"
 
 #include <algorithm>
 #include <type_traits>
@@ -359,7 +360,11 @@ void keepWelds(const StepContext& context, const Coupling& coupling, Scene& scen
         const std::size_t count = scene.attachmentForces[a].size();
         keep(a, dt, welds.first(count), places, scene);
         welds = welds.subspan(count);
-        if (scene.attachmentReports.back().broken) broken.push_back(scene.attachmentReports.back().id);
+        const frame::Attachment& report = scene.attachmentReports.back();
+        if (report.broken) broken.push_back(report.id);
+        const Attachment& made = scene.attachments[a];
+        if (const auto gone = physics::breakOf(report, static_cast<int>(made.pairs.size()), made.grasp))
+            context.report.breaks.push_back(*gone);
     }
     addPinReactions(context, coupling.constraints, scene);
     std::ranges::stable_sort(scene.attachmentReports, {}, &frame::Attachment::id);
