@@ -137,6 +137,18 @@ TEST_CASE("scenes: what holds nothing has a line in the summary, with names and 
     CHECK(ran("", 12).nothingHeld.empty());
 }
 
+TEST_CASE("scenes: what breaks has a line in the summary, with the time and the force")
+{
+    const RunReport report = ran("", 200, R"(,
+{"name": "flag", "mesh": {"type": "block", "size": "1 1 1 cm", "cells": [1, 1, 1]}, "pose": "0 3.9 0 cm",
+ "attachments": [{"box": ["-1 0.043 -1 m", [1, 1, 1]]}, {"within": "5 mm", "to": "tool", "breakForce": "50 mN"}]})");
+    REQUIRE(report.broke.size() == 1);
+    CHECK_THAT(report.broke[0],
+               Catch::Matches("'flag': attachments\\[1\\] to 'tool' broke at 0[.][0-9]+ s \\(0[.]0[0-9]+ N\\)"));
+    CHECK_THAT(summary(report), Contains(report.broke[0]));
+    CHECK(ran("", 12).broke.empty());
+}
+
 TEST_CASE("scenes: a body that is removed keeps its name in the report of what touched")
 {
     const SceneFolder folder;

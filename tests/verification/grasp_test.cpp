@@ -28,16 +28,21 @@ TEST_CASE("a grasped body is lifted, and lost if it pulls with more than the bre
         stage.post(physics::Grasp{grasp, id, {1}, def});
         double y = 0.0443, force = 0.0;
         bool broken = false;
+        std::vector<physics::AttachmentBreak> breaks;
         for (int i = 0; i < 3000 && !broken; ++i) {
             y += dt * (anchored ? 0.01 : i < 1000 ? 0.03 : 0.0);
             stage.post(physics::SetPose{id, 0, Pose{{0.0203, y, 0.0197}, {}}});
-            CHECK_FALSE(stage.step(dt).has(physics::StepFlag::NothingAttached));
+            const physics::StepReport report = stage.step(dt);
+            CHECK_FALSE(report.has(physics::StepFlag::NothingAttached));
+            breaks.insert(breaks.end(), report.breaks.begin(), report.breaks.end());
             const frame::Attachment& now = attachmentOf(stage, grasp);
             broken = now.broken;
             force = length(now.force);
         }
         if (anchored) {
             CHECK(broken);
+            REQUIRE(breaks.size() == 1);
+            CHECK((breaks[0].id == grasp && breaks[0].grasp && breaks[0].to == id && breaks[0].force == force));
             verify("anchored block pulled by a tool: force at which the grasp broke over its break force, minus one",
                    std::abs(force / breakForce - 1.0), 0.05);
             stage.step(dt);

@@ -22,7 +22,7 @@ std::string attachmentOf(AttachmentId id, BodyId body, const physics::PhysicsSer
 }
 
 /// "'liver': attachments[1] to 'wall'"
-std::string nameOf(AttachmentId id, BodyId body, BodyId to, const physics::PhysicsServer& physics)
+std::string placeOf(AttachmentId id, BodyId body, BodyId to, const physics::PhysicsServer& physics)
 {
     const std::string other = to ? text(" to '", nameOf(to, physics), "'") : std::string();
     return text("'", nameOf(body, physics), "': ", attachmentOf(id, body, physics), other);
@@ -33,7 +33,7 @@ std::string lineOf(const physics::NothingHeld& nothing, const physics::PhysicsSe
     if (nothing.grasp)
         return text("'", nameOf(nothing.body, physics), "': grasp of '", nameOf(nothing.to, physics),
                     "' holds nothing: they did not touch");
-    return nameOf(nothing.id, nothing.body, nothing.to, physics) + " holds nothing: no node was there";
+    return placeOf(nothing.id, nothing.body, nothing.to, physics) + " holds nothing: no node was there";
 }
 
 } // namespace
@@ -75,7 +75,7 @@ std::vector<std::string> AttachmentWatch::broke(const physics::PhysicsServer& ph
         }
         const std::string name =
             all.grasp ? text("'", nameOf(all.to, physics), "': grasp of '", nameOf(all.body, physics), "'")
-                      : nameOf(all.id, all.body, all.to, physics);
+                      : placeOf(all.id, all.body, all.to, physics);
         const std::string until = each.last > each.first ? text(" to ", each.last, " s") : " s";
         out.push_back(all.broken ? text(name, " broke at ", each.last, " s (", all.force, " N)")
                                  : text(name, ": ", all.points, all.points == 1 ? " point" : " points", " let go at ",

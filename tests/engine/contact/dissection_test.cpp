@@ -18,7 +18,7 @@ struct Strip {
     Stage stage{{.period = kDt, .threads = 1}};
     BodyId bed, strip, hand;
     double lifted = 0.0;
-    int parted = 0;
+    int parted = 0, told = 0; ///< points that let go: by the frames, and by the steps' reports
     bool broken = false;
 
     explicit Strip(const AttachmentDef& layer)
@@ -41,6 +41,8 @@ struct Strip {
     {
         stage.post(physics::SetPose{hand, 0, {{0.03, 0.004 + lifted, 0}, {}}});
         const physics::StepReport report = stage.step(kDt);
+        for (const physics::AttachmentBreak& each : report.breaks)
+            if (each.id == kLayer) told += each.points;
         for (const frame::Attachment& each : reports())
             if (each.id == kLayer) {
                 parted += each.parted;
@@ -86,6 +88,7 @@ TEST_CASE("a strip that is drawn off its bed lets go point by point, at the forc
                                                          meanOf(pair[1].nodes, scene.stage.soft(0).x)));
     }
     CHECK(scene.parted == 39);
+    CHECK(scene.told == 39);
     CHECK(scene.broken);
     CHECK(scene.points() == 0);
     CHECK(most <= 9); // row by row, not all at once

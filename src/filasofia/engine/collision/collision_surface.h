@@ -33,7 +33,12 @@ struct CollisionSurface {
     std::vector<Bounds> vertexBounds;
     std::vector<Bounds> elementBounds; ///< in the order of the shape's elements
     std::vector<Bounds> nodeBounds;
-    std::vector<Plate> plates; ///< in the order of the shape's elements
+    std::vector<Plate> plates;                               ///< in the order of the shape's elements
+    std::vector<Plate> restPlates;                           ///< the same at rest, of a solid that meets itself
+    std::shared_ptr<const CollisionShape> restPlatesOf = {}; ///< the shape whose they are
+    std::vector<Vec3>
+        rest; ///< [m] vertices at rest, moved inwards as `x` is, if a surface that meets itself needs them
+    std::shared_ptr<const CollisionShape> restOf = {}; ///< the shape whose they are
     Bounds whole{};
 };
 

@@ -18,6 +18,7 @@ constexpr double kFlat = 1e-3;     // [-] sine: a direction this near to a trian
 // shook at 50 to 150 mm/s for ever, at 20 iterations per step. If also those count that lead towards the other edge by
 // kNearly, or are flat while the other is kSharp, it rests, at 2 to 5 iterations.
 constexpr double kNearly = 0.1, kSharp = 0.3;
+constexpr double kWall = 1e-3;   // [-] least thickness of a wall relative to the proximities
 constexpr double kFacing = 0.5;  // [-] cosine of the angle between outsides that face each other at rest, at most
 constexpr double kPressed = 0.3; // [-] these only count if they are this near, relative to both proximities and insets
 
@@ -140,15 +141,18 @@ bool anyNormalAtRest(const CollisionShape& shape, const std::array<int, 3>& feat
     return false;
 }
 
-// Whether the outsides of two features face each other at rest. In a solid, insides are told from them later.
-bool faceEachOther(const CollisionShape& shape, const std::array<int, 3>& a, const std::array<int, 3>& b)
+// Whether the outsides of two features face each other at rest. The two sides of a wall do not: each is behind the
+// other. The lips of a cut lie in one plane. `thick` [m]: how much a wall is thicker than rounding.
+bool faceEachOther(const CollisionShape& shape, const std::array<int, 3>& a, const std::array<int, 3>& b, double thick)
 {
     const Vec3 between = shape.rest[b[0]] - shape.rest[a[0]];
     return anyNormalAtRest(shape, a, [&](Vec3 n) {
         if (shape.sheet && !(dot(n, between) > 0.0)) return false;
+        const bool behind = dot(n, between) < -thick * length(n);
         return anyNormalAtRest(shape, b, [&](Vec3 m) {
             const double along = dot(n, m);
-            return along < 0.0 && along * along > kFacing * kFacing * lengthSquared(n) * lengthSquared(m);
+            return along < 0.0 && along * along > kFacing * kFacing * lengthSquared(n) * lengthSquared(m) &&
+                   !(behind && dot(m, between) > thick * length(m));
         });
     });
 }
@@ -180,7 +184,7 @@ bool nearAtRest(const SurfacePair& meeting, const std::array<int, 3>& a, const s
                lengthSquared(at.between) < nearest;
     };
     const CollisionShape& shape = *meeting.sides[0]->shape;
-    return areNear() && !((shape.closed || shape.sheet) && faceEachOther(shape, a, b));
+    return areNear() && !((shape.closed || shape.sheet) && faceEachOther(shape, a, b, kWall * meeting.proximities()));
 }
 
 void collideEdges(const SurfacePair& meeting, int first, int second, std::vector<Proximity>& found)

@@ -6,6 +6,10 @@ namespace filasofia::engine {
 namespace {
 
 constexpr float kFolded = -0.05f; // [-] cosine: triangles with a common vertex meet only if they are folded together
+// [-] Part of the thickness at rest to which the two sides of a wall may be pressed before they are tested.
+constexpr float kWallPressed = 0.25f;
+// [-] Walls thinner than this at rest, relative to the proximity, are always tested: they may be the lips of a cut.
+constexpr float kThinnestWall = 0.5f;
 
 bool isFragment(const CollisionSurface& surface, int element)
 {
@@ -24,6 +28,18 @@ bool joined(const CollisionShape& shape, const std::array<int, 3>& a, const std:
     });
 }
 
+// Whether two triangles of a solid are the two sides of a wall, at rest and now. They do not touch: each is behind the
+// other, and so is all of the surface around it, unless that bends by a right angle. In a tube of 10,500 tetrahedra
+// with a wall of 0.6 mm and `self` they were most of the pairs: 13.4 ms a step to detect that nothing touched, 5.8
+// without.
+bool sidesOfWall(const CollisionSurface& surface, int i, int k, const NormalBounds& normals)
+{
+    const auto thinnest = kThinnestWall * static_cast<float>(surface.shape->ownProximity);
+    const float rest = wallBetween(surface.restPlates[i], surface.restPlates[k]);
+    return rest > thinnest && wallBetween(surface.plates[i], surface.plates[k]) > kWallPressed * rest &&
+           !mayFace(normals.elements[i], normals.elements[i]) && !mayFace(normals.elements[k], normals.elements[k]);
+}
+
 bool mayTouch(const CollisionSurface& surface, int i, int k, const NormalBounds& normals)
 {
     const std::array<int, 3>&a = surface.shape->elements[i].vertices, &b = surface.shape->elements[k].vertices;
@@ -31,7 +47,8 @@ bool mayTouch(const CollisionSurface& surface, int i, int k, const NormalBounds&
     if (!mayFace(normals.elements[i], normals.elements[k]) && (surface.shape->closed || joined(*surface.shape, a, b)))
         return false;
     const bool neighbours = std::ranges::any_of(a, [&](int v) { return v >= 0 && std::ranges::find(b, v) != b.end(); });
-    return !neighbours || mayFace(normals.own[i], normals.own[k], kFolded);
+    if (neighbours) return mayFace(normals.own[i], normals.own[k], kFolded);
+    return !surface.shape->closed || !sidesOfWall(surface, i, k, normals);
 }
 
 void collectLeafPairs(const CollisionSurface& a, const CollisionSurface& b, CollisionShape::Node na,

@@ -166,6 +166,7 @@ void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerP
         if (meeting.ownSolid()) {
             findEdgeNormals(surfaces[i], scratch.edgeNormals);
             meeting.edgeNormals = &scratch.edgeNormals;
+            makeRestPlates(surfaces[i]);
         }
         collectElementPairs(surfaces[i], surfaces[k], folds ? &scratch.normals : nullptr, scratch);
         testElementPairs(meeting, pool, scratch);

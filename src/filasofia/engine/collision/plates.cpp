@@ -31,21 +31,18 @@ bool planeSeparates(const Plate& a, const Plate& b, float far)
     return least(heights) > far || least(-heights) > far;
 }
 
-} // namespace
-
-void makePlates(CollisionSurface& surface)
+void writePlates(const CollisionShape& shape, const std::vector<Vec3>& x, std::vector<Plate>& plates)
 {
-    const std::vector<CollisionShape::Element>& elements = surface.shape->elements;
-    surface.plates.resize(elements.size());
+    const std::vector<CollisionShape::Element>& elements = shape.elements;
+    plates.resize(elements.size());
     for (std::size_t i = 0; i < elements.size(); ++i) {
         const std::array<int, 3>& corners = elements[i].vertices;
-        const Vec3 a = surface.x[corners[0]], b = corners[1] >= 0 ? surface.x[corners[1]] : a,
-                   c = corners[2] >= 0 ? surface.x[corners[2]] : b;
+        const Vec3 a = x[corners[0]], b = corners[1] >= 0 ? x[corners[1]] : a, c = corners[2] >= 0 ? x[corners[2]] : b;
         const auto row = [&](int k) {
             const auto last = static_cast<float>(c[k]);
             return FourFloats{static_cast<float>(a[k]), static_cast<float>(b[k]), last, last};
         };
-        Plate& plate = surface.plates[i];
+        Plate& plate = plates[i];
         plate.x = row(0), plate.y = row(1), plate.z = row(2);
         float largest = 0.0f;
         for (const FourFloats& each : {plate.x, plate.y, plate.z})
@@ -63,6 +60,17 @@ void makePlates(CollisionSurface& surface)
     }
 }
 
+} // namespace
+
+void makePlates(CollisionSurface& surface) { writePlates(*surface.shape, surface.x, surface.plates); }
+
+void makeRestPlates(CollisionSurface& surface)
+{
+    if (surface.restPlatesOf == surface.shape) return;
+    writePlates(*surface.shape, surface.shape->rest, surface.restPlates);
+    surface.restPlatesOf = surface.shape;
+}
+
 bool farApart(const Plate& a, const Plate& b, float far)
 {
     const float apart = far + a.centre[3] + b.centre[3];
@@ -71,6 +79,13 @@ bool farApart(const Plate& a, const Plate& b, float far)
     const float squared = axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2];
     return (gap > 0.0f && gap * gap > apart * apart * squared) || planeSeparates(a, b, apart) ||
            planeSeparates(b, a, apart);
+}
+
+float wallBetween(const Plate& a, const Plate& b)
+{
+    const float behind = std::min(least(-along(a.normal, b, a.centre)), least(-along(b.normal, a, b.centre)));
+    const float thickness = behind - a.centre[3] - b.centre[3];
+    return thickness > 0.0f ? thickness : 0.0f; // not NaN either
 }
 
 } // namespace filasofia::engine

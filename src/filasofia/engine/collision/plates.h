@@ -19,9 +19,15 @@ struct Plate {
 
 /// Writes the surface's plates from its current vertices.
 void makePlates(CollisionSurface& surface);
+/// Writes those at rest, if its shape is not the one for which they were written last.
+void makeRestPlates(CollisionSurface& surface);
 
 /// Whether the line between the centres, or the normal of one of the two, shows that they are farther than `far` [m]
 /// from each other. False if a corner is not finite.
 bool farApart(const Plate& a, const Plate& b, float far);
+
+/// [m] How far each of two triangles is behind the other, at least: the thickness of a wall of which they are the two
+/// sides. <= 0 if they are not, and if a corner is not finite.
+float wallBetween(const Plate& a, const Plate& b);
 
 } // namespace filasofia::engine

@@ -6,6 +6,7 @@
 #include "filasofia/engine/contact/islands.h"
 #include "filasofia/engine/contact/part_crossings.h"
 #include "filasofia/engine/contact/pinned_contacts.h"
+#include "filasofia/engine/contact/rest_gap.h"
 #include "filasofia/engine/contact/starts_inside.h"
 #include "filasofia/engine/contact/turned_contact.h"
 #include "filasofia/engine/contact/warm_start.h"
@@ -232,7 +233,11 @@ void addContact(Proximity& found, const std::array<const SurfaceOwner*, 2>& side
             !staysAtInverted(*sides[1 - side], coupling.detection.surfaces, context.dt, side, found))
             return;
     const double proximity = sides[0]->collision->proximity + sides[1]->collision->proximity;
-    const double gap = found.gap - insetAt(*sides[0]->collision, found, 0) - insetAt(*sides[1]->collision, found, 1);
+    double gap = found.gap - insetAt(*sides[0]->collision, found, 0) - insetAt(*sides[1]->collision, found, 1);
+    if (const double skin = kSkin * proximity; found.surfaces[0] == found.surfaces[1] && gap < skin && !found.parting)
+        gap += nearerAtRest(*sides[0], found, skin,
+                            coupling.detection.surfaces[static_cast<std::size_t>(found.surfaces[0])],
+                            coupling.detection.normals);
     if (!(gap < proximity + comingNearer(coupling.detection.surfaces, found, context.dt))) return;
     Constraint& contact = coupling.constraints.emplace_back();
     writeContact(found, gap, sides, context, scene, coupling, contact);
