@@ -144,6 +144,22 @@ std::string unfinishedLine(const prefab::Task& task)
     return text("task '", prefab::shown(task.def().name), "' is not finished: ", task.status(), "\n");
 }
 
+/// Says which commands of the scene a run of a given number of steps has ended before; empty if none.
+std::string lateCommandsLine(const std::vector<scene::TimedCommand>& commands, const RunReport& report)
+{
+    std::size_t late = 0;
+    const scene::TimedCommand* first = nullptr;
+    for (const scene::TimedCommand& each : commands) {
+        if (!(each.time > report.time)) continue;
+        ++late;
+        if (!first || each.time < first->time) first = &each;
+    }
+    if (late == 0) return {};
+    return text(late == 1 ? "a command is" : text(late, " commands are"),
+                " later than the end of the run: ", late == 1 ? "" : "the first ", "at ", first->time, " s, ",
+                first->place, "\n");
+}
+
 /// A run must not overwrite what it is made from.
 void checkOutputs(const RunCommandOptions& options, std::vector<std::filesystem::path> read)
 {
@@ -184,6 +200,7 @@ int runFile(const RunCommandOptions& options)
     if (scene.added.tracker) scene.added.tracker->close();
     const int code = print(report);
     if (scene.added.task) std::cout << unfinishedLine(*scene.added.task);
+    if (options.run.steps > 0) std::cout << lateCommandsLine(scene.def.commands, report);
     return code;
 }
 

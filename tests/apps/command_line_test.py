@@ -717,6 +717,12 @@ class Save(Program):
         self.assertIn('"trainee":"A. B."', Path(session).read_text().splitlines()[0])
         self.refused("run", "bunny", "--headless", "--measures", session, says=["--measures applies to scene files"])
 
+    def test_commands_later_than_the_end_of_a_run_are_told(self):
+        bladder = str(Path(__file__).parents[2] / "examples/scenes/bladder.json")  # commands at 0 and 1 s
+        said = self.output("run", bladder, "--headless", "--steps", "100")
+        self.assertRegex(said, r"(?m)^a command is later than the end of the run: at 1 s, .*bladder\.json:\d+:\d+: commands\[1\]$")
+        self.assertNotIn("later than the end", self.output("run", "poke", "--headless", "--steps", "3"))
+
     def test_no_two_outputs_are_one_file_and_none_is_what_the_run_reads(self):
         scene, hand, table = Path(self.at("a.json")), Path(self.at("hand.csv")), self.at("a.csv")
         scene.write_text('{"bodies": [{"type": "RigidBodyDef", "name": "a"}], "measured": [{"body": "a"}],'
