@@ -66,7 +66,15 @@ void bindParts(nb::module_& module)
     nb::class_<Intersection> intersection(module, "Intersection",
                                           "Two bodies whose surfaces pass through each other; equal: through itself.");
     intersection.def_ro("crossings", &Intersection::crossings, "edges through triangles; 0: one is inside the other")
-        .def_ro("depth", &Intersection::depth, "[m] of the deepest edge");
+        .def_ro("depth", &Intersection::depth, "[m] of the deepest edge")
+        .def_prop_ro(
+            "cause",
+            [](const Intersection& self) {
+                using enum IntersectionCause;
+                return self.cause == Start ? "start" : self.cause == Told ? "told" : self.cause == Own ? "own" : "lost";
+            },
+            "'start': they began so; 'told': one was told to be there; 'own': it does not collide with itself; 'lost'")
+        .def_ro("force", &Intersection::force, "[N] sum of the normal forces between the two in the step");
     addId(intersection, "first", &Intersection::first);
     addId(intersection, "second", &Intersection::second);
     addVector(intersection, "place", &Intersection::place, "[m]");

@@ -88,13 +88,22 @@ struct Unrest {
     double undriven = 0.0; ///< [s] since something drove the scene
 };
 
-/// Two bodies whose surfaces pass through each other, or a body whose surface passes through itself. Contact has lost
-/// them there: a kinematic body was moved through tissue, the bodies started so, or the load was too high.
+/// Why two surfaces pass through each other.
+enum class IntersectionCause {
+    Start, ///< they did when one of the two bodies was added
+    Told,  ///< one of the two is told where to be, and had moved in the second before: nothing stops it
+    Own,   ///< the body does not collide with itself
+    Lost,  ///< contacts could not hold them apart: too much force, or too fast
+};
+
+/// Two bodies whose surfaces pass through each other, or a body whose surface passes through itself.
 struct Intersection {
     BodyId first = {}, second = {}; ///< first <= second; equal: the body's own surface
     int crossings = 0;  ///< [-] number of edges that pass through a triangle; 0: one body lies wholly inside the other
     double depth = 0.0; ///< [m] > 0, how deep the deepest of these edges is inside, or reaches beyond a sheet
     Vec3 place = {};    ///< [m] where that edge passes through
+    IntersectionCause cause = IntersectionCause::Lost; ///< when they were first told, and until they part
+    double force = 0.0; ///< [N] the sum of the normal forces between the two in this step, where contacts hold
 };
 
 /// Statistics of the contacts of a step.

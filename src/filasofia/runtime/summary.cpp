@@ -75,6 +75,21 @@ std::string invertedLine(const RunReport& report)
                 millimetres(worst.place));
 }
 
+const char* reasonOf(physics::IntersectionCause cause)
+{
+    switch (cause) {
+    case physics::IntersectionCause::Start:
+        return "they began so";
+    case physics::IntersectionCause::Told:
+        return "one was told to be there";
+    case physics::IntersectionCause::Own:
+        return "it does not collide with itself";
+    case physics::IntersectionCause::Lost:
+        break;
+    }
+    return "contacts did not hold them apart";
+}
+
 /// Surfaces that pass through each other mean that contact has lost them.
 std::string intersectionLine(const RunReport& report)
 {
@@ -85,7 +100,8 @@ std::string intersectionLine(const RunReport& report)
                                 : text("'", first, "' and '", second, "' through each other");
     return text("surfaces pass through each other in ", report.intersecting,
                 report.intersecting == 1 ? " step" : " steps", ": ", who, " by ",
-                std::round(1e5 * deepest.depth) / 100.0, " mm at ", millimetres(deepest.place));
+                std::round(1e5 * deepest.depth) / 100.0, " mm (", reasonOf(deepest.cause), ", ",
+                std::round(100.0 * deepest.force) / 100.0, " N) at ", millimetres(deepest.place));
 }
 
 /// Beyond the range in which its constants were measured, tissue is a guess.

@@ -100,6 +100,12 @@ void addInside(const Placed& inner, const Placed& outer, Intersection& found)
     found.place = inner.x.front();
 }
 
+bool isTold(const SofaScene& scene, BodyId id)
+{
+    const RigidNode* body = findBody(scene.rigid, id);
+    return body != nullptr && !body->plan().def.dynamic;
+}
+
 bool areTied(const SofaScene& scene, BodyId a, BodyId b)
 {
     return std::ranges::any_of(scene.ties, [&](const auto& each) { return each->holds(a) && each->holds(b); });
@@ -128,7 +134,10 @@ std::vector<Intersection> intersectionsOf(const SofaScene& scene)
             addInside(one, two, found);
             addInside(two, one, found);
             // Surfaces at rest keep their skins: what is less deep is a load that contacts still bear.
-            if (found.depth > std::max(one.skin, two.skin)) all.push_back(found);
+            if (!(found.depth > std::max(one.skin, two.skin))) continue;
+            if (isTold(scene, one.tag.body) || isTold(scene, two.tag.body))
+                found.cause = physics::IntersectionCause::Told;
+            all.push_back(found);
         }
     return all;
 }

@@ -66,6 +66,10 @@ TEST_CASE("a tool that is moved through tissue is reported with the pair and the
     CHECK(found.depth > 0.1e-3);
     CHECK(found.depth < 5e-3);
     CHECK(distance(found.place, {1e-3, 0, 0.5e-3}) < 8e-3);
+    CHECK(found.cause == physics::IntersectionCause::Told);
+    double force = 0.0;
+    for (const frame::Contact& each : stage.world.scene().contactReports) force += each.normalForce;
+    CHECK(found.force == Approx(force));
 
     put(stage, tool, {1e-3, 0.05, 0.5e-3});
     stage.run(12, 1e-3);
@@ -88,8 +92,24 @@ TEST_CASE("a ball deep in another is told until they have parted")
     CHECK(report.intersections[0].second == other);
     CHECK(report.intersections[0].depth > 3e-3);
     CHECK(report.intersections[0].depth < 6e-3);
+    CHECK(report.intersections[0].cause == physics::IntersectionCause::Told);
     stage.run(100, 1e-3);
     CHECK(!flagged(stage.step(1e-3)));
+}
+
+TEST_CASE("free bodies that are through each other though they were not so at the start are what contacts have lost")
+{
+    Stage stage;
+    stage.add(sheet(2e-3));
+    physics::RigidBodyDef free = ball({1e-3, 0.02, 0.5e-3}, 5e-3);
+    free.dynamic = true;
+    free.gravity = false;
+    const BodyId tool = stage.add(free);
+    REQUIRE(!flagged(stage.run(20, 1e-3)));
+    put(stage, tool, {1e-3, 0, 0.5e-3});
+    const physics::StepReport report = stage.run(12, 1e-3);
+    REQUIRE(report.intersections.size() == 1);
+    CHECK(report.intersections[0].cause == physics::IntersectionCause::Lost);
 }
 
 TEST_CASE("tissue that contact has lost in a rigid body is led out of it")
@@ -142,6 +162,8 @@ TEST_CASE("a body that lies wholly inside another is reported, though no edge pa
     CHECK(report.intersections.front().crossings == 0);
     CHECK(report.intersections.front().depth > 20e-3);
     CHECK(report.intersections.front().depth < 30e-3);
+    CHECK(report.intersections.front().cause == physics::IntersectionCause::Start);
+    CHECK(stage.run(30, 1e-3).intersections.front().cause == physics::IntersectionCause::Start);
 }
 
 TEST_CASE("bodies that overlap are reported, but not where an attachment holds them, nor if both are scenery")
@@ -244,6 +266,7 @@ TEST_CASE("a hollow body that is pressed flat is told to pass through itself, un
             stage.post(physics::SetPose{press, 0, {{0, 0.0151 - 22e-6 * std::min(i, 800), 0}, {}}});
             const physics::StepReport report = stage.step(1e-3);
             told = told || std::ranges::any_of(report.intersections, [](const physics::Intersection& each) {
+                       CHECK((each.first != each.second || each.cause == physics::IntersectionCause::Own));
                        return each.first == each.second;
                    });
         }

@@ -25,6 +25,13 @@ struct IntersectionWatch {
     std::vector<Unseen> unseen; ///< with names that ascend
     /// Pairs of which contacts had lost a place at the last test: until they part, they are followed at any depth.
     std::vector<Unseen> lost;
+    /// A surface that is told where to be.
+    struct Told {
+        SurfaceName surface;
+        std::array<Vec3, 2> ends; ///< [m] its first and its last vertex
+        double moved = 0.0;       ///< [s] when it last moved
+    };
+    std::vector<Told> tools;
 };
 
 /// The data of contact detection. Only `surfaces`, `startedInside`, the intersections and the warned groups carry

@@ -333,6 +333,10 @@ void keepContacts(const StepContext& context, const Coupling& coupling, Scene& s
         CachedContact& cached = scene.contacts.emplace_back(contact.cached);
         cached.force = 1.0 / dt * inWorld(constraint.frame, constraint.multiplier);
     }
+    for (physics::Intersection& each : context.report.intersections)
+        for (const frame::Contact& contact : scene.contactReports)
+            if (std::minmax(contact.first, contact.second) == std::pair(each.first, each.second))
+                each.force += contact.normalForce;
     sortCache(scene.contacts);
     scene.sides = coupling.detection.sides;
 }

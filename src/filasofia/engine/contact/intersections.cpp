@@ -31,6 +31,8 @@ constexpr int kHalvings = 6; // of a depth, until it is in a thin body
 // [s] What a scraped rim loses for a step or two is pushed out again; what contacts do not know for this long is told.
 constexpr double kUnseenFor = 9e-3;
 
+constexpr double kMoved = 1.0; // [s] for which a motion counts as the cause of what is told
+
 bool isDue(double interval, double time, double dt)
 {
     // In the middle between two steps, where rounding decides nothing.
@@ -103,6 +105,8 @@ public:
         const bool all = !added.empty();
         const bool cut = all || isDue(kCutInterval, scene_.time, context_.dt);
         const bool whole = all || isDue(kWholeInterval, scene_.time, context_.dt);
+        noteMoves();
+        const std::vector<physics::Intersection> toldBefore = watch_.told;
         std::vector<physics::Intersection>& folded = watch_.folded;
         const auto isTested = [&](const SurfaceOwner& owner) {
             return owner.soft && (scene_.soft[owner.body].model.opened ? cut : whole);
@@ -122,12 +126,46 @@ public:
             if (const bool passes = test(pair, before); passes && all)
                 if (added[static_cast<std::size_t>(pair[0])] || added[static_cast<std::size_t>(pair[1])])
                     starts.push_back(pair);
-        std::ranges::sort(watch_.told, {},
-                          [](const physics::Intersection& each) { return std::pair(each.first, each.second); });
+        const auto bodies = [](const physics::Intersection& each) { return std::pair(each.first, each.second); };
+        std::ranges::sort(watch_.told, {}, bodies);
+        for (physics::Intersection& each : watch_.told) {
+            const auto then = std::ranges::find(toldBefore, bodies(each), bodies);
+            each.cause = then != toldBefore.end() ? then->cause : causeOf(each, added);
+        }
         return starts;
     }
 
 private:
+    /// Notes which surfaces that are told where to be have moved since the last test: also by a jump.
+    void noteMoves()
+    {
+        const std::vector<IntersectionWatch::Told> before = std::exchange(watch_.tools, {});
+        for (std::size_t s = 0; s < owners_.size(); ++s) {
+            const std::vector<Vec3>& x = detection_.surfaces[s].x;
+            if (owners_[s].soft || plan_[owners_[s].plan].dynamic || x.empty()) continue;
+            IntersectionWatch::Told now{owners_[s].name, {x.front(), x.back()}, -kMoved};
+            const auto then = std::ranges::find(before, now.surface, &IntersectionWatch::Told::surface);
+            if (then != before.end()) now.moved = then->ends == now.ends ? then->moved : scene_.time;
+            watch_.tools.push_back(now);
+        }
+    }
+
+    [[nodiscard]] physics::IntersectionCause causeOf(const physics::Intersection& found,
+                                                     const std::vector<bool>& added) const
+    {
+        using enum physics::IntersectionCause;
+        if (found.first == found.second) return Own;
+        const auto isOne = [&](BodyId id) { return id == found.first || id == found.second; };
+        for (std::size_t s = 0; s < added.size(); ++s)
+            if (added[s] && isOne(owners_[s].name.body)) return Start;
+        for (const auto& [one, two] : detection_.startedInside)
+            if (std::minmax(one.body, two.body) == std::pair(found.first, found.second)) return Start;
+        const auto hasMoved = [&](const IntersectionWatch::Told& each) {
+            return isOne(each.surface.body) && scene_.time - each.moved < kMoved;
+        };
+        return std::ranges::any_of(watch_.tools, hasMoved) ? Told : Lost;
+    }
+
     /// Whether the two pass through each other, deeper than contacts are followed. What may be over soon is not told
     /// yet.
     bool test(std::array<int, 2> pair, std::span<const IntersectionWatch::Unseen> before)
