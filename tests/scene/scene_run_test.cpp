@@ -412,8 +412,9 @@ TEST_CASE("scenes: a wrong body is refused with its place")
                      .motions = {{.keys = {{}}}},
                      .places = {{"", "x.json:3:4"}, {"motions[0]", "x.json:4:5"}}}};
     Simulation sim(simulationDef(scene));
-    CHECK_THROWS_WITH(addScene(sim, scene),
-                      "x.json:4:5: rigid body 'tool': motions[0] moves a dynamic body, which only forces move");
+    CHECK_THROWS_WITH(
+        addScene(sim, scene),
+        "x.json:4:5: rigid body 'tool': motions[0] moves a dynamic body, which only forces move; give it a hand");
     const auto refused = [](SceneBody body) {
         Simulation other;
         std::string error = "no error";

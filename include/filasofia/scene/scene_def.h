@@ -11,19 +11,23 @@
 /// A whole scene as data: what a scene file says, and what a program may build instead.
 namespace filasofia::scene {
 
-/// The motion of an element of a kinematic body: straight from key to key at constant speed, turning the shortest way.
-/// Before the first key it stays at the first, after the last at the last.
+/// The motion of an element of a kinematic body, or of the hand that holds a dynamic one: straight from key to key at
+/// constant speed, turning the shortest way. Before the first key it stays at the first, after the last at the last.
 struct ElementMotion {
     int element = 0;                ///< [-], >= 0, index in the body
     std::vector<KeyPose> keys = {}; ///< at least one; times ascend
     bool repeat = false;            ///< start again after the last key, whose time is then > 0
+    /// The spring by which a hand moves a dynamic body along the keys: it yields to what is in the way, and never
+    /// pushes with more than the forceLimit. Not given: the body is kinematic, and nothing stops it.
+    std::optional<VirtualCoupling> hand = {};
 };
 constexpr auto fields(const ElementMotion*)
 {
     using T = ElementMotion;
     return describe("ElementMotion", field("element", &T::element, "-", nonNegative(), "index in the body"),
                     field("keys", &T::keys, "poses and the times at which they are reached, ascending"),
-                    field("repeat", &T::repeat, "start again after the last key"));
+                    field("repeat", &T::repeat, "start again after the last key"),
+                    field("hand", &T::hand, "the spring by which a hand moves a dynamic body; none: it is kinematic"));
 }
 
 /// A command that a joint gets at a time.

@@ -97,6 +97,17 @@ Pose poseAt(const ElementMotion& motion, double time)
     return between(before->pose, later->pose, (within(motion, time) - before->time) / (later->time - before->time));
 }
 
+physics::HapticTarget handAt(const ElementMotion& motion, double time)
+{
+    constexpr double earlier = 1e-3; // [s]
+    const Pose now = poseAt(motion, time), before = poseAt(motion, std::max(0.0, time - earlier));
+    const Vec3 turn = rotationVector(now.orientation * conjugate(before.orientation));
+    return {.pose = now,
+            .velocity = 1.0 / earlier * (now.position - before.position),
+            .angularVelocity = 1.0 / earlier * turn,
+            .coupling = motion.hand.value_or(VirtualCoupling{})};
+}
+
 void checkMotions(const SceneBody& body)
 {
     if (body.motions.empty() && body.jointMotions.empty()) return;
@@ -108,7 +119,8 @@ void checkMotions(const SceneBody& body)
     for (std::size_t i = 0; i < body.motions.size(); ++i) {
         const std::string name = text(object, ": motions[", i, "]");
         const ElementMotion& motion = body.motions[i];
-        if (rigid->dynamic) fail(name, " moves a dynamic body, which only forces move");
+        if (rigid->dynamic && !motion.hand) fail(name, " moves a dynamic body, which only forces move; give it a hand");
+        if (!rigid->dynamic && motion.hand) fail(name, ".hand needs a dynamic body; this one is kinematic");
         if (motion.element < 0 || static_cast<std::size_t>(motion.element) >= movable)
             fail(name, ".element must be in [0, ", movable, "), got ", motion.element);
         checkOnce(body.motions, i, &ElementMotion::element, name);
@@ -142,7 +154,10 @@ void followMotions(runtime::Simulation& simulation, BodyId id, const SceneBody& 
         simulation.everyStep([&simulation, id, motions](double time) {
             if (!simulation.physics().has(id)) return; // removed: its motions have ended
             for (const ElementMotion& each : motions)
-                simulation.physics().setPose(id, poseAt(each, time), each.element);
+                if (each.hand)
+                    simulation.physics().setHaptic(id, handAt(each, time), each.element);
+                else
+                    simulation.physics().setPose(id, poseAt(each, time), each.element);
         });
     }
     if (body.jointMotions.empty()) return;

@@ -9,6 +9,9 @@ namespace filasofia::scene {
 /// ascend.
 Pose poseAt(const ElementMotion& motion, double time);
 
+/// A hand that moves along the keys, and its spring.
+physics::HapticTarget handAt(const ElementMotion& motion, double time);
+
 /// Throws an Error that begins with `name` unless there is a key and the times ascend from 0.
 template <class Key> void checkTimes(const std::vector<Key>& keys, const std::string& name)
 {
