@@ -22,6 +22,14 @@ struct Attachment {
     int parted = 0; ///< number of points that let go at the end of this step, or that a blade parted in the last one
 };
 
+/// A point of an attachment whose points can let go one by one.
+struct AttachedPoint {
+    AttachmentId attachment = {};
+    int node = 0;      ///< the node of the attached body; the first, if it lies between several
+    Vec3 place = {};   ///< [m] where it is on the attached body
+    Vec3 toPlace = {}; ///< [m] and on the other
+};
+
 /// Whether attachments hold two bodies together, directly or through other bodies.
 bool connected(BodyId one, BodyId other, const std::vector<Attachment>& attachments);
 

@@ -46,9 +46,11 @@ struct Frame {
     std::vector<RigidBodyFrame> rigidBodies = {}; ///< in the order of their ids
     std::vector<Contact> contacts = {};           ///< the contacts of the step with their forces
     std::vector<Attachment> attachments = {};     ///< in the order of their ids
-    std::vector<Channel> channels = {};           ///< needles in tissue, in the order in which they began
-    std::vector<Cavity> cavities = {};            ///< in all soft bodies, in the order of their ids
-    std::vector<Clip> clips = {};                 ///< on all soft bodies, in the order of their ids
+    /// Those that hold, of attachments with pointBreakForce or cutDistance, in the order of these
+    std::vector<AttachedPoint> attachedPoints = {};
+    std::vector<Channel> channels = {}; ///< needles in tissue, in the order in which they began
+    std::vector<Cavity> cavities = {};  ///< in all soft bodies, in the order of their ids
+    std::vector<Clip> clips = {};       ///< on all soft bodies, in the order of their ids
 
     [[nodiscard]] const SoftBodyFrame* softBody(BodyId id) const;   ///< nullptr if there is none
     [[nodiscard]] const RigidBodyFrame* rigidBody(BodyId id) const; ///< nullptr if there is none

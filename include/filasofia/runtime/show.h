@@ -24,6 +24,25 @@ struct ShownId {
     friend constexpr auto operator<=>(ShownId, ShownId) = default;
 };
 
+/// Connective tissue: each point of an attachment between two bodies is drawn as strands from one to the other, as long
+/// as it holds.
+struct StrandsDef {
+    int attachment = 0;     ///< [-], >= 0, index among the attachments of the body's Def; it has points that let go
+                            ///< one by one (pointBreakForce or cutDistance)
+    double radius = 0.1e-3; ///< [m], > 0, in the middle of a strand; at its ends it is 1.8 times as thick
+    int perPoint = 3;       ///< [-], in [1, 20], strands of each point
+    double spread = 1.0e-3; ///< [m], >= 0, how far from the point they begin and end
+};
+constexpr auto fields(const StrandsDef*)
+{
+    using T = StrandsDef;
+    return describe("StrandsDef",
+                    field("attachment", &T::attachment, "-", nonNegative(), "index among the body's attachments"),
+                    field("radius", &T::radius, "m", positive(), "of a strand, in its middle"),
+                    field("perPoint", &T::perPoint, "-", closed(1, 20), "strands of each point"),
+                    field("spread", &T::spread, "m", nonNegative(), "how far from the point they begin and end"));
+}
+
 /// How a body is drawn. Body and surface decide how the surface follows the body: rigidly with an element, node by
 /// node, or embedded in the tetrahedra of a soft body.
 struct ShowDef {
@@ -39,6 +58,8 @@ struct ShowDef {
     std::optional<visual::Material> interior = {};
     bool castShadows = true;
     bool visible = true; ///< false: it exists, and Simulation::setVisible() shows it
+    /// Given: the strands of an attachment of a soft body are drawn, and not the body; `surface` is empty then.
+    std::optional<StrandsDef> strands = {};
 };
 constexpr auto fields(const ShowDef*)
 {
@@ -49,7 +70,9 @@ constexpr auto fields(const ShowDef*)
                     field("material", &T::material, "what it looks like; not given: as what the body is"),
                     field("interior", &T::interior, "what it looks like where it is cut"),
                     field("castShadows", &T::castShadows, "whether it casts shadows"),
-                    field("visible", &T::visible, "whether it is visible from the start"));
+                    field("visible", &T::visible, "whether it is visible from the start"),
+                    field("strands", &T::strands, "draws the strands of an attachment in place of the body"));
 }
+constexpr std::size_t addedFields(const ShowDef*) { return 1; }
 
 } // namespace filasofia::runtime

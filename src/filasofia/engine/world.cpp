@@ -138,6 +138,7 @@ void World::capture(frame::Frame& out) const
     }
     out.contacts = scene_.contactReports;
     out.attachments = scene_.attachmentReports;
+    placePoints(scene_, out.attachedPoints);
     out.channels = scene_.channelReports;
     out.cavities = scene_.cavityReports;
     out.clips = scene_.clipReports;

@@ -4,6 +4,7 @@
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/physics/physics_server.h"
+#include "filasofia/runtime/strands.h"
 #include "filasofia/runtime/surfaces.h"
 #include "filasofia/visual/visual_server.h"
 
@@ -43,6 +44,23 @@ void dropTextures(visual::Material& inside, const std::map<std::string, visual::
     std::visit([&](auto& held) { forEachTexture(held, none); }, shown);
 }
 
+/// The attachment whose strands are to be drawn. Throws an Error that begins with `object` if it has none.
+AttachmentId strandsOf(BodyId id, const ShowDef& def, const physics::BodyDef& body,
+                       const physics::PhysicsServer& physics, const std::string& object)
+{
+    const auto* soft = std::get_if<physics::SoftBodyDef>(&body);
+    if (!soft) fail(object, ": strands need a soft body");
+    if (loadSurface(def.surface, object)) fail(object, ": surface must be empty if strands are given");
+    const auto index = static_cast<std::size_t>(def.strands->attachment);
+    if (index >= soft->attachments.size())
+        fail(object, ": strands.attachment must be in [0, ", soft->attachments.size(), "), got ", index);
+    const physics::AttachmentDef& attachment = soft->attachments[index];
+    if (attachment.pointBreakForce == physics::kNever && attachment.cutDistance == 0.0)
+        fail(object, ": strands.attachment: attachments[", index,
+             "] has neither pointBreakForce nor cutDistance, so it holds as a whole");
+    return physics.attachments(id).at(index);
+}
+
 /// Inside, tissue is redder and wetter than its skin.
 visual::Material interiorOf(const visual::Material& skin, const visual::VisualServer& server)
 {
@@ -73,11 +91,21 @@ ShownId Bindings::show(BodyId id, const ShowDef& given, const physics::PhysicsSe
     const std::string object = text("show ", physics::describeBody(*body));
     validate(given, object);
     ShowDef def = given;
-    if (!def.material) def.material = materialOf(*body);
+    if (!def.material) def.material = def.strands ? connectiveTissue() : materialOf(*body);
     const auto surface = loadSurface(def.surface, object);
 
     std::vector<Binding> made;
-    if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body)) {
+    if (def.strands) {
+        const AttachmentId attachment = strandsOf(id, def, *body, physics, object);
+        const auto& soft = std::get<physics::SoftBodyDef>(*body);
+        made.push_back({.id = id,
+                        .name = soft.name,
+                        .mapped = std::make_shared<const mapping::MappedSurface>(
+                            mapping::MappedSurface{strandMesh(1, soft.pose.position), mapping::IdentityMap{}}),
+                        .start = soft.pose,
+                        .def = def,
+                        .strandsOf = attachment});
+    } else if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body)) {
         auto mapped = std::make_shared<const mapping::MappedSurface>(mapSoft(*soft, surface.get(), object));
         std::shared_ptr<const mapping::OpeningSurface> opening;
         if (surface && soft->dynamicTopology && physics::isShell(*soft))
@@ -132,6 +160,10 @@ ShownId Bindings::show(BodyId id, const ShowDef& given, const physics::PhysicsSe
         binding.shown = shown;
         binding.key = ++lastKey_;
         binding.subdivision = def.subdivision;
+        if (binding.strandsOf) { // nobody paints them
+            pending_.push_back(std::move(binding));
+            continue;
+        }
         const auto element = binding.soft ? std::nullopt : std::optional<int>(binding.rigidMap.element);
         painted_.add(binding.key, {binding.id, element, binding.start}, binding.mapped);
         askMesh(binding); // the body may have been cut already
@@ -331,6 +363,7 @@ void Bindings::addPending(visual::VisualServer& visual)
             painted_.resend(binding.key);
             shown_.push_back(std::move(pending_[added]));
             shown_.back().drawn = &drawn;
+            shown_.back().strands = 1;
             drawSeam(shown_.back());
         }
     } catch (...) {
@@ -359,7 +392,7 @@ void Bindings::update(const frame::Frame& frame, const physics::PhysicsServer& p
             boundaries_.erase(binding.id);
         }
         if (gone) return true;
-        drawMarks(binding);
+        if (!binding.strandsOf) drawMarks(binding);
         return false;
     });
     followers_.update(frame, physics);
@@ -400,6 +433,10 @@ bool Bindings::place(Binding& binding, const frame::Frame& frame)
     }
     const frame::SoftBodyFrame* body = frame.softBody(binding.id);
     if (!body) return false;
+    if (binding.strandsOf) {
+        placeStrands(binding, frame);
+        return true;
+    }
     auto ready = worker_.take(binding.key, [&](const mapping::MappedSurface& surface) { return fits(surface, *body); });
     if (ready) {
         binding.mapped = ready->surface;
@@ -419,6 +456,24 @@ bool Bindings::place(Binding& binding, const frame::Frame& frame)
     } else
         binding.drawn->setVertices(vertices_);
     return true;
+}
+
+void Bindings::placeStrands(Binding& binding, const frame::Frame& frame)
+{
+    vertices_.clear();
+    const int count = writeStrands(frame.attachedPoints, binding.strandsOf, *binding.def.strands, vertices_);
+    binding.drawn->setVisible(binding.def.visible && count > 0);
+    if (count == 0) return;
+    if (count > binding.strands) {
+        geometry::TriangleMesh mesh = strandMesh(count, {});
+        mesh.vertices = vertices_;
+        binding.drawn->setMesh(mesh, vertices_);
+        binding.strands = count;
+        return;
+    }
+    const std::size_t each = vertices_.size() / static_cast<std::size_t>(count);
+    vertices_.resize(each * static_cast<std::size_t>(binding.strands), vertices_.back()); // no strand, but a point
+    binding.drawn->setVertices(vertices_);
 }
 
 bool Bindings::closedAgain(const Binding& binding)

@@ -89,7 +89,9 @@ private:
         std::shared_ptr<const mapping::OpeningSurface> opening = {}; ///< another surface of the body's skin is drawn
         NodeMarks marks = {};                                        ///< those that are drawn
         bool seen = false;                                           ///< the body has been in a frame
-        visual::VisualBody* drawn = nullptr;                         ///< nullptr while pending
+        AttachmentId strandsOf = {}; ///< its strands are drawn, and `mapped` is only what there is before the first
+        int strands = 0;             ///< as many have triangles now
+        visual::VisualBody* drawn = nullptr; ///< nullptr while pending
     };
     /// Changes that were asked for and not yet made. The newest of each kind is enough.
     struct PendingChange {
@@ -107,6 +109,7 @@ private:
     void askMesh(const Binding& binding);     ///< asks for the newest triangles of its body, if it has new ones
     bool closedAgain(const Binding& binding); ///< the opened inside is closed again
     bool place(Binding& binding, const frame::Frame& frame);
+    void placeStrands(Binding& binding, const frame::Frame& frame);
     void drawMarks(Binding& binding);             ///< paint and film, if one of them has changed
     static void drawSeam(const Binding& binding); ///< the rim of its cuts, which its triangles have
     void forget(const Binding& binding);

@@ -60,6 +60,16 @@ TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowDef& def, c
     return mapping::withCreases(*mesh, kCrease);
 }
 
+visual::Material connectiveTissue()
+{
+    return visual::TissueMaterial{.baseColor = {0.72, 0.60, 0.48},
+                                  .subsurfaceColor = {0.80, 0.45, 0.32},
+                                  .roughness = 0.35,
+                                  .thickness = 0.1,
+                                  .mottling = 0.1,
+                                  .vessels = 0.0};
+}
+
 visual::Material materialOf(const physics::BodyDef& body)
 {
     // No metal: a flat floor of it would mirror nothing but the dark surroundings.

@@ -28,5 +28,7 @@ geometry::TriangleMesh ownSurface(const physics::RigidBodyDef& body, const ShowD
 
 /// What a body looks like if nobody says it.
 visual::Material materialOf(const physics::BodyDef& body);
+/// What strands look like if nothing else is said: pale and moist.
+visual::Material connectiveTissue();
 
 } // namespace filasofia::runtime

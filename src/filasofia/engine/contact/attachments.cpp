@@ -41,6 +41,14 @@ std::string regionsOf(const physics::AttachmentDef& def)
     return names.empty() ? "to" : names;
 }
 
+Vec3 positionOf(const AttachedPoint& point, const std::optional<BodyPlace>& body, const Scene& scene)
+{
+    if (!body) return point.place;
+    if (!body->soft)
+        return transform(scene.rigid[body->index].state.poses[static_cast<std::size_t>(point.element)], point.place);
+    return meanOf(point.nodes, scene.soft[body->index].state.x);
+}
+
 /// The current positions and velocities of attached points.
 class Places {
 public:
@@ -50,11 +58,7 @@ public:
 
     [[nodiscard]] Vec3 positionOf(const AttachedPoint& point, const std::optional<BodyPlace>& body) const
     {
-        if (!body) return point.place;
-        if (!body->soft)
-            return transform(scene_.rigid[body->index].state.poses[static_cast<std::size_t>(point.element)],
-                             point.place);
-        return meanOf(point.nodes, scene_.soft[body->index].state.x);
+        return engine::positionOf(point, body, scene_);
     }
 
     /// `out` is a BodyPoint that nothing was written to.
@@ -343,6 +347,18 @@ void addWelds(const StepContext& context, Scene& scene, Coupling& coupling)
             finishWeld(scene.attachments[a], dt, scene.attachmentForces[a][p], coupling.constraints[first + p]);
     }
     coupling.weldCount = coupling.constraints.size() - coupling.contactCount;
+}
+
+void placePoints(const Scene& scene, std::vector<frame::AttachedPoint>& out)
+{
+    out.clear();
+    for (const Attachment& each : scene.attachments) {
+        if (!each.whole) continue;
+        const auto body = findBody(scene, each.body), to = findBody(scene, each.to);
+        for (const auto& [mine, other] : each.pairs)
+            out.push_back({each.id, mine.nodes.empty() ? 0 : mine.nodes.front().node, positionOf(mine, body, scene),
+                           positionOf(other, to, scene)});
+    }
 }
 
 void keepWelds(const StepContext& context, const Coupling& coupling, Scene& scene)

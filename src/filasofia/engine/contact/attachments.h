@@ -38,6 +38,9 @@ void removeAttachmentsOf(BodyId id, Scene& scene);
 /// points that are welded are removed.
 void addWelds(const StepContext& context, Scene& scene, Coupling& coupling);
 
+/// Where the points of attachments are that can let go one by one.
+void placePoints(const Scene& scene, std::vector<frame::AttachedPoint>& out);
+
 /// Stores the reactions of attachments and pins in the step. Attachments break if their force exceeded the
 /// limit.
 void keepWelds(const StepContext& context, const Coupling& coupling, Scene& scene);
