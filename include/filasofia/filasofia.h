@@ -199,6 +199,7 @@ using runtime::ShowDef;
 using runtime::ShownId;
 using runtime::Simulation;
 using runtime::SimulationDef;
+using runtime::StrandsDef;
 using runtime::takeOptions;
 using runtime::TearEvent;
 using surface::BleedingDef;
