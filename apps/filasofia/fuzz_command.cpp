@@ -32,7 +32,7 @@ struct FuzzCommandOptions {
     int scenes = kNotGiven;
     double seconds = std::numeric_limits<double>::quiet_NaN(); ///< [s] knots only; NaN if not given
     int first = kNotGiven;
-    bool twice = false;
+    bool tools = false, twice = false;
 };
 
 constexpr double kKnotSeconds = 60.0; ///< [s]
@@ -115,11 +115,13 @@ json toJson(const FuzzCommandOptions& options, const testing::KnotFuzzReport& r)
     return {{"fuzz", options.what},
             {"seed", options.seed},
             {"first", given(options.first, 0)},
+            {"tools", options.tools},
             {"seconds", r.seconds},
             {"scenes", r.scenes},
             {"steps", r.steps},
             {"kinds", kinds},
             {"passes", r.passes},
+            {"loose_ends", r.looseEnds},
             {"linking_numbers", {{"tests", r.linkingTests}, {"changes", r.linkingChanges}}},
             {"nodes_inside_tissue", r.insideTissue},
             {"not_finite", r.notFinite},
@@ -147,9 +149,9 @@ void print(const testing::KnotFuzzReport& r, bool twice)
     for (const testing::KnotFuzzKind& kind : r.kinds)
         std::printf("%-16s %8ld %8ld %8ld %14ld\n", kind.name.c_str(), kind.scenes, kind.steps, kind.passes,
                     kind.notConverged);
-    std::printf(
-        "\npasses %ld; %ld of %ld linking numbers changed; nodes inside tissue %ld; not finite %ld, undone %ld\n",
-        r.passes, r.linkingChanges, r.linkingTests, r.insideTissue, r.notFinite, r.undone);
+    std::printf("\npasses %ld; threads off their needles %ld; %ld of %ld linking numbers changed; nodes inside tissue "
+                "%ld; not finite %ld, undone %ld\n",
+                r.passes, r.looseEnds, r.linkingChanges, r.linkingTests, r.insideTissue, r.notFinite, r.undone);
     std::printf("iterations of a step: median %d, 99th percentile %d, most %d; not converged %ld\n", r.median,
                 r.percentile99, r.most, r.notConverged);
     std::printf("at most %ld contacts; deepest overlap %.3f diameters\n", r.mostContacts, r.deepest);
@@ -165,6 +167,7 @@ json toJson(const FuzzCommandOptions& options, const testing::ContactFuzzReport&
                          {"scenes", kind.scenes},
                          {"steps", kind.steps},
                          {"not_converged", kind.notConverged},
+                         {"passes", kind.passes},
                          {"overlapping", kind.overlapping},
                          {"still_overlapping", kind.crowded},
                          {"inverted", kind.inverted},
@@ -172,11 +175,13 @@ json toJson(const FuzzCommandOptions& options, const testing::ContactFuzzReport&
     return {{"fuzz", options.what},
             {"seed", options.seed},
             {"first", given(options.first, 0)},
+            {"tools", options.tools},
             {"seconds", r.seconds},
             {"scenes", r.scenes},
             {"steps", r.steps},
             {"kinds", kinds},
             {"silent_overlaps", r.silentOverlaps},
+            {"passes", r.passes},
             {"silent_inverted", r.silentInverted},
             {"energy", {{"gained", r.gained}, {"most", r.mostGained}}},
             {"not_finite", r.notFinite},
@@ -191,15 +196,16 @@ json toJson(const FuzzCommandOptions& options, const testing::ContactFuzzReport&
 void print(const testing::ContactFuzzReport& r, bool twice)
 {
     std::printf("%.1f simulated seconds in %ld scenes, %ld steps\n", r.seconds, r.scenes, r.steps);
-    std::printf("\n%-10s %7s %9s %12s %10s %12s %9s %9s\n", "kind", "scenes", "steps", "overlapping", "to the end",
+    std::printf("\n%-14s %7s %9s %12s %10s %12s %9s %9s\n", "kind", "scenes", "steps", "overlapping", "to the end",
                 "inside out", "restless", "capped");
     for (const testing::ContactFuzzKind& kind : r.kinds)
-        std::printf("%-10s %7ld %9ld %12ld %10ld %12ld %9ld %9ld\n", kind.name.c_str(), kind.scenes, kind.steps,
+        std::printf("%-14s %7ld %9ld %12ld %10ld %12ld %9ld %9ld\n", kind.name.c_str(), kind.scenes, kind.steps,
                     kind.overlapping, kind.crowded, kind.inverted, kind.restless, kind.notConverged);
     std::printf("\nscenes whose bodies overlapped, and did so at the end; with elements inside out; with something "
                 "faster than 1 mm/s at the end; steps at the iteration limit\n");
-    std::printf("without a flag: overlaps %ld, elements inside out %ld; not finite %ld, undone %ld\n", r.silentOverlaps,
-                r.silentInverted, r.notFinite, r.undone);
+    std::printf("without a flag: overlaps %ld, elements inside out %ld; passes of threads %ld; not finite %ld, undone "
+                "%ld\n",
+                r.silentOverlaps, r.silentInverted, r.passes, r.notFinite, r.undone);
     std::printf("energy gained in %ld scenes, by %.2g %% at most; deepest overlap %.2f mm\n", r.gained,
                 1e2 * r.mostGained, 1e3 * r.deepest);
     std::printf("iterations of a step: median %d, 99th percentile %d, most %d\n", r.median, r.percentile99, r.most);
@@ -213,6 +219,7 @@ int fuzzContacts(const FuzzCommandOptions& options)
     const testing::ContactFuzzReport report = testing::fuzzContacts({.seed = static_cast<std::uint64_t>(options.seed),
                                                                      .scenes = given(options.scenes, kFuzzScenes),
                                                                      .first = given(options.first, 0),
+                                                                     .tools = options.tools,
                                                                      .twice = options.twice});
     print(report, options.twice);
     file.write(toJson(options, report));
@@ -239,6 +246,7 @@ int fuzzKnots(const FuzzCommandOptions& options)
         testing::fuzzKnots({.seed = static_cast<std::uint64_t>(options.seed),
                             .seconds = std::isnan(options.seconds) ? kKnotSeconds : options.seconds,
                             .first = given(options.first, 0),
+                            .tools = options.tools,
                             .twice = options.twice});
     print(report, options.twice);
     file.write(toJson(options, report));
@@ -277,6 +285,7 @@ int fuzz(const FuzzCommandOptions& options)
     only(contact || laws, options.scenes != kNotGiven, "--scenes", "contact and laws");
     only(knots, !std::isnan(options.seconds), "--seconds", "knots");
     only(!cuts, options.first != kNotGiven, "--first", "contact, knots and laws");
+    only(contact || knots, options.tools, "--tools", "contact and knots");
     if (options.twice && cuts)
         fail("fuzz: --twice applies to contact and knots only; cut and shells cut each body twice");
     only(!laws, options.twice, "--twice", "contact and knots"); // laws replays each scene
@@ -336,6 +345,8 @@ Command fuzzCommand()
               .type = "N",
               .bound = {closed(0, 100000000), "-"},
               .standard = "0"},
+             {"--tools", &options.tools,
+              "contact and knots only: scenes of blades, threads and needles, or of needles, jaws and soft cylinders"},
              {"--twice", &options.twice, "contact and knots only: run every scene a second time and compare"},
              {"--json", &options.file, "Write every figure to this file", "FILE"}},
         .run = [] { return fuzz(options); }};

@@ -222,6 +222,8 @@ TEST_CASE("the summary counts what did not go as asked")
     report.worstInverted.place = {0.001, 0.002, 0.003};
     report.intersecting = 9;
     report.deepestIntersection = {.first = BodyId{3}, .second = BodyId{3}, .crossings = 4, .depth = 1.234e-3};
+    report.deepestIntersection.cause = physics::IntersectionCause::Own;
+    report.deepestIntersection.force = 0.25;
     report.deepestBodies = {"tube", "tube"};
     report.beyondStrain = 1;
     report.worstStrained.strain = 0.4567;
@@ -234,8 +236,10 @@ TEST_CASE("the summary counts what did not go as asked")
     CHECK_THAT(runtime::summary(report),
                Catch::Contains("elements inside out in 6 steps, at most 7 at once; then the worst was in 'liver' at "
                                "(1.0 2.0 3.0) mm\n"));
-    CHECK_THAT(runtime::summary(report), Catch::Contains("surfaces pass through each other in 9 steps: the surface of "
-                                                         "'tube' through itself by 1.23 mm at (0.0 0.0 0.0) mm\n"));
+    CHECK_THAT(runtime::summary(report),
+               Catch::Contains("surfaces pass through each other in 9 steps: the surface of "
+                               "'tube' through itself by 1.23 mm (it does not collide with itself, 0.25 N) at "
+                               "(0.0 0.0 0.0) mm\n"));
     CHECK_THAT(runtime::summary(report), Catch::Contains("tissue beyond the range of its material in 1 step: strain "
                                                          "0.457 in 'gall bladder', valid up to 0.3, at "));
     const std::string unrest = "not at rest in 8 steps: 'stump' moved at 12.3 mm/s, 6 s after anything drove it";

@@ -32,6 +32,8 @@ struct StrandsDef {
     double radius = 0.1e-3; ///< [m], > 0, in the middle of a strand; at its ends it is 1.8 times as thick
     int perPoint = 3;       ///< [-], in [1, 20], strands of each point
     double spread = 1.0e-3; ///< [m], >= 0, how far from the point they begin and end
+
+    friend bool operator==(const StrandsDef&, const StrandsDef&) = default;
 };
 constexpr auto fields(const StrandsDef*)
 {

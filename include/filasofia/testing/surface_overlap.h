@@ -3,6 +3,7 @@
 #include "filasofia/geometry/triangle_mesh.h"
 
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace filasofia::testing {
@@ -26,5 +27,17 @@ struct SurfaceOverlap {
 /// shares nothing with the search for contacts, and is slow. Vertices and, of an edge that passes through twice, the
 /// middle between are the points that are measured.
 std::optional<SurfaceOverlap> overlapOf(const PlacedSurface& a, const PlacedSurface& b);
+
+/// How a line passes through a surface.
+struct LineOverlap {
+    /// [m] how deep its deepest point is inside a closed surface, or how far the end that reaches less far goes beyond
+    /// an open one
+    double depth = 0.0;
+    Vec3 place = {};     ///< [m] that point
+    double inside = 0.0; ///< [m] length of it inside a closed surface
+};
+
+/// How a line of edges passes through a surface; nothing if it does not. By the signs of volumes as above.
+std::optional<LineOverlap> overlapOf(std::span<const Vec3> line, const PlacedSurface& surface);
 
 } // namespace filasofia::testing

@@ -360,7 +360,7 @@ void Bindings::addPending(visual::VisualServer& visual)
                                                                          .castShadows = binding.def.castShadows,
                                                                          .label = static_cast<int>(binding.id.value)});
             if (!binding.def.visible) drawn.setVisible(false);
-            painted_.resend(binding.key);
+            if (!binding.strandsOf) painted_.resend(binding.key);
             shown_.push_back(std::move(pending_[added]));
             shown_.back().drawn = &drawn;
             shown_.back().strands = 1;

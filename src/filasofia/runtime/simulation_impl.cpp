@@ -92,9 +92,8 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     feed.write(report);
     haptics.afterStep(report, physics);
     // Before the update event, so that its observers already know what happened in the step.
-    const std::uint32_t flags = postContactEvents(report) | postIntersectionEvents(report) | postRuptureEvents(report) |
-                                postClipEvents(report) | postBreakEvents(report) | stepDucts(report) |
-                                stepSurfaces(report);
+    const std::uint32_t flags = postContactEvents(report) | postIntersectionEvents(report) | postChangeEvents(report) |
+                                stepDucts(report) | stepSurfaces(report);
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
     now.stamp(*update);
     return flags | (events.tryPost(std::move(update)) ? 0u : kEventLost);
@@ -132,43 +131,23 @@ std::uint32_t Simulation::Impl::postIntersectionEvents(const physics::StepReport
     return intersections.observe(report.intersections, post) ? 0u : kEventLost;
 }
 
-std::uint32_t Simulation::Impl::postRuptureEvents(const physics::StepReport& report)
+std::uint32_t Simulation::Impl::postChangeEvents(const physics::StepReport& report)
 {
     bool all = true;
-    const auto post = [&](auto event, const physics::Rupture& rupture) {
-        event->rupture = rupture;
+    const auto post = [&](auto event, auto member, const auto& change) {
+        (*event).*member = change;
         now.stamp(*event);
         all = events.tryPost(std::move(event)) && all;
     };
-    for (const physics::Rupture& rupture : report.topology.ruptures)
-        if (rupture.kind == physics::Rupture::Kind::Cut)
-            post(std::make_unique<CutEvent>(), rupture);
+    for (const physics::Rupture& each : report.topology.ruptures)
+        if (each.kind == physics::Rupture::Kind::Cut)
+            post(std::make_unique<CutEvent>(), &CutEvent::rupture, each);
         else
-            post(std::make_unique<TearEvent>(), rupture);
-    return all ? 0u : kEventLost;
-}
-
-std::uint32_t Simulation::Impl::postClipEvents(const physics::StepReport& report)
-{
-    bool all = true;
-    for (const physics::ClipChange& each : report.clipChanges) {
-        auto event = std::make_unique<ClipEvent>();
-        event->change = each;
-        now.stamp(*event);
-        all = events.tryPost(std::move(event)) && all;
-    }
-    return all ? 0u : kEventLost;
-}
-
-std::uint32_t Simulation::Impl::postBreakEvents(const physics::StepReport& report)
-{
-    bool all = true;
-    for (const physics::AttachmentBreak& each : report.breaks) {
-        auto event = std::make_unique<BreakEvent>();
-        event->attachment = each;
-        now.stamp(*event);
-        all = events.tryPost(std::move(event)) && all;
-    }
+            post(std::make_unique<TearEvent>(), &TearEvent::rupture, each);
+    for (const physics::ClipChange& each : report.clipChanges)
+        post(std::make_unique<ClipEvent>(), &ClipEvent::change, each);
+    for (const physics::AttachmentBreak& each : report.breaks)
+        post(std::make_unique<BreakEvent>(), &BreakEvent::attachment, each);
     return all ? 0u : kEventLost;
 }
 

@@ -92,10 +92,8 @@ struct Simulation::Impl {
     /// some were lost.
     std::uint32_t postIntersectionEvents(const physics::StepReport& report);
     /// Posts an event for each cut and tear. Returns StepFlag bits if some were lost.
-    std::uint32_t postRuptureEvents(const physics::StepReport& report);
+    std::uint32_t postChangeEvents(const physics::StepReport& report); ///< what was cut, clipped or let go
     /// Posts an event for each clip that was closed or slipped off. Returns StepFlag bits if some were lost.
-    std::uint32_t postClipEvents(const physics::StepReport& report);
-    std::uint32_t postBreakEvents(const physics::StepReport& report);
     /// Lets blood flow, heat spread and smoke rise, and posts their events. Returns StepFlag bits if some were lost.
     std::uint32_t stepSurfaces(const physics::StepReport& report);
     /// The same for any receivers of what is told. Heat comes first: burnt vessels do not bleed. Returns false if an

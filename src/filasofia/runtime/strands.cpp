@@ -10,7 +10,7 @@ namespace filasofia::runtime {
 namespace {
 
 constexpr int kSides = 4;
-// Of the radius, from end to end: a strand spreads where it grows into the organ.
+// [-] In radii, from end to end: a strand spreads where it grows into the organ.
 constexpr std::array<double, 5> kThickness = {1.8, 1.0, 0.7, 1.0, 1.8};
 constexpr int kRings = static_cast<int>(kThickness.size());
 constexpr double kShort = 4.0; // [radii] shorter strands are thinner: between organs that touch there is nothing to see

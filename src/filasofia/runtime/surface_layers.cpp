@@ -2,6 +2,7 @@
 
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/physics/physics_engine.h"
 #include "filasofia/runtime/surfaces.h"
 #include "filasofia/runtime/told_and_kept.h"
 

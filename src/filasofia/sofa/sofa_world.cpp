@@ -192,7 +192,8 @@ void SofaWorld::advance(double dt, const Now& now, physics::StepReport& report)
     report.intersections = intersections_;
     for (physics::Intersection& each : report.intersections)
         for (const FoundContact& found : scene_.contacts)
-            if (std::minmax(found.contact.first, found.contact.second) == std::pair(each.first, each.second))
+            if (std::pair<BodyId, BodyId>(std::minmax(found.contact.first, found.contact.second)) ==
+                std::pair(each.first, each.second))
                 each.force += found.contact.normalForce;
     if (!intersections_.empty()) report.set(physics::StepFlag::Intersecting);
     if (putBack(failed, before)) report.set(physics::StepFlag::Undone);

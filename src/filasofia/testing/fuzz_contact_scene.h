@@ -8,8 +8,9 @@
 
 namespace filasofia::testing {
 
-/// The kinds of scenes of bodies that touch.
-enum class ContactKind { Drop, Heap, Press, Jaws, Drape, Plates, count_ };
+/// The kinds of scenes of bodies that touch; from Blade on those of tools.
+enum class ContactKind { Drop, Heap, Press, Jaws, Drape, Plates, Blade, ThreadsFall, ThreadsDrawn, Needle, count_ };
+inline constexpr ContactKind kFirstToolKind = ContactKind::Blade;
 const char* name(ContactKind kind);
 
 /// A kinematic body that goes in straight lines from pose to pose, and stays at the last one.
@@ -28,6 +29,7 @@ struct ContactScene {
     std::vector<physics::BodyDef> bodies;
     std::vector<ToldBody> told;
     double period = 1e-3; ///< [s] duration of a step
+    bool tools = false;   ///< a scene of blades, threads and needles
     double acts = 0.0;    ///< [s] after which nothing drives the bodies but gravity
 };
 ContactScene contactScene(ContactKind kind, FuzzRandom& random);

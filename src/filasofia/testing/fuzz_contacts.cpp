@@ -5,16 +5,20 @@
 #include "filasofia/geometry/surface.h"
 #include "filasofia/testing/fuzz_contact_scene.h"
 #include "filasofia/testing/fuzz_stage.h"
+#include "filasofia/testing/linking.h"
 #include "filasofia/testing/surface_overlap.h"
+#include "filasofia/testing/tissue_strain.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <map>
+#include <numbers>
 
 namespace filasofia::testing {
 namespace {
 
-constexpr int kContactKinds = static_cast<int>(ContactKind::count_);
 constexpr std::size_t kContactExamples = 40; ///< that a report keeps
 constexpr double kLookEvery = 0.01;          ///< [s]: the engine tests as often
 constexpr int kSilentLooks = 3;              ///< looks in a row at an overlap that no flag tells
@@ -24,9 +28,17 @@ constexpr double kGravity = 9.81;            ///< [m/s^2]
 // [-] More of the energy at the start than this is gained. Contacts keep surfaces apart by a hundredth of a millimetre,
 // which lifts what lies on the floor.
 constexpr double kGain = 0.01;
+// [-] The same once tools have stopped; steps that end a solve at its tolerance make 1 %.
+constexpr double kGainAfterTools = 0.05;
+constexpr double kLeastEnergy = 1e-6; ///< [J] gains count relative to this at least
 // [m] Contacts see surfaces whose edges and corners are round with the radius of their insets, a tenth of a millimetre
 // each, and keep up with what moves from one step to the next only so far.
 constexpr double kRounded = 2.5e-4;
+// [m] Channels go in straight lines from point to point, and begin where the surface is pierced, not where the line
+// crosses the triangle that is there.
+constexpr double kBesideChannels = 2e-3;
+
+constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 /// What the checker needs of a body.
 struct CheckedBody {
@@ -35,8 +47,14 @@ struct CheckedBody {
     std::vector<double> masses = {};                    ///< [kg] per node; one for a dynamic rigid body
     PlacedSurface surface = {};                         ///< rigid: `rest` are its vertices in its own coordinates
     std::vector<Vec3> rest = {};
-    std::vector<int> nodes = {}; ///< soft: the node of each vertex
-    bool soft = false, told = false;
+    std::vector<int> nodes = {};  ///< soft: the node of each vertex
+    double grip = physics::kHard; ///< [N/m] rods: stiffness of a hand's grip
+    std::size_t needle = kNone;   ///< rods: the body of the needle that they hang from
+    std::vector<Vec3> axis = {};  ///< needles: from the tip to the tail, in their own coordinates
+    std::uint64_t revision = 0;   ///< the mesh that has been cut, in `surface`
+    bool soft = false, told = false, cuttable = false, rod = false, closed = false;
+
+    [[nodiscard]] bool touches() const { return rod || !surface.triangles.empty(); }
 };
 
 double volumeOf(const geometry::Tetrahedron& t, const std::vector<Vec3>& x)
@@ -49,7 +67,7 @@ double valueOf(const physics::Mass& mass) { return std::get<physics::Density>(ma
 
 CheckedBody checked(const physics::SoftBodyDef& def)
 {
-    CheckedBody body{.soft = true};
+    CheckedBody body{.soft = true, .cuttable = def.dynamicTopology};
     const double density = valueOf(def.mass);
     if (const auto* mesh = std::get_if<std::shared_ptr<const geometry::TetMesh>>(&def.mesh)) {
         body.tetrahedra = (*mesh)->tetrahedra;
@@ -77,18 +95,34 @@ CheckedBody checked(const physics::SoftBodyDef& def)
     return body;
 }
 
-CheckedBody checked(const physics::RigidBodyDef& def)
+CheckedBody checked(const physics::RodBodyDef& def)
 {
-    const auto& mesh = *std::get<std::shared_ptr<const geometry::TriangleMesh>>(def.mesh);
-    CheckedBody body{.surface = {.triangles = mesh.triangles}, .rest = mesh.vertices, .told = !def.dynamic};
-    if (def.dynamic) body.masses = {std::get<physics::Density>(def.mass).value * geometry::enclosedVolume(mesh)};
+    CheckedBody body{.soft = true, .rod = true, .closed = def.closed};
+    const std::vector<Vec3> nodes = physics::centreLine(def);
+    const double perLength = def.density * std::numbers::pi * def.radius * def.radius;
+    body.masses.resize(nodes.size());
+    for (std::size_t i = def.closed ? 0 : 1; i < nodes.size(); ++i) {
+        const std::size_t before = i == 0 ? nodes.size() - 1 : i - 1;
+        for (const std::size_t node : {before, i})
+            body.masses[node] += 0.5 * perLength * distance(nodes[before], nodes[i]);
+    }
+    for (const physics::AttachmentDef& each : def.attachments) {
+        body.grip = each.stiffness;
+        if (each.stiffness == physics::kHard) body.needle = each.to.value - 1; // hands hold by springs
+    }
     return body;
 }
 
-CheckedBody checked(const physics::BodyDef& def)
+CheckedBody checked(const physics::RigidBodyDef& def)
 {
-    if (const auto* soft = std::get_if<physics::SoftBodyDef>(&def)) return checked(*soft);
-    return checked(std::get<physics::RigidBodyDef>(def));
+    CheckedBody body{.told = !def.dynamic};
+    if (def.needle) body.axis = def.needle->line;
+    const auto* mesh = std::get_if<std::shared_ptr<const geometry::TriangleMesh>>(&def.mesh);
+    if (mesh == nullptr || *mesh == nullptr) return body; // hands and blades
+    body.surface.triangles = (*mesh)->triangles;
+    body.rest = (*mesh)->vertices;
+    if (def.dynamic) body.masses = {std::get<physics::Density>(def.mass).value * geometry::enclosedVolume(**mesh)};
+    return body;
 }
 
 /// A scene that runs, and what is counted of it.
@@ -98,10 +132,12 @@ public:
         : def_(def), report_(report), random_(seed), scene_(contactScene(kind, random_)),
           stage_(scene_.bodies, scene_.period)
     {
-        for (const physics::BodyDef& each : scene_.bodies) bodies_.push_back(checked(each));
+        for (const physics::BodyDef& each : scene_.bodies)
+            bodies_.push_back(std::visit([](const auto& body) { return checked(body); }, each));
         stage_.give(physics::SetGravity{{0, -kGravity, 0}});
         stage_.step(0.0);
         energyAtStart_ = energy();
+        readLines();
     }
     /// Runs it to its end; returns its hash.
     std::uint64_t run(ContactFuzzKind& counts, IterationCount& iterations, const std::string& called)
@@ -120,10 +156,27 @@ public:
                 stage_.give(physics::SetPose{FuzzStage::idOf(told.body), 0, told.at(std::min(time, scene_.acts))});
             const physics::StepReport report = stage_.step(scene_.period);
             follow(report, counts, iterations, say);
-            if (step % look == 0) lookAt(report, say);
+            lookAtLines(counts, say);
+            if (step % look == 0) {
+                lookAt(report, say);
+                lookAtEnergy(time, say);
+            }
             if (time > end - kCalmFor) fastest_ = std::max(fastest_, speed());
         }
         finish(counts, steps);
+        if (getenv("DBG"))
+            for (std::size_t b = 0; b < bodies_.size(); ++b) {
+                if (auto* sb = stage_.frame().softBody(FuzzStage::idOf(b))) {
+                    std::size_t w = 0;
+                    for (std::size_t i = 0; i < sb->velocities.size(); ++i)
+                        if (length(sb->velocities[i]) > length(sb->velocities[w])) w = i;
+                    std::fprintf(stderr,
+                                 "body %zu rod %d closed %d r? fastest node %zu of %zu: v (%g %g %g) at (%g %g %g)\n",
+                                 b + 1, bodies_[b].rod, bodies_[b].closed, w, sb->velocities.size(),
+                                 sb->velocities[w].x, sb->velocities[w].y, sb->velocities[w].z, sb->positions[w].x,
+                                 sb->positions[w].y, sb->positions[w].z);
+                }
+            }
         if (fastest_ > kCalmSpeed) say(text(1e3 * fastest_, " mm/s at the end"));
         return stage_.hash();
     }
@@ -133,6 +186,9 @@ private:
     void follow(const physics::StepReport& step, ContactFuzzKind& counts, IterationCount& iterations, const Say& say)
     {
         iterations.add(step);
+        for (const auto flag :
+             {physics::StepFlag::Intersecting, physics::StepFlag::Inverted, physics::StepFlag::NotConverged})
+            flagged_ = flagged_ || step.has(flag);
         counts.notConverged += step.has(physics::StepFlag::NotConverged) ? 1 : 0;
         if (step.has(physics::StepFlag::Undone)) ++report_.undone, say("undone");
         if (!stage_.isFinite()) ++report_.notFinite, say("not finite");
@@ -142,14 +198,42 @@ private:
         }
     }
 
+    void readLines()
+    {
+        std::swap(before_, after_);
+        after_.resize(bodies_.size());
+        for (std::size_t b = 0; b < bodies_.size(); ++b)
+            if (bodies_[b].rod) after_[b] = stage_.frame().softBody(FuzzStage::idOf(b))->positions;
+    }
+    template <class Say> void lookAtLines(ContactFuzzKind& counts, const Say& say)
+    {
+        readLines();
+        for (std::size_t i = 0; i < bodies_.size(); ++i)
+            for (std::size_t k = i; k < bodies_.size(); ++k) {
+                if (!bodies_[i].rod || !bodies_[k].rod) continue;
+                const int passed = std::abs(passes_.count({before_[i], after_[i], bodies_[i].closed},
+                                                          {before_[k], after_[k], bodies_[k].closed}));
+                if (passed == 0) continue;
+                counts.passes += passed;
+                report_.passes += passed;
+                say(text("body ", i + 1, " passes through ", k + 1));
+            }
+    }
+
     template <class Say> void lookAt(const physics::StepReport& step, const Say& say)
     {
         place();
         overlapsNow_ = 0;
         for (std::size_t i = 0; i < bodies_.size(); ++i)
             for (std::size_t k = i + 1; k < bodies_.size(); ++k)
-                if (!bodies_[i].told || !bodies_[k].told) lookAtPair(step, i, k, say);
+                if (bodies_[i].touches() && bodies_[k].touches() && (!bodies_[i].told || !bodies_[k].told))
+                    lookAtPair(step, i, k, say);
         lookAtElements();
+    }
+
+    template <class Say> void lookAtEnergy(double time, const Say& say)
+    {
+        if (scene_.tools) return lookAfterTools(time, say);
         if (scene_.acts > 0.0) return; // what is told does work
         const double gain = (energy() - energyAtStart_) / energyAtStart_;
         report_.mostGained = std::max(report_.mostGained, gain);
@@ -158,10 +242,96 @@ private:
             say(text("energy has grown by ", 100.0 * gain, " %"));
         }
     }
+    /// Tissue, threads and the grips of hands hold strain when tools stop, by the engine's own account. It bounds the
+    /// energy of places and velocities from then on. Strain may grow: a stiff thread that turns far in a step is
+    /// stretched. Contacts that part what was pressed together do work, so nothing is judged once a flag has said so.
+    template <class Say> void lookAfterTools(double time, const Say& say)
+    {
+        double motion = 0.0, strain = gripEnergy();
+        for (std::size_t b = 0; b < bodies_.size(); ++b) {
+            if (bodies_[b].told) continue;
+            const physics::MechanicalEnergy energy = stage_.energyOf(b);
+            motion += energy.kinetic + energy.gravitational;
+            strain += energy.elastic;
+        }
+        if (time <= scene_.acts + 2.0 * scene_.period || scaleAfterTools_ == 0.0) {
+            energyAtStart_ = motion + strain;
+            scaleAfterTools_ = std::max(std::abs(motion) + std::abs(strain), kLeastEnergy);
+            return;
+        }
+        const double gain = (motion - energyAtStart_) / scaleAfterTools_;
+        if (flagged_) return;
+        report_.mostGained = std::max(report_.mostGained, gain);
+        if (gain <= kGainAfterTools || std::exchange(gained_, true)) return;
+        ++report_.gained;
+        say(text("energy has grown by ", 100.0 * gain, " % after tools have stopped"));
+    }
+    /// [J] What the springs hold by which hands hold threads, one node each.
+    [[nodiscard]] double gripEnergy() const
+    {
+        double sum = 0.0;
+        for (const frame::Attachment& each : stage_.frame().attachments) {
+            const CheckedBody& body = bodies_[each.body.value - 1];
+            if (body.rod && std::isfinite(body.grip)) sum += 0.5 * dot(each.force, each.force) / body.grip;
+        }
+        return sum;
+    }
+
+    /// How deep two bodies are in each other.
+    [[nodiscard]] std::optional<SurfaceOverlap> overlapOfPair(std::size_t i, std::size_t k)
+    {
+        const CheckedBody &one = bodies_[i], &two = bodies_[k];
+        if (one.rod && two.rod) return std::nullopt; // lookAtLines() does
+        if (pierces(i, k)) return overlapBesideChannels(i, k);
+        if (!one.rod && !two.rod) return overlapOf(one.surface, two.surface);
+        if (one.needle == k || two.needle == i) return std::nullopt; // the thread begins in the needle's tail
+        const auto line = one.rod ? overlapOf(after_[i], two.surface) : overlapOf(after_[k], one.surface);
+        return line ? std::optional(SurfaceOverlap{line->depth, line->place}) : std::nullopt;
+    }
+    /// Whether one is a needle in the other, or the thread that follows it.
+    [[nodiscard]] bool pierces(std::size_t i, std::size_t k) const
+    {
+        const auto lineIn = [&](std::size_t line, std::size_t tissue) {
+            const BodyId needle = FuzzStage::idOf(bodies_[line].needle == kNone ? line : bodies_[line].needle);
+            return std::ranges::any_of(stage_.frame().channels, [&](const frame::Channel& each) {
+                return each.tissue == FuzzStage::idOf(tissue) &&
+                       (each.needle == needle || each.inside == FuzzStage::idOf(line));
+            });
+        };
+        return lineIn(i, k) || lineIn(k, i);
+    }
+    /// By how much more of needle and thread is in the tissue than its channels are long, judged once, by the thread.
+    [[nodiscard]] std::optional<SurfaceOverlap> overlapBesideChannels(std::size_t i, std::size_t k) const
+    {
+        const std::size_t thread = bodies_[i].rod ? i : bodies_[k].rod ? k : kNone;
+        if (thread == kNone) return std::nullopt;
+        const std::size_t tissue = thread == i ? k : i;
+        std::vector<Vec3> line;
+        if (const std::size_t needle = bodies_[thread].needle; needle != kNone) {
+            const Pose& pose = stage_.frame().rigidBody(FuzzStage::idOf(needle))->poses.front();
+            for (const Vec3 p : bodies_[needle].axis) line.push_back(transform(pose, p));
+            line.pop_back(); // the thread's first node
+        }
+        line.insert(line.end(), after_[thread].begin(), after_[thread].end());
+        const auto found = overlapOf(line, bodies_[tissue].surface);
+        if (!found) return std::nullopt;
+        if (getenv("DBG")) {
+            std::fprintf(stderr, "inside %g depth %g", found->inside, found->depth);
+            for (auto& c : stage_.frame().channels)
+                std::fprintf(stderr, " [ch needle %u inside %u length %g through %d]", c.needle.value, c.inside.value,
+                             c.length, c.through);
+            std::fprintf(stderr, "\n");
+        }
+        double beside = found->inside - kBesideChannels;
+        for (const frame::Channel& each : stage_.frame().channels)
+            if (each.tissue == FuzzStage::idOf(tissue)) beside -= each.length;
+        if (beside <= 0.0) return std::nullopt;
+        return SurfaceOverlap{std::min(beside, found->depth), found->place};
+    }
 
     template <class Say> void lookAtPair(const physics::StepReport& step, std::size_t i, std::size_t k, const Say& say)
     {
-        const auto found = overlapOf(bodies_[i].surface, bodies_[k].surface);
+        const auto found = overlapOfPair(i, k);
         int& silent = silent_[{i, k}];
         if (!found || found->depth < kRounded) {
             silent = std::min(silent, 0);
@@ -191,6 +361,10 @@ private:
         constexpr double surely = -1e-4; // [-] relative to the volume at rest
         for (std::size_t b = 0; b < bodies_.size() && !mustTell_; ++b) {
             if (bodies_[b].tetrahedra.empty()) continue;
+            if (bodies_[b].cuttable) {
+                mustTell_ = surelyInverted(stage_.soft(b)) > 0;
+                continue;
+            }
             const std::vector<Vec3>& x = stage_.frame().softBody(FuzzStage::idOf(b))->positions;
             for (std::size_t t = 0; t < bodies_[b].tetrahedra.size(); ++t)
                 mustTell_ = mustTell_ || volumeOf(bodies_[b].tetrahedra[t], x) < surely * bodies_[b].volumes[t];
@@ -204,7 +378,9 @@ private:
             CheckedBody& body = bodies_[b];
             std::vector<Vec3>& out = body.surface.vertices;
             out.clear();
+            if (!body.touches() || body.rod) continue;
             if (body.soft) {
+                if (body.cuttable) followCuts(b);
                 const std::vector<Vec3>& x = stage_.frame().softBody(FuzzStage::idOf(b))->positions;
                 for (const int node : body.nodes) out.push_back(x[static_cast<std::size_t>(node)]);
             } else {
@@ -212,6 +388,19 @@ private:
                 for (const Vec3 p : body.rest) out.push_back(transform(pose, p));
             }
         }
+    }
+
+    /// The surface of a body that may have been cut, and its masses.
+    void followCuts(std::size_t b)
+    {
+        CheckedBody& body = bodies_[b];
+        const auto& boundary = stage_.frame().softBody(FuzzStage::idOf(b))->boundary;
+        if (!boundary || boundary->revision == body.revision) return;
+        body.revision = boundary->revision;
+        body.surface.triangles = boundary->triangles;
+        body.nodes.resize(boundary->rest.size());
+        for (std::size_t i = 0; i < body.nodes.size(); ++i) body.nodes[i] = static_cast<int>(i);
+        body.masses = stage_.soft(b).model.masses;
     }
 
     /// Calls visit(mass, place, velocity) for every mass that moves.
@@ -222,7 +411,8 @@ private:
             if (body.told) continue;
             const auto* soft = stage_.frame().softBody(FuzzStage::idOf(b));
             const auto* rigid = stage_.frame().rigidBody(FuzzStage::idOf(b));
-            for (std::size_t i = 0; i < body.masses.size(); ++i)
+            const std::size_t count = soft ? std::min(body.masses.size(), soft->positions.size()) : body.masses.size();
+            for (std::size_t i = 0; i < count; ++i)
                 visit(body.masses[i], soft ? soft->positions[i] : rigid->poses[i].position,
                       soft ? soft->velocities[i] : rigid->velocities[i]);
         }
@@ -260,9 +450,12 @@ private:
     std::vector<CheckedBody> bodies_;
     std::map<std::pair<std::size_t, std::size_t>, int> silent_; ///< per pair: looks in a row; -1: it has been counted
     int overlapsNow_ = 0;
-    double energyAtStart_ = 0.0; ///< [J]
-    double fastest_ = 0.0;       ///< [m/s] at the end
-    bool overlapped_ = false, inverted_ = false, mustTell_ = false, gained_ = false;
+    std::vector<std::vector<Vec3>> before_, after_; ///< per body, of rods: nodes before and after the step
+    PassCounter passes_;
+    double energyAtStart_ = 0.0;   ///< [J] or when tools stopped
+    double scaleAfterTools_ = 0.0; ///< [J]
+    double fastest_ = 0.0;         ///< [m/s] at the end
+    bool overlapped_ = false, inverted_ = false, mustTell_ = false, gained_ = false, flagged_ = false;
 };
 
 } // namespace
@@ -270,11 +463,14 @@ private:
 ContactFuzzReport fuzzContacts(const ContactFuzzDef& def)
 {
     ContactFuzzReport report;
-    for (int i = 0; i < kContactKinds; ++i) report.kinds.push_back({name(static_cast<ContactKind>(i))});
+    const ContactKind first = def.tools ? kFirstToolKind : ContactKind{},
+                      end = def.tools ? ContactKind::count_ : kFirstToolKind;
+    for (auto kind = static_cast<int>(first); kind < static_cast<int>(end); ++kind)
+        report.kinds.push_back({name(static_cast<ContactKind>(kind))});
     IterationCount iterations;
     Hasher all;
     for (int index = def.first; index < def.first + def.scenes; ++index) {
-        runScene<ContactRun, ContactKind>(def, static_cast<std::uint64_t>(index), report, iterations, all);
+        runScene<ContactRun>(def, first, static_cast<std::uint64_t>(index), report, iterations, all);
         if (def.progress) def.progress(static_cast<int>(report.scenes));
     }
     summarise(iterations, all, report);

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <map>
 #include <numbers>
 
 namespace filasofia::testing {
@@ -13,6 +15,9 @@ namespace {
 using physics::RigidBodyDef;
 using physics::RodBodyDef;
 using physics::SoftBodyDef;
+
+constexpr double kCloses = 0.1; ///< [s] in which jaws close
+constexpr double kReach = 60.0; ///< [-] tools', in radii of threads
 
 /// Adds bodies to a scene whose threads are all of one random kind.
 class SceneMaker {
@@ -28,7 +33,8 @@ public:
     [[nodiscard]] double radius() const { return radius_; }
 
     /// A thread along these points, which hands hold at some of its nodes, given as shares of its length.
-    void thread(const std::vector<Vec3>& points, const std::vector<double>& held, bool closed = false)
+    void thread(const std::vector<Vec3>& points, const std::vector<double>& held, bool closed = false,
+                std::optional<std::size_t> needle = {})
     {
         RodBodyDef def{.points = points, .closed = closed, .spacing = edge_ * radius_, .radius = radius_};
         def.name = "thread " + std::to_string(scene_.bodies.size() + 1);
@@ -51,9 +57,115 @@ public:
                 grip.stiffness = std::min(grip.stiffness, random_.uniform(0.05, 0.5) * tissue_ * radius_);
             def.attachments.push_back(grip);
         }
-        scene_.lines.push_back({.body = scene_.bodies.size(), .closed = closed});
+        if (needle) {
+            def.attachments.push_back({.nodes = {0}, .to = BodyId{static_cast<std::uint32_t>(*needle + 1)}});
+            scene_.lines.back().thread = scene_.bodies.size();
+        } else {
+            scene_.lines.push_back({.body = scene_.bodies.size(), .closed = closed});
+        }
         scene_.bodies.emplace_back(def);
     }
+    /// A curved needle with a thread at its tail, in the plane z = 0 around `centre`: a driver holds it, a hand that
+    /// yields, or nothing but its thread.
+    void needle(Vec3 centre, double arc, double thick, const std::vector<Vec3>& onwards)
+    {
+        const std::vector<Vec3> axis = geometry::shapes::arc(arc, 0.0, 2.6, 20);
+        const int held = random_.below(3);
+        RigidBodyDef def{.name = "needle", .elements = {Pose{centre}}};
+        if (held == 1) { // several points also hold its direction
+            const std::size_t by = hand(centre, kReach * radius_);
+            scene_.hands.back().turns = true;
+            def.attachments = {{.points = {axis[5], axis[10], axis[15]}, .stiffness = soft(0.1, 0.5)}};
+            def.attachments.front().to = BodyId{static_cast<std::uint32_t>(by + 1)};
+        }
+        def.mesh = geometry::shapes::tube(axis, thick, 8);
+        def.dynamic = held > 0;
+        def.mass = physics::Density{7800.0};
+        def.linearDamping = def.angularDamping = 5.0;
+        def.collision = {{.proximity = 0.5 * radius_}};
+        def.friction = friction_;
+        const std::size_t body = scene_.bodies.size();
+        if (held == 0) {
+            FuzzHand driver{.body = body, .home = centre, .reach = kReach * radius_, .turns = true};
+            driver.now = Pose{centre};
+            driver.target = centre;
+            scene_.hands.push_back(driver);
+        }
+        scene_.lines.push_back({.body = body, .axis = axis});
+        scene_.bodies.emplace_back(def);
+        std::vector<Vec3> points{centre + axis.back()};
+        for (const Vec3 p : onwards) points.push_back(points.front() + p);
+        const bool drawn = held == 2 || random_.chance(0.5);
+        thread(points, drawn ? std::vector<double>{1.0} : std::vector<double>{}, false, body);
+    }
+    /// Two jaws along z, one above and one below a place, that press together what is between them and are drawn about.
+    void jaws(Vec3 place, std::size_t thread)
+    {
+        const double length = 30.0 * radius_, thick = random_.uniform(3.0, 8.0) * radius_;
+        RigidBodyDef carrier{.name = "handle"};
+        FuzzHand mover{.body = scene_.bodies.size(), .home = place, .reach = kReach * radius_, .turns = true};
+        mover.opens = thick + 8.0 * radius_;
+        // The springs of a jaw are as long as this when it presses.
+        mover.closed = thick + 2.0 * radius_ * (1.0 - random_.uniform(0.1, 1.0));
+        mover.now = Pose{place};
+        mover.target = place;
+        carrier.elements = {mover.jaw(0, 0.0), mover.jaw(1, 0.0)};
+        scene_.hands.push_back(mover);
+        scene_.bodies.emplace_back(carrier);
+        const bool grasps = random_.chance(0.5);
+        for (const int which : {0, 1}) {
+            RigidBodyDef def{.name = which == 0 ? "upper jaw" : "lower jaw", .elements = {mover.jaw(which, 0.0)}};
+            def.mesh = geometry::shapes::box({2.0 * thick, thick, length});
+            def.dynamic = true;
+            def.mass = physics::Density{7800.0};
+            def.linearDamping = def.angularDamping = 5.0;
+            def.collision = {{.proximity = 0.5 * radius_}};
+            def.friction = friction_;
+            const double half = 0.5 * length;
+            def.attachments = {
+                {.points = {{thick, 0, -half}, {-thick, 0, -half}, {thick, 0, half}, {-thick, 0, half}}}};
+            def.attachments.front().stiffness = soft(0.1, 1.0);
+            def.attachments.front().to = BodyId{static_cast<std::uint32_t>(mover.body + 1)};
+            def.attachments.front().toElement = which;
+            if (grasps) scene_.grasps.push_back({1.2 * kCloses, scene_.bodies.size(), thread});
+            scene_.lines.push_back({.body = scene_.bodies.size(), .axis = {{0, 0, -half}, {0, 0, half}}});
+            scene_.bodies.emplace_back(def);
+        }
+    }
+    /// A soft cylinder along z, solid or hollow, that both ends hold.
+    void cylinder(double radius, double length)
+    {
+        SoftBodyDef def{.name = "cylinder"};
+        std::vector<Vec3> line;
+        for (int i = 0; i <= 16; ++i) line.push_back({0, 0, length * (i / 16.0 - 0.5)});
+        const bool hollow = random_.chance(0.5);
+        auto mesh = hollow ? geometry::shapes::vessel(line, 0.5 * radius, 0.5 * radius, {10, 2})
+                           : geometry::shapes::block({1.4 * radius, 1.4 * radius, length}, {4, 4, 16});
+        tissue_ = random_.logarithmic(2e3, 2e5);
+        def.material = physics::FemMaterial{.youngModulus = tissue_};
+        def.friction = friction_;
+        def.collision = {{.proximity = 0.1 * radius}};
+        std::map<long, std::vector<int>> sections; // by height
+        physics::AttachmentDef ends;
+        for (std::size_t i = 0; i < mesh->nodes.size(); ++i) {
+            const double z = mesh->nodes[i].z;
+            sections[std::lround(16.0 * z / length)].push_back(static_cast<int>(i));
+            if (std::abs(z) > 0.499 * length) ends.nodes.push_back(static_cast<int>(i));
+        }
+        def.attachments = {ends};
+        def.mesh = mesh;
+        FuzzLine axis{.body = scene_.bodies.size()};
+        for (const auto& [z, nodes] : sections) axis.sections.push_back(nodes);
+        scene_.lines.push_back(axis);
+        scene_.tissues.push_back(scene_.bodies.size());
+        scene_.bodies.emplace_back(def);
+    }
+    /// All hands wait until then [s].
+    void wait(double until)
+    {
+        for (FuzzHand& hand : scene_.hands) hand.until = until;
+    }
+    [[nodiscard]] std::size_t bodies() const { return scene_.bodies.size(); }
     /// A rigid rod along this axis, which moves as a hand does.
     void bar(Vec3 from, Vec3 to, double radius)
     {
@@ -86,6 +198,11 @@ public:
     }
 
 private:
+    /// [N/m] A tool's springs, relative to a thread of 200 radii.
+    double soft(double low, double high)
+    {
+        return random_.uniform(low, high) * modulus_ * std::numbers::pi * radius_ / 200.0;
+    }
     std::size_t hand(Vec3 place, double reach)
     {
         RigidBodyDef def{.elements = {Pose{place}}};
@@ -181,11 +298,61 @@ void makeTissue(SceneMaker& make, FuzzRandom& random)
     }
 }
 
+/// A needle draws its thread past, around and between threads that hands hold.
+void makeNeedleAmongThreads(SceneMaker& make, FuzzRandom& random)
+{
+    const double r = make.radius(), arc = random.uniform(15.0, 40.0) * r, half = 100.0 * r;
+    make.needle({0, 0.5 * arc, 0}, arc, random.uniform(1.0, 2.0) * r,
+                {{-20.0 * r, 10.0 * r, 0}, {-40.0 * r, 0, 20.0 * r}, {-120.0 * r, 0, 40.0 * r}});
+    const int count = 1 + random.below(2);
+    for (int i = 0; i < count; ++i) { // under the arc, through it
+        const double y = (0.2 + 0.5 * i) * arc, lean = random.uniform(-20.0, 20.0) * r;
+        make.thread({{lean, y, -half}, {-lean, y, half}}, {0.0, 1.0});
+    }
+}
+
+/// Jaws hold a thread, or slip along it, and draw it about; another thread lies across it.
+void makeJawsOnThreads(SceneMaker& make, FuzzRandom& random)
+{
+    const double r = make.radius(), half = random.uniform(80.0, 120.0) * r;
+    const std::size_t before = make.bodies();
+    const std::vector<double> held = random.chance(0.5) ? std::vector<double>{0.0, 1.0} : std::vector<double>{0.0};
+    make.thread({{-half, 0, 0}, {half, 0, 0}}, held);
+    const std::size_t thread = before + held.size();
+    if (random.chance(0.7)) make.thread({{40.0 * r, 4.0 * r, -half}, {40.0 * r, 4.0 * r, half}}, {0.0, 1.0});
+    make.jaws({random.uniform(-20.0, 20.0) * r, 0, 0}, thread);
+    make.wait(2.0 * kCloses);
+}
+
+/// A ring, or a thread that winds one and a half times, around a soft cylinder.
+void makeAround(SceneMaker& make, FuzzRandom& random)
+{
+    const double r = make.radius(), radius = random.uniform(15.0, 40.0) * r, wide = radius + 5.0 * r;
+    make.cylinder(radius, 400.0 * r);
+    std::vector<Vec3> points;
+    if (random.chance(0.5)) {
+        for (int k = 0; k < 32; ++k) {
+            const double angle = 2.0 * std::numbers::pi * k / 32;
+            points.push_back({wide * std::cos(angle), wide * std::sin(angle), 0.0});
+        }
+        make.thread(points, random.chance(0.5) ? std::vector<double>{0.0} : std::vector<double>{0.0, 0.5}, true);
+        return;
+    }
+    points.push_back({wide, -60.0 * r, -20.0 * r});
+    for (int k = 0; k <= 36; ++k) {
+        const double angle = 3.0 * std::numbers::pi * k / 36;
+        points.push_back({wide * std::cos(angle), wide * std::sin(angle), (k - 18) / 18.0 * 12.0 * r});
+    }
+    points.push_back({-wide, -60.0 * r, 20.0 * r});
+    make.thread(points, {0.0, 1.0});
+}
+
 } // namespace
 
 const char* name(KnotKind kind)
 {
-    constexpr std::array names{"threads", "rings", "overhand knot", "knot of throws", "bars", "tissue"};
+    constexpr std::array names{"threads", "rings",  "overhand knot", "knot of throws", "bars",
+                               "tissue",  "needle", "jaws",          "around tissue"};
     static_assert(names.size() == static_cast<std::size_t>(KnotKind::count_));
     return names[static_cast<std::size_t>(kind)];
 }
@@ -203,6 +370,12 @@ void FuzzHand::move(double time, double dt, FuzzRandom& random)
     if (left > 0.0) now.position += step / left * way;
     // A point at the end of a bar turns no faster than the hand moves.
     if (turns && step > 0.0) now.orientation = normalized(axisAngle(axis, 0.5 * step / reach) * now.orientation);
+}
+
+Pose FuzzHand::jaw(int which, double time) const
+{
+    const double part = std::clamp(time / kCloses, 0.0, 1.0), apart = opens + part * (closed - opens);
+    return now * Pose{{0, (which == 0 ? 0.5 : -0.5) * apart, 0}};
 }
 
 KnotScene knotScene(KnotKind kind, FuzzRandom& random)
@@ -227,6 +400,15 @@ KnotScene knotScene(KnotKind kind, FuzzRandom& random)
         break;
     case KnotKind::Tissue:
         makeTissue(make, random);
+        break;
+    case KnotKind::Needle:
+        makeNeedleAmongThreads(make, random);
+        break;
+    case KnotKind::Jaws:
+        makeJawsOnThreads(make, random);
+        break;
+    case KnotKind::Around:
+        makeAround(make, random);
         break;
     case KnotKind::count_:
         break;

@@ -2,10 +2,10 @@
 
 #include "filasofia/core/hash.h"
 #include "filasofia/core/text.h"
-#include "filasofia/engine/native_engine.h"
+#include "filasofia/engine/scene/find_body.h"
+#include "filasofia/engine/world.h"
 #include "filasofia/frame/frame.h"
 #include "filasofia/physics/defs.h"
-#include "filasofia/physics/physics_engine.h"
 #include "filasofia/testing/fuzz_random.h"
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace filasofia::testing {
 class FuzzStage {
 public:
     FuzzStage(const std::vector<physics::BodyDef>& bodies, double period)
-        : engine_(engine::makeNativeEngine({.period = period, .threads = 1}))
+        : engine_(std::make_unique<engine::World>(engine::NativeEngineDef{.period = period, .threads = 1}))
     {
         std::uint32_t attachment = 1;
         for (std::size_t i = 0; i < bodies.size(); ++i) {
@@ -41,6 +41,12 @@ public:
     }
     [[nodiscard]] const frame::Frame& frame() const { return frame_; }
     [[nodiscard]] std::uint64_t hash() const { return engine_->hash(); }
+    [[nodiscard]] physics::MechanicalEnergy energyOf(std::size_t body) const { return engine_->energyOf(idOf(body)); }
+    /// What the engine knows of a soft body that blades may have cut.
+    [[nodiscard]] const engine::SoftBody& soft(std::size_t body) const
+    {
+        return engine_->scene().soft[engine::findBody(engine_->scene(), idOf(body))->index];
+    }
     /// Whether every place and every velocity of the frame is a number.
     [[nodiscard]] bool isFinite() const
     {
@@ -56,7 +62,7 @@ public:
     }
 
 private:
-    std::unique_ptr<physics::PhysicsEngine> engine_;
+    std::unique_ptr<engine::World> engine_;
     std::vector<physics::Command> commands_;
     frame::Frame frame_;
 };
@@ -86,16 +92,17 @@ private:
     long all_ = 0;
 };
 
-/// Runs a scene, of the kind that its number gives; a second time, if the Def says so. A Run is made for a Def, a kind,
-/// a seed and a report, and its run() returns a hash.
-template <class Run, class Kind, class Def, class Report>
-void runScene(const Def& def, std::uint64_t index, Report& report, IterationCount& iterations, Hasher& all)
+/// Runs a scene, of the kind that its number gives, from the first one on; a second time, if the Def says so. A Run is
+/// made for a Def, a kind, a seed and a report, and its run() returns a hash.
+template <class Run, class Def, class Kind, class Report>
+void runScene(const Def& def, Kind first, std::uint64_t index, Report& report, IterationCount& iterations, Hasher& all)
 {
-    const auto kind = static_cast<std::size_t>(index % report.kinds.size());
-    auto& counts = report.kinds[kind];
+    const auto place = static_cast<std::size_t>(index % report.kinds.size());
+    const auto kind = static_cast<Kind>(static_cast<std::size_t>(first) + place);
+    auto& counts = report.kinds[place];
     const std::string called = text("scene ", index, " (", counts.name, ")");
     const auto runOnce = [&](Report& into, auto& kindCounts, IterationCount& its) {
-        return Run(def, static_cast<Kind>(kind), seedOfScene(def.seed, index), into).run(kindCounts, its, called);
+        return Run(def, kind, seedOfScene(def.seed, index), into).run(kindCounts, its, called);
     };
     const std::uint64_t hash = runOnce(report, counts, iterations);
     all.add(hash);

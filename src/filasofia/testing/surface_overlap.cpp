@@ -68,36 +68,54 @@ std::vector<std::array<int, 2>> edgesOf(const PlacedSurface& surface)
     return {edges.begin(), edges.end()};
 }
 
+/// The boxes around triangles, and around all of them.
+struct TriangleBoxes {
+    std::vector<geometry::Box> each = {};
+    geometry::Box whole = {};
+};
+TriangleBoxes boxesOf(const PlacedSurface& surface)
+{
+    TriangleBoxes boxes;
+    for (const geometry::Triangle& each : surface.triangles) {
+        const Corner3 t = cornersOf(surface, each);
+        boxes.each.push_back({min(t.a, min(t.b, t.c)), max(t.a, max(t.b, t.c))});
+        boxes.whole = geometry::merged(boxes.whole, boxes.each.back());
+    }
+    return boxes;
+}
+
 /// Where an edge passes through a triangle.
 struct Pass {
     double at = 0.0; ///< [-] in (0, 1), along the edge
     std::size_t triangle = 0;
 };
 
+/// Where an edge passes through a surface, from its first end on.
+std::vector<Pass> passesOf(Vec3 p, Vec3 q, const PlacedSurface& surface, const TriangleBoxes& boxes)
+{
+    std::vector<Pass> found;
+    const geometry::Box around{min(p, q), max(p, q)};
+    if (!geometry::overlap(around, boxes.whole)) return found;
+    for (std::size_t t = 0; t < boxes.each.size(); ++t)
+        if (geometry::overlap(around, boxes.each[t]))
+            if (const auto at = passes(p, q, cornersOf(surface, surface.triangles[t]))) found.push_back({*at, t});
+    std::ranges::sort(found, {}, &Pass::at);
+    return found;
+}
+
 class Overlap {
 public:
     /// Measures the edges of `mine` in `other`.
     void measure(const PlacedSurface& mine, const PlacedSurface& other)
     {
-        std::vector<geometry::Box> boxes;
-        geometry::Box whole;
-        for (const geometry::Triangle& each : other.triangles) {
-            const Corner3 t = cornersOf(other, each);
-            boxes.push_back({min(t.a, min(t.b, t.c)), max(t.a, max(t.b, t.c))});
-            whole = geometry::merged(whole, boxes.back());
-        }
+        const TriangleBoxes boxes = boxesOf(other);
         for (const auto& [from, to] : edgesOf(mine)) {
             const Vec3 p = mine.vertices[static_cast<std::size_t>(from)];
             const Vec3 q = mine.vertices[static_cast<std::size_t>(to)];
-            const geometry::Box around{min(p, q), max(p, q)};
-            if (!geometry::overlap(around, whole)) continue;
-            std::vector<Pass> found;
-            for (std::size_t t = 0; t < boxes.size(); ++t)
-                if (geometry::overlap(around, boxes[t]))
-                    if (const auto at = passes(p, q, cornersOf(other, other.triangles[t]))) found.push_back({*at, t});
+            const std::vector<Pass> found = passesOf(p, q, other, boxes);
             if (found.empty()) continue;
             if (other.closed)
-                noteInside(p, q, std::move(found), other);
+                noteInside(p, q, found, other);
             else
                 noteBeyond(p, q, found, mine, other);
         }
@@ -111,9 +129,8 @@ public:
     }
 
 private:
-    void noteInside(Vec3 p, Vec3 q, std::vector<Pass> found, const PlacedSurface& other)
+    void noteInside(Vec3 p, Vec3 q, const std::vector<Pass>& found, const PlacedSurface& other)
     {
-        std::ranges::sort(found, {}, &Pass::at);
         if (isInside(p, other)) add(p, distanceTo(p, other));
         if (isInside(q, other)) add(q, distanceTo(q, other));
         for (std::size_t k = 0; k + 1 < found.size(); ++k) {
@@ -142,7 +159,66 @@ private:
     bool found_ = false;
 };
 
+/// A part of a line between two places where it passes through a surface, or its end.
+struct LinePart {
+    std::vector<Vec3> points = {};
+    double length = 0.0; ///< [m]
+};
+std::vector<LinePart> partsOf(std::span<const Vec3> line, const PlacedSurface& surface)
+{
+    const TriangleBoxes boxes = boxesOf(surface);
+    std::vector<LinePart> parts{{.points = {line.front()}}};
+    const auto goOn = [&](Vec3 to) {
+        parts.back().length += distance(parts.back().points.back(), to);
+        parts.back().points.push_back(to);
+    };
+    for (std::size_t i = 1; i < line.size(); ++i) {
+        for (const Pass& each : passesOf(line[i - 1], line[i], surface, boxes)) {
+            const Vec3 place = line[i - 1] + each.at * (line[i] - line[i - 1]);
+            goOn(place);
+            parts.push_back({.points = {place}});
+        }
+        goOn(line[i]);
+    }
+    return parts;
+}
+
+/// The point of a part that is farthest from the surface; between its ends if it has no other.
+LineOverlap farthest(const LinePart& part, const PlacedSurface& surface)
+{
+    LineOverlap out;
+    const auto consider = [&](Vec3 p) {
+        if (const double far = distanceTo(p, surface); far > out.depth) out = {far, p};
+    };
+    for (const Vec3 p : part.points) consider(p);
+    consider(0.5 * (part.points.front() + part.points[1]));
+    return out;
+}
+
 } // namespace
+
+std::optional<LineOverlap> overlapOf(std::span<const Vec3> line, const PlacedSurface& surface)
+{
+    const std::vector<LinePart> parts = partsOf(line, surface);
+    LineOverlap deepest;
+    if (!surface.closed) {
+        for (std::size_t i = 1; i < parts.size(); ++i) {
+            const LineOverlap before = farthest(parts[i - 1], surface), after = farthest(parts[i], surface);
+            if (std::min(before.depth, after.depth) > deepest.depth)
+                deepest = before.depth < after.depth ? before : after;
+        }
+        return parts.size() > 1 ? std::optional(deepest) : std::nullopt;
+    }
+    bool any = false;
+    for (const LinePart& part : parts) {
+        if (!isInside(0.5 * (part.points.front() + part.points[1]), surface)) continue;
+        any = true;
+        deepest.inside += part.length;
+        if (const LineOverlap here = farthest(part, surface); here.depth > deepest.depth)
+            deepest = {here.depth, here.place, deepest.inside};
+    }
+    return any ? std::optional(deepest) : std::nullopt;
+}
 
 std::optional<SurfaceOverlap> overlapOf(const PlacedSurface& a, const PlacedSurface& b)
 {

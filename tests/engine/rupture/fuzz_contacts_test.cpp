@@ -35,6 +35,17 @@ TEST_CASE("bodies that fall, are pressed and squeezed at random do nothing in si
     CHECK(report.silentOverlaps == 0);
 }
 
+TEST_CASE("blades, threads and needles at random do nothing in silence, the same every time", "[cases]")
+{
+    const ContactFuzzReport report =
+        fuzzContacts({.seed = 3, .scenes = 4, .calm = cases(500) * 1e-3, .tools = true, .twice = true});
+    CHECK(report.scenes == 4);
+    REQUIRE(report.kinds.size() == 4);
+    CHECK(report.kinds.front().name == "blade");
+    CHECK(report.sound());
+    for (const std::string& example : report.examples) WARN(example);
+}
+
 TEST_CASE("surfaces that contacts have lost at less depth than they follow are told")
 {
     // Two sheets passed through each other by 0.65 mm, and jaws through what they held by 0.58 mm, without a flag.
@@ -75,6 +86,31 @@ TEST_CASE("two bars that cross overlap by the depth of the edge between, though 
     const auto crossing = overlapOf(placed(*bar, {}), placed(*across, {0.0, 0.008, 0.0}));
     REQUIRE(crossing);
     CHECK(crossing->depth == Approx(0.002));
+}
+
+TEST_CASE("a line is as deep in a closed surface as its deepest point, and so long in it")
+{
+    const PlacedSurface box = placed(*geometry::shapes::box({0.1, 0.1, 0.1}), {});
+    const std::vector<Vec3> through{{-0.08, 0.046, 0.003}, {0.0, 0.044, 0.002}, {0.08, 0.046, 0.001}};
+    const auto found = overlapOf(through, box);
+    REQUIRE(found);
+    CHECK(found->depth == Approx(0.006));
+    CHECK(found->inside == Approx(0.1).epsilon(1e-3));
+    const auto within = overlapOf(std::vector<Vec3>{{-0.01, 0, 0.001}, {0.01, 0, 0.001}, {0.02, 0, 0.001}}, box);
+    REQUIRE(within);
+    CHECK(within->depth == Approx(0.049));
+    CHECK(within->inside == Approx(0.03));
+    CHECK_FALSE(overlapOf(std::vector<Vec3>{{-0.08, 0.051, 0}, {0.08, 0.051, 0}}, box));
+}
+
+TEST_CASE("a line that goes through a sheet is as deep as its end that reaches less far")
+{
+    const PlacedSurface sheet = placed(*geometry::shapes::sheet(0.1, 0.1, {4, 4}), {}, false);
+    const auto found =
+        overlapOf(std::vector<Vec3>{{0.011, 0.03, 0.007}, {0.011, 0.01, 0.007}, {0.011, -0.004, 0.007}}, sheet);
+    REQUIRE(found);
+    CHECK(found->depth == Approx(0.004));
+    CHECK_FALSE(overlapOf(std::vector<Vec3>{{0.011, 0.03, 0.007}, {0.011, 0.001, 0.007}}, sheet));
 }
 
 TEST_CASE("a corner that pokes through a sheet is as deep as it is beyond it")

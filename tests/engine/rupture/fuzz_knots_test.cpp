@@ -22,4 +22,17 @@ TEST_CASE("threads that are tied and pulled at random pass through nothing, and 
     for (const std::string& example : report.examples) WARN(example);
 }
 
+TEST_CASE("threads among needles and jaws and around tissue pass through nothing, and the same again", "[cases]")
+{
+    const testing::KnotFuzzReport report = testing::fuzzKnots(
+        {.seed = 1, .seconds = 6 * cases(2000) * 1e-3, .perScene = cases(2000) * 1e-3, .tools = true, .twice = true});
+    CHECK(report.scenes == 6);
+    REQUIRE(report.kinds.size() == 3);
+    CHECK(report.kinds.back().name == "around tissue");
+    if (cases(2000) == 2000) CHECK(report.linkingTests > 0); // a thread goes around tissue after a second or so
+    CHECK(report.mostContacts > 5);
+    CHECK(report.sound());
+    for (const std::string& example : report.examples) WARN(example);
+}
+
 } // namespace fuzz_knots_test

@@ -335,7 +335,8 @@ void keepContacts(const StepContext& context, const Coupling& coupling, Scene& s
     }
     for (physics::Intersection& each : context.report.intersections)
         for (const frame::Contact& contact : scene.contactReports)
-            if (std::minmax(contact.first, contact.second) == std::pair(each.first, each.second))
+            if (std::pair<BodyId, BodyId>(std::minmax(contact.first, contact.second)) ==
+                std::pair(each.first, each.second))
                 each.force += contact.normalForce;
     sortCache(scene.contacts);
     scene.sides = coupling.detection.sides;

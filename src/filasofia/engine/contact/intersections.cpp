@@ -20,7 +20,7 @@ constexpr double kShortest = 1e-5; // [s] it need not be tested more often than 
 // [m] As an upper bound on the motion between two tests. A tool of 3 mm that is driven through a sheet of 1 mm meets it
 // for 4 mm of its way.
 constexpr double kTravel = 2.5e-3;
-// [s] Between tests of a soft body that does not collide with itself against itself: of one that was cut, whose sides
+// [s] Between tests of a soft body that does not collide with itself against itself: one that was cut, whose sides
 // may part at any time, and of a whole one. Such a test takes as long as two steps: 0.8 ms with 3,000 tetrahedra.
 constexpr double kCutInterval = 0.1, kWholeInterval = 1.0;
 // Relative to the sum of the proximities: what passes right through a wall by less may be rounding.
@@ -159,7 +159,8 @@ private:
         for (std::size_t s = 0; s < added.size(); ++s)
             if (added[s] && isOne(owners_[s].name.body)) return Start;
         for (const auto& [one, two] : detection_.startedInside)
-            if (std::minmax(one.body, two.body) == std::pair(found.first, found.second)) return Start;
+            if (std::pair<BodyId, BodyId>(std::minmax(one.body, two.body)) == std::pair(found.first, found.second))
+                return Start;
         const auto hasMoved = [&](const IntersectionWatch::Told& each) {
             return isOne(each.surface.body) && scene_.time - each.moved < kMoved;
         };
