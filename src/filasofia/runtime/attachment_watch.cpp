@@ -4,11 +4,15 @@
 #include "filasofia/runtime/contact_watch.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace filasofia::runtime {
 namespace {
 
 constexpr std::size_t kMostLines = 12;
+
+/// Three digits after the point: times to a millisecond, forces to a millinewton.
+double thousandths(double value) { return std::round(1e3 * value) / 1e3; }
 
 /// The attachment as it is known: by its place in its body's Def, else by its number.
 std::string attachmentOf(AttachmentId id, BodyId body, const physics::PhysicsServer& physics)
@@ -76,10 +80,11 @@ std::vector<std::string> AttachmentWatch::broke(const physics::PhysicsServer& ph
         const std::string name =
             all.grasp ? text("'", nameOf(all.to, physics), "': grasp of '", nameOf(all.body, physics), "'")
                       : placeOf(all.id, all.body, all.to, physics);
-        const std::string until = each.last > each.first ? text(" to ", each.last, " s") : " s";
-        out.push_back(all.broken ? text(name, " broke at ", each.last, " s (", all.force, " N)")
-                                 : text(name, ": ", all.points, all.points == 1 ? " point" : " points", " let go at ",
-                                        each.first, until, " (at most ", all.force, " N)"));
+        const std::string until = each.last > each.first ? text(" to ", thousandths(each.last), " s") : " s";
+        out.push_back(all.broken
+                          ? text(name, " broke at ", thousandths(each.last), " s (", thousandths(all.force), " N)")
+                          : text(name, ": ", all.points, all.points == 1 ? " point" : " points", " let go at ",
+                                 thousandths(each.first), until, " (at most ", thousandths(all.force), " N)"));
     }
     return out;
 }
