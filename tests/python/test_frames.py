@@ -143,3 +143,22 @@ def test_a_callback_gets_no_old_frame_either():
     sim.step(20)
     assert all(seen) and len(seen) + len(refused) == 20
     assert refused and all("was not captured" in each for each in refused)
+
+
+def test_what_lets_go_is_an_event_a_report_and_a_line() -> None:
+    sim = fs.Simulation(gravity=(0, 0, 0), threads=1)
+    tool = sim.add(fs.RigidBodyDef(name="tool", mesh=fs.shapes.box((0.01, 0.01, 0.01)), elements=[(0, 0.04, 0)]))
+    held = fs.AttachmentDef(box=fs.Box((-1, -1, -1), (1, -0.0099, 1)))
+    torn = fs.AttachmentDef(box=fs.Box((-1, 0.0099, -1), (1, 1, 1)), to=tool, break_force=0.05)
+    block = sim.add(fs.SoftBodyDef(name="block", mesh=fs.shapes.block((0.02, 0.02, 0.02), (2, 2, 2)), attachments=[held, torn]))
+    told: list[fs.BreakEvent] = []
+    sim.on(fs.BreakEvent, told.append)
+    breaks: list[fs.AttachmentBreak] = []
+    for i in range(100):
+        sim.set_pose(tool, (0, 0.04 + 1e-4 * i, 0))
+        breaks += sim.step().breaks
+    assert len(breaks) == len(told) == 1
+    one = breaks[0]
+    assert (one.body, one.to, one.grasp, one.broken, one.points) == (block, tool, False, True, 9)
+    assert one.id == sim.attachments(block)[1] and one.force > 0.05
+    assert told[0].attachment.force == one.force
