@@ -11,8 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <numbers>
 
@@ -164,19 +162,6 @@ public:
             if (time > end - kCalmFor) fastest_ = std::max(fastest_, speed());
         }
         finish(counts, steps);
-        if (getenv("DBG"))
-            for (std::size_t b = 0; b < bodies_.size(); ++b) {
-                if (auto* sb = stage_.frame().softBody(FuzzStage::idOf(b))) {
-                    std::size_t w = 0;
-                    for (std::size_t i = 0; i < sb->velocities.size(); ++i)
-                        if (length(sb->velocities[i]) > length(sb->velocities[w])) w = i;
-                    std::fprintf(stderr,
-                                 "body %zu rod %d closed %d r? fastest node %zu of %zu: v (%g %g %g) at (%g %g %g)\n",
-                                 b + 1, bodies_[b].rod, bodies_[b].closed, w, sb->velocities.size(),
-                                 sb->velocities[w].x, sb->velocities[w].y, sb->velocities[w].z, sb->positions[w].x,
-                                 sb->positions[w].y, sb->positions[w].z);
-                }
-            }
         if (fastest_ > kCalmSpeed) say(text(1e3 * fastest_, " mm/s at the end"));
         return stage_.hash();
     }
@@ -315,13 +300,6 @@ private:
         line.insert(line.end(), after_[thread].begin(), after_[thread].end());
         const auto found = overlapOf(line, bodies_[tissue].surface);
         if (!found) return std::nullopt;
-        if (getenv("DBG")) {
-            std::fprintf(stderr, "inside %g depth %g", found->inside, found->depth);
-            for (auto& c : stage_.frame().channels)
-                std::fprintf(stderr, " [ch needle %u inside %u length %g through %d]", c.needle.value, c.inside.value,
-                             c.length, c.through);
-            std::fprintf(stderr, "\n");
-        }
         double beside = found->inside - kBesideChannels;
         for (const frame::Channel& each : stage_.frame().channels)
             if (each.tissue == FuzzStage::idOf(tissue)) beside -= each.length;
