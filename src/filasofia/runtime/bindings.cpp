@@ -45,13 +45,12 @@ void dropTextures(visual::Material& inside, const std::map<std::string, visual::
 }
 
 /// The attachment whose strands are to be drawn. Throws an Error that begins with `object` if it has none.
-AttachmentId strandsOf(BodyId id, const ShowDef& def, const physics::BodyDef& body,
+AttachmentId strandsOf(BodyId id, const StrandsDef& def, const physics::BodyDef& body,
                        const physics::PhysicsServer& physics, const std::string& object)
 {
     const auto* soft = std::get_if<physics::SoftBodyDef>(&body);
     if (!soft) fail(object, ": strands need a soft body");
-    if (loadSurface(def.surface, object)) fail(object, ": surface must be empty if strands are given");
-    const auto index = static_cast<std::size_t>(def.strands->attachment);
+    const auto index = static_cast<std::size_t>(def.attachment);
     if (index >= soft->attachments.size())
         fail(object, ": strands.attachment must be in [0, ", soft->attachments.size(), "), got ", index);
     const physics::AttachmentDef& attachment = soft->attachments[index];
@@ -96,7 +95,8 @@ ShownId Bindings::show(BodyId id, const ShowDef& given, const physics::PhysicsSe
 
     std::vector<Binding> made;
     if (def.strands) {
-        const AttachmentId attachment = strandsOf(id, def, *body, physics, object);
+        if (surface) fail(object, ": surface must be empty if strands are given");
+        const AttachmentId attachment = strandsOf(id, *def.strands, *body, physics, object);
         const auto& soft = std::get<physics::SoftBodyDef>(*body);
         made.push_back({.id = id,
                         .name = soft.name,

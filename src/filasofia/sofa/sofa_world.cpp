@@ -190,11 +190,7 @@ void SofaWorld::advance(double dt, const Now& now, physics::StepReport& report)
     const bool failed = !attempt("SOFA: a step ended with an exception", [&] { move(dt); });
     readConstraints(failed, dt, report);
     report.intersections = intersections_;
-    for (physics::Intersection& each : report.intersections)
-        for (const FoundContact& found : scene_.contacts)
-            if (std::pair<BodyId, BodyId>(std::minmax(found.contact.first, found.contact.second)) ==
-                std::pair(each.first, each.second))
-                each.force += found.contact.normalForce;
+    for (const FoundContact& each : scene_.contacts) physics::addForce(each.contact, report.intersections);
     if (!intersections_.empty()) report.set(physics::StepFlag::Intersecting);
     if (putBack(failed, before)) report.set(physics::StepFlag::Undone);
     const std::vector<PointForce> forces = forcesOn(scene_);

@@ -1,6 +1,7 @@
 #include "filasofia/testing/fuzz_contact_maker.h"
 
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/testing/fuzz_blade.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,16 +15,6 @@ using physics::RigidBodyDef;
 using physics::SoftBodyDef;
 
 constexpr double kRests = 0.3; ///< [s] at the start, before tools move
-
-/// A blade: a rectangle whose leading edge is the x axis and which trails along -y.
-std::shared_ptr<const geometry::TriangleMesh> knife(double size)
-{
-    const double half = 1.5 * size;
-    return std::make_shared<const geometry::TriangleMesh>(
-        geometry::TriangleMesh{.vertices = {{-half, 0, 0}, {half, 0, 0}, {half, -2 * half, 0}, {-half, -2 * half, 0}},
-                               .triangles = {{0, 1, 2}, {0, 2, 3}},
-                               .uv = {}});
-}
 
 /// Holds the last body at what is now in a box.
 void hold(ContactScene& scene, Vec3 low, Vec3 high)
@@ -84,13 +75,12 @@ void makeBlade(ContactSceneMaker& make, FuzzRandom& random, ContactScene& scene)
     const Vec3 across =
         normalized(cross(along, std::abs(dot(along, other)) > 0.9 ? Vec3{along.y, along.z, along.x} : other));
     const Vec3 normal = cross(across, along);
-    const Quat turn =
-        toQuat(Mat3{{{across.x, along.x, normal.x}, {across.y, along.y, normal.y}, {across.z, along.z, normal.z}}});
+    const Quat turn = frameOf(across, along);
     const Vec3 through = middle + 0.3 * size * random.uniform(-1.0, 1.0) * normal;
     const Vec3 outside = through - 1.8 * size * along;
     const double beyond = size * (random.chance(0.6) ? 1.8 : random.uniform(-0.4, 0.6));
     RigidBodyDef blade{.name = "blade", .elements = {{outside, turn}}};
-    blade.collision = {{.mesh = knife(size), .proximity = 0, .cutting = true}};
+    blade.collision = {{.mesh = bladeOf(size), .proximity = 0, .cutting = true}};
     ToldBody told{.body = scene.bodies.size(), .keys = {{0.0, {outside, turn}}, {kRests, {outside, turn}}}};
     const double speed = random.logarithmic(0.05, 1.0);
     go(told, through + beyond * along, speed);

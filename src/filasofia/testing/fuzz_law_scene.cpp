@@ -1,6 +1,7 @@
 #include "filasofia/testing/fuzz_law_scene.h"
 
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/testing/fuzz_blade.h"
 #include "filasofia/testing/fuzz_law_tissue.h"
 
 #include <algorithm>
@@ -18,23 +19,6 @@ constexpr double kGap = 1e-3;                         ///< [m] between bodies at
 constexpr double kStride = 0.05, kBladeStride = 0.15; ///< [-] the longest way of a tool in a step, over the body's size
 constexpr std::size_t kTissue = 1;                    ///< index of the body that tools act on
 constexpr double kLargeChance = 0.01;                 ///< [-] for a body that several threads share
-
-/// A blade: a rectangle whose leading edge is the x axis and which trails along -y.
-std::shared_ptr<const geometry::TriangleMesh> bladeOf(double size)
-{
-    const double half = 1.5 * size;
-    return std::make_shared<const geometry::TriangleMesh>(
-        geometry::TriangleMesh{.vertices = {{-half, 0, 0}, {half, 0, 0}, {half, -2 * half, 0}, {-half, -2 * half, 0}},
-                               .triangles = {{0, 1, 2}, {0, 2, 3}},
-                               .uv = {}});
-}
-
-/// The rotation that takes x and y to these directions, which are perpendicular.
-Quat frameOf(Vec3 x, Vec3 y)
-{
-    const Vec3 z = cross(x, y);
-    return toQuat(Mat3{{{x.x, y.x, z.x}, {x.y, y.y, z.y}, {x.z, y.z, z.z}}});
-}
 
 class LawSceneMaker {
 public:

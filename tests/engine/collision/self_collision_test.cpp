@@ -1,10 +1,8 @@
+#include "engine/collision/pair_minima.h"
 #include "engine/collision/scene.h"
 
 #include "filasofia/engine/body/collision_model.h"
-#include "filasofia/engine/collision/edge_edge.h"
 #include "filasofia/engine/collision/element_pairs.h"
-#include "filasofia/engine/collision/point_feature.h"
-#include "filasofia/engine/collision/surface_pair.h"
 #include "filasofia/geometry/shapes.h"
 
 #include <cmath>
@@ -116,16 +114,6 @@ std::set<std::uint64_t> featuresOf(const std::vector<Proximity>& found)
     return out;
 }
 
-/// What the points of two elements of a surface find on each other.
-std::vector<PointMinimum> pointMinima(const SurfacePair& meeting, std::array<int, 2> pair)
-{
-    std::vector<PointMinimum> found;
-    for (const int side : {0, 1})
-        for (const int v : meeting.sides[0]->shape->elements[pair[side]].ownVertices)
-            if (v >= 0) collidePoint(meeting, 0, v, pair[1 - side], found);
-    return found;
-}
-
 } // namespace
 
 TEST_CASE("the lips of a slit collide with each other, though they lie on each other at rest")
@@ -224,11 +212,7 @@ TEST_CASE("pairs of a surface's own elements that do not face each other have no
                 continue;
             }
             ++dropped;
-            std::vector<Proximity> edges;
-            for (const int a : surface.shape->elements[pair[0]].ownEdges)
-                for (const int b : surface.shape->elements[pair[1]].ownEdges)
-                    if (a >= 0 && b >= 0) collideEdges(meeting, a, b, edges);
-            lost += edges.size();
+            lost += edgesThatMeet(meeting, pair).size();
             for (const PointMinimum& m : pointMinima(meeting, pair)) {
                 CAPTURE(round, pair, m.point, m.proximity.gap);
                 const auto& there = m.proximity.vertices[1];
@@ -252,10 +236,8 @@ TEST_CASE("edges of a solid that meet are those that a test without its normals 
         const CollisionSurface& surface = scene.surfaces[0];
         const SurfacePair meeting{{&surface, &surface}, {0, 0}, kStepsAhead * scene.dt};
         std::vector<Proximity> all;
-        for (const auto& [i, k] : scene.scratch.elementPairs)
-            for (const int a : surface.shape->elements[static_cast<std::size_t>(i)].ownEdges)
-                for (const int b : surface.shape->elements[static_cast<std::size_t>(k)].ownEdges)
-                    if (a >= 0 && b >= 0) collideEdges(meeting, a, b, all);
+        for (const std::array<int, 2>& pair : scene.scratch.elementPairs)
+            for (const Proximity& each : edgesThatMeet(meeting, pair)) all.push_back(each);
         CHECK(featuresOf(scene.found) == featuresOf(all));
         met += all.size();
     }

@@ -1,9 +1,7 @@
+#include "engine/collision/pair_minima.h"
 #include "engine/collision/scene.h"
 
-#include "filasofia/engine/collision/edge_edge.h"
 #include "filasofia/engine/collision/element_pairs.h"
-#include "filasofia/engine/collision/point_feature.h"
-#include "filasofia/engine/collision/surface_pair.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/geometry/surface.h"
 
@@ -82,16 +80,8 @@ TEST_CASE("pairs that are left out as sides of a wall have nothing to find, and 
                 if (tested.contains(pair)) continue;
                 if (!(wallBetween(surface.plates[pair[0]], surface.plates[pair[1]]) > 0.0f)) continue;
                 ++dropped;
-                std::vector<Proximity> edges;
-                for (const int a : surface.shape->elements[pair[0]].ownEdges)
-                    for (const int b : surface.shape->elements[pair[1]].ownEdges)
-                        if (a >= 0 && b >= 0) collideEdges(meeting, a, b, edges);
-                lost += edges.size();
-                std::vector<PointMinimum> points;
-                for (const int side : {0, 1})
-                    for (const int v : surface.shape->elements[pair[side]].ownVertices)
-                        if (v >= 0) collidePoint(meeting, 0, v, pair[1 - side], points);
-                for (const PointMinimum& each : points)
+                lost += edgesThatMeet(meeting, pair).size();
+                for (const PointMinimum& each : pointMinima(meeting, pair))
                     CHECK((each.proximity.gap < 0.0 || !each.facing || each.proximity.gap >= each.range));
             }
         }

@@ -10,6 +10,7 @@
 #include "filasofia/engine/contact/starts_inside.h"
 #include "filasofia/engine/contact/turned_contact.h"
 #include "filasofia/engine/contact/warm_start.h"
+#include "filasofia/physics/intersection_force.h"
 
 #include <algorithm>
 #include <cmath>
@@ -333,11 +334,7 @@ void keepContacts(const StepContext& context, const Coupling& coupling, Scene& s
         CachedContact& cached = scene.contacts.emplace_back(contact.cached);
         cached.force = 1.0 / dt * inWorld(constraint.frame, constraint.multiplier);
     }
-    for (physics::Intersection& each : context.report.intersections)
-        for (const frame::Contact& contact : scene.contactReports)
-            if (std::pair<BodyId, BodyId>(std::minmax(contact.first, contact.second)) ==
-                std::pair(each.first, each.second))
-                each.force += contact.normalForce;
+    for (const frame::Contact& each : scene.contactReports) physics::addForce(each, context.report.intersections);
     sortCache(scene.contacts);
     scene.sides = coupling.detection.sides;
 }
