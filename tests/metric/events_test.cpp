@@ -104,6 +104,11 @@ TEST_CASE("blood lost is the sum over bodies and over what they lost between res
     CHECK(*measured("blood_lost", session).moment == 2.0);
     CHECK(number("blood_lost", withEvents({{1.0, EventKind::Blood, "liver", 0.0}})) == 0.0);
     CHECK(reason("blood_lost", withEvents({})) == "the case has no body that can bleed");
+    const Session wet = withEvents({{1.0, EventKind::Deficit, "fluid", 3e-6},
+                                    {2.0, EventKind::Deficit, "fluid", 9e-6},
+                                    {3.0, EventKind::Deficit, "fluid", 7e-6}});
+    CHECK(number("fluid_deficit", wet) == 9e-6); // the cavity gives back what had stretched it
+    CHECK(reason("fluid_deficit", withEvents({})) == "no fluid distends a cavity");
 }
 
 TEST_CASE("what electrodes did is the sum over them, in air and in all, between resets")

@@ -169,6 +169,14 @@ TEST_CASE("a force bar shows the weight of what lies on a body, and counts warni
     CHECK_THROWS_WITH(ForceBar(sim, {.bodies = {weight}, .warning = 3.0}), Catch::Contains("full must be > warning"));
 }
 
+TEST_CASE("a panel of fluid needs a fluid")
+{
+    Simulation sim;
+    CHECK_THROWS_WITH(FluidPanel(sim), Catch::Contains("distension: there is none"));
+    sim.addDistension({.room = Box{{-1, -1, -1}, {1, 1, 1}}});
+    CHECK_NOTHROW(FluidPanel(sim));
+}
+
 TEST_CASE("guidance, bar and screens draw names of any length and content without an error")
 {
     Simulation sim;

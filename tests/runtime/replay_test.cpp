@@ -133,7 +133,14 @@ TEST_CASE("every event of a scene comes back from its recording")
     const auto opening = roundTrip(SceneExtracted{{.place = {1, 2, 3}, .flow = 1e-4, .body = BodyId{3}, .source = 2}});
     CHECK((opening.command.place == Vec3{1, 2, 3} && opening.command.flow == 1e-4 && opening.command.source == 2));
     CHECK(opening.command.body == BodyId{3});
-    STATIC_REQUIRE(std::variant_size_v<SceneEvent> == 18);
+    const auto fluid = roundTrip(
+        SceneDistension{{.room = Box{{0, 0, 0}, {1, 2, 3}}, .pressure = 9e3, .up = Vec3{0, 0, 2}}, {0, 0, -9.81}});
+    CHECK((fluid.def.room.high == Vec3{1, 2, 3} && fluid.def.pressure == 9e3 && fluid.gravity.z == -9.81));
+    CHECK(std::isinf(fluid.def.leakResistance));
+    CHECK((fluid.def.up && *fluid.def.up == Vec3{0, 0, 2}));
+    const auto turned = roundTrip(SceneDistended{{.outflow = 0.5}}).command;
+    CHECK((!turned.pressure && !turned.inflow && turned.outflow && *turned.outflow == 0.5));
+    STATIC_REQUIRE(std::variant_size_v<SceneEvent> == 20);
 }
 
 TEST_CASE("fields that materials got later are in a recording if they are set, and may be missing")

@@ -34,6 +34,8 @@ const DefTable& table()
         out.add<surface::DuctDef>();
         out.add<surface::SmokeDef>();
         out.add<surface::Extract>();
+        out.add<surface::DistensionDef>();
+        out.add<surface::Distend>();
         out.add<prefab::ClipApplierDef>();
         out.add<prefab::KnotDef>();
         out.add<prefab::SpecimenBagDef>();

@@ -107,6 +107,8 @@ void bindEvents(nb::module_& module)
         .def_ro("change", &runtime::ClipEvent::change);
     eventClass<runtime::BreakEvent>(module, "BreakEvent", "Points of an attachment or a grasp let go.")
         .def_ro("attachment", &runtime::BreakEvent::attachment);
+    eventClass<runtime::DistensionEvent>(module, "DistensionEvent", "What has become of the fluid in a cavity.")
+        .def_ro("balance", &runtime::DistensionEvent::balance);
     eventClass<runtime::FileFailedEvent>(module, "FileFailedEvent", "A file that the run writes takes no more data.")
         .def_ro("problem", &runtime::FileFailedEvent::problem);
     eventClass<event::PhysicsUpdateEvent>(module, "PhysicsUpdateEvent", "A step is done.");
@@ -124,6 +126,7 @@ std::size_t alternativeOf(nb::handle given)
                                   nb::type<runtime::DuctEvent>(),
                                   nb::type<runtime::ClipEvent>(),
                                   nb::type<runtime::BreakEvent>(),
+                                  nb::type<runtime::DistensionEvent>(),
                                   nb::type<runtime::FileFailedEvent>(),
                                   nb::type<event::PhysicsUpdateEvent>()};
     static_assert(std::size(classes) == std::variant_size_v<Arrived>);
@@ -131,7 +134,8 @@ std::size_t alternativeOf(nb::handle given)
         if (given.is(classes[i])) return i;
     throw nb::type_error(
         text("on: the event must be ContactEvent, CutEvent, TearEvent, IntersectionEvent, BleedingEvent, "
-             "BurnEvent, EnergyEvent, DuctEvent, ClipEvent, BreakEvent, FileFailedEvent or PhysicsUpdateEvent, got ",
+             "BurnEvent, EnergyEvent, DuctEvent, ClipEvent, BreakEvent, DistensionEvent, FileFailedEvent or "
+             "PhysicsUpdateEvent, got ",
              shown(given))
             .c_str());
 }

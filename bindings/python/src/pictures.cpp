@@ -255,6 +255,24 @@ void addPictures(nb::class_<HeldSimulation>& sim)
         nb::sig("def smoke_between(self, begin: collections.abc.Sequence[float], end: collections.abc.Sequence[float]) "
                 "-> float"),
         "The optical depth of the smoke on a straight way: exp(-depth) of the light passes.");
+    sim.def(
+        "add_distension",
+        [](HeldSimulation& self, nb::handle def) {
+            const auto read = readDef<surface::DistensionDef>(def, "add_distension");
+            usable(self, "add_distension").simulation().addDistension(read);
+        },
+        nb::arg("distension").none(), nb::sig("def add_distension(self, distension: filasofia.DistensionDef) -> None"),
+        "A fluid distends a cavity.");
+    sim.def(
+        "distend",
+        [](HeldSimulation& self, nb::handle command) {
+            usable(self, "distend").simulation().distend(readDef<surface::Distend>(command, "distend"));
+        },
+        nb::arg("command").none(), nb::sig("def distend(self, command: filasofia.Distend) -> None"),
+        "Turns pump and taps of the distension.");
+    sim.def(
+        "distension", [](HeldSimulation& self) { return usable(self, "distension").simulation().distension(); },
+        nb::sig("def distension(self) -> filasofia.DistensionBalance"), "What has become of the fluid.");
     sim.def("_render", &render);
     sim.def("_render_depth", &renderDepth);
     sim.def("_open_viewer", &openViewer);

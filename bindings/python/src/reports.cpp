@@ -257,6 +257,23 @@ void bindRun(nb::module_& module)
     nb::class_<SmokeBalance>(module, "SmokeBalance", "What became of the smoke of a simulation.")
         .def_ro("smoke", &SmokeBalance::smoke)
         .def_ro("steam", &SmokeBalance::steam, "droplets of condensed steam");
+    using surface::DistensionBalance;
+    nb::class_<DistensionBalance>(module, "DistensionBalance", "What became of the fluid that distends a cavity.")
+        .def_ro("at_start", &DistensionBalance::atStart, "[m^3]")
+        .def_ro("in_", &DistensionBalance::in, "[m^3], from bag or pump")
+        .def_ro("bled", &DistensionBalance::bled, "[m^3], blood that welled into it")
+        .def_ro("out", &DistensionBalance::out, "[m^3], through the outflow, blood among it")
+        .def_ro("lost", &DistensionBalance::lost, "[m^3], through leaks and into vessels")
+        .def_ro("volume", &DistensionBalance::volume, "[m^3], now")
+        .def_ro("blood", &DistensionBalance::blood, "[m^3], in it now")
+        .def_ro("pressure", &DistensionBalance::pressure, "[Pa], now, above that outside")
+        .def_ro("inflow", &DistensionBalance::inflow, "[m^3/s], now")
+        .def_ro("outflow", &DistensionBalance::outflow, "[m^3/s], now")
+        .def_ro("gas_formed", &DistensionBalance::gasFormed, "[m^3], of all bubbles")
+        .def_ro("gas", &DistensionBalance::gas, "[m^3], of bubbles now")
+        .def_ro("beyond_limit", &DistensionBalance::beyondLimit, "the deficit is, or was, above the limit")
+        .def_prop_ro("deficit", &surface::deficit, "[m^3], what went in and did not come out")
+        .def_prop_ro("blood_share", &surface::bloodShare, "[-], share of blood in the fluid");
     using surface::DuctBalance;
     nb::class_<DuctBalance>(module, "DuctBalance", "What flows in a duct.")
         .def_prop_ro(

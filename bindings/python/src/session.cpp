@@ -230,6 +230,8 @@ void Session::collect(std::size_t alternative, bool on)
     case 9:
         return observe<runtime::BreakEvent>(alternative);
     case 10:
+        return observe<runtime::DistensionEvent>(alternative);
+    case 11:
         return observe<runtime::FileFailedEvent>(alternative);
     default:
         return observe<event::PhysicsUpdateEvent>(alternative);

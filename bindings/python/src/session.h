@@ -18,10 +18,10 @@
 namespace filasofia::python {
 
 /// An event on its way to Python.
-using Arrived =
-    std::variant<runtime::ContactEvent, runtime::CutEvent, runtime::TearEvent, runtime::IntersectionEvent,
-                 runtime::BleedingEvent, runtime::BurnEvent, runtime::EnergyEvent, runtime::DuctEvent,
-                 runtime::ClipEvent, runtime::BreakEvent, runtime::FileFailedEvent, event::PhysicsUpdateEvent>;
+using Arrived = std::variant<runtime::ContactEvent, runtime::CutEvent, runtime::TearEvent, runtime::IntersectionEvent,
+                             runtime::BleedingEvent, runtime::BurnEvent, runtime::EnergyEvent, runtime::DuctEvent,
+                             runtime::ClipEvent, runtime::BreakEvent, runtime::DistensionEvent,
+                             runtime::FileFailedEvent, event::PhysicsUpdateEvent>;
 
 /// A simulation and its run, shared by the object that Python holds and the frames that Python holds. It knows nothing
 /// of Python and never takes the interpreter's lock.

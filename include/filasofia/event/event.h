@@ -31,6 +31,7 @@ enum class EventType : std::uint8_t {
     Duct,
     Clip,
     Break,
+    Distension,
     FileFailed,
     Device,
     Controller,
@@ -39,7 +40,7 @@ enum class EventType : std::uint8_t {
     Custom3,
     Custom4,
 };
-inline constexpr std::size_t kEventTypes = 25;
+inline constexpr std::size_t kEventTypes = 26;
 
 /// The enumerator's name, such as "PhysicsUpdate".
 std::string_view name(EventType type);

@@ -50,6 +50,7 @@ enum class EventKind {
     Activation,  ///< an electrode has been active for so long since then; amount: [s]
     InAir,       ///< for so long in this it touched no tissue; amount: [s]
     Leak,        ///< so much has flowed out of a cut duct since it was added or reset; amount: [m^3]
+    Deficit,     ///< so much more fluid has flowed into a cavity than out of it since it was added; amount: [m^3]
     Clip,        ///< a clip was closed on tissue
     ClipLost,    ///< a clip was closed on nothing, and fell
     ClipSlipped, ///< a clip was pulled off, or its tissue was removed

@@ -55,4 +55,16 @@ private:
     std::shared_ptr<Impl> impl_;
 };
 
+/// Shows the fluid that distends a cavity: pressure, flows, deficit, red if it is above its limit, and whether blood
+/// clouds it.
+class FluidPanel {
+public:
+    /// Construct it before a run, after Simulation::addDistension(): Error without a fluid.
+    explicit FluidPanel(runtime::Simulation& simulation);
+
+private:
+    struct Impl;
+    std::shared_ptr<Impl> impl_;
+};
+
 } // namespace filasofia::prefab

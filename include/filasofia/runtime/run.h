@@ -3,6 +3,7 @@
 #include "filasofia/core/fields.h"
 #include "filasofia/physics/step.h"
 #include "filasofia/runtime/timing.h"
+#include "filasofia/surface/distension_def.h"
 #include "filasofia/surface/duct_def.h"
 #include "filasofia/surface/electrode_def.h"
 #include "filasofia/surface/smoke_def.h"
@@ -167,7 +168,8 @@ struct RunReport {
     std::vector<EnergyReport> energy;                ///< one per electrode, in the order in which they were added
     std::vector<DuctReport> ducts;                   ///< one per duct, in the order in which they were added
     std::optional<surface::SmokeBalance> smoke = {}; ///< if there is a room for it
-    physics::ClipReport clips = {};                  ///< in all steps
+    std::optional<surface::DistensionBalance> distension = {}; ///< if a fluid distends a cavity
+    physics::ClipReport clips = {};                            ///< in all steps
     std::uint64_t nothingChanged = 0; ///< [-], steps with a SetTissue that found no element (StepFlag::NothingChanged)
     std::vector<std::string> nothingHeld; ///< one line per attachment or grasp that held nothing; after 12 a count
     /// One line per attachment or grasp of which points let go, with the time; after 12 a count

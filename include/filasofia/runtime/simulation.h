@@ -10,6 +10,7 @@
 #include "filasofia/runtime/clip_event.h"
 #include "filasofia/runtime/contact_event.h"
 #include "filasofia/runtime/device_event.h"
+#include "filasofia/runtime/distension_event.h"
 #include "filasofia/runtime/duct_event.h"
 #include "filasofia/runtime/energy_event.h"
 #include "filasofia/runtime/file_failed_event.h"
@@ -167,6 +168,15 @@ public:
     /// The optical depth [-] of the smoke on the straight way between two points: exp(-depth) of the light passes.
     /// Error if there is no room for it, or if a point is not finite.
     [[nodiscard]] double smokeBetween(Vec3 from, Vec3 to) const;
+    /// A fluid distends a cavity: see surface::DistensionDef. What bleeds clouds it, electrodes make bubbles in it, and
+    /// pictures show both. Error if the simulation has one or smoke already, or if a field is wrong.
+    void addDistension(const surface::DistensionDef& def);
+    /// Turns its pump and taps, from its next step on. Error if there is none, or if a field is wrong.
+    void distend(const surface::Distend& command);
+    /// The Error that distend() would throw, without its effect.
+    void checkDistend(const surface::Distend& command) const;
+    /// What has become of the fluid, up to its last step. Error if there is none.
+    [[nodiscard]] surface::DistensionBalance distension() const;
     /// What has become of its blood, up to the last step of the film that has ended.
     [[nodiscard]] surface::BloodBalance blood(BodyId id) const;
     /// What has become of its heat, and how much of it is burnt, up to the last step of the heat that has ended.
@@ -190,8 +200,8 @@ public:
     [[nodiscard]] bool paused() const; ///< in the last step
     /// Makes one step if the simulation is paused.
     void singleStep();
-    /// Puts the bodies back to their start at the next step, removes all paint, blood, heat, burns and smoke, and
-    /// releases all pedals.
+    /// Puts the bodies back to their start at the next step, removes all paint, blood, heat, burns and smoke, releases
+    /// all pedals, and turns pump and taps of a distension back.
     void reset();
 
     /// The function is called on the main thread as soon as there is a visual server, in place of the look of the Def;

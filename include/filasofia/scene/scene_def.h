@@ -165,12 +165,12 @@ constexpr auto fields(const Activate*)
 }
 
 /// What a scene may command.
-using SceneCommand =
-    std::variant<physics::Attach, physics::AttachRigid, physics::Grasp, physics::ApplyClip, physics::Release,
-                 physics::RemovePiece, physics::RemoveBody, physics::SetForces, physics::SetWrench,
-                 physics::SetPressure, physics::SetFibreStress, physics::SetCavity, physics::SetCurvature,
-                 physics::SetCutting, physics::SetTissue, physics::SetGravity, SetMaterial, Treat, Activate,
-                 surface::Extract, physics::SetPose, physics::SetJoint, physics::SetHaptic, physics::Reset>;
+using SceneCommand = std::variant<physics::Attach, physics::AttachRigid, physics::Grasp, physics::ApplyClip,
+                                  physics::Release, physics::RemovePiece, physics::RemoveBody, physics::SetForces,
+                                  physics::SetWrench, physics::SetPressure, physics::SetFibreStress, physics::SetCavity,
+                                  physics::SetCurvature, physics::SetCutting, physics::SetTissue, physics::SetGravity,
+                                  SetMaterial, Treat, Activate, surface::Extract, surface::Distend, physics::SetPose,
+                                  physics::SetJoint, physics::SetHaptic, physics::Reset>;
 
 /// A command that physics gets once, in the step that ends at its time. An AttachmentId{n} in it means an attachment of
 /// the scene: the first ones are those of the bodies' Defs, in their order; the command that makes another one says its
@@ -197,6 +197,7 @@ struct SceneDef {
     std::vector<SceneView> views = {};     ///< they need a camera; none: the first camera fills the window
     std::optional<visual::EnvironmentDef> environment = {}; ///< it needs a camera; not given: the default one
     std::optional<surface::SmokeDef> smoke = {};            ///< the room that holds smoke; none: nothing smokes
+    std::optional<surface::DistensionDef> distension = {};  ///< a fluid that distends a cavity; it excludes smoke
     std::vector<SceneBody> bodies = {};
     std::vector<SceneInstrument> instruments = {}; ///< BodyIds of a scene count them after the bodies
     std::vector<SceneKnot> knots = {};             ///< that hands tie; none of their bodies has a number
@@ -218,6 +219,7 @@ constexpr auto fields(const SceneDef*)
                     field("views", &T::views, "views; none: the first camera fills the window"),
                     field("environment", &T::environment, "what lights the scene from all sides"),
                     field("smoke", &T::smoke, "the room that holds smoke; none: nothing smokes"),
+                    field("distension", &T::distension, "a fluid that distends a cavity"),
                     field("bodies", &T::bodies, "the bodies; one may name those before it"),
                     field("commands", &T::commands, "commands at their times"),
                     field("instruments", &T::instruments, "instruments, which come after the bodies"),

@@ -9,6 +9,7 @@
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/specimen_bag.h"
 #include "filasofia/prefab/task.h"
+#include "filasofia/surface/distension_def.h"
 #include "filasofia/surface/smoke_def.h"
 
 #include <optional>

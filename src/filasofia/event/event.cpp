@@ -43,6 +43,8 @@ std::string_view name(EventType type)
         return "Clip";
     case EventType::Break:
         return "Break";
+    case EventType::Distension:
+        return "Distension";
     case EventType::FileFailed:
         return "FileFailed";
     case EventType::Device:

@@ -168,6 +168,12 @@ constexpr Entry kEntries[] = {
       "the blood lost.",
       kOurs, Safety, kSafety},
      ductLeak},
+    {{"fluid_deficit", "Fluid deficit", Group::Safety, "m^3", Lower,
+      "The largest volume of fluid that had flowed into the distended cavity and not out of it, as the simulator "
+      "reports "
+      "it once per second.",
+      kOurs, Safety, kSafety},
+     fluidDeficit},
     {{"clips_placed", "Clips placed", Group::Safety, "-", Neither,
       "The number of clips that were closed on tissue, those among them that slipped off later.", kOurs, Unknown,
       kNotKnown},

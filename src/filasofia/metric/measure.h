@@ -57,6 +57,7 @@ Value unintendedCuts(const Material&);
 Value unintendedArea(const Material&);
 Value bloodLost(const Material&);
 Value ductLeak(const Material&);
+Value fluidDeficit(const Material&);
 Value clipsPlaced(const Material&);
 Value clipsLost(const Material&);
 Value clipsSlipped(const Material&);

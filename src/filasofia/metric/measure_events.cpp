@@ -126,6 +126,18 @@ Value unintendedArea(const Material& m)
 Value bloodLost(const Material& m) { return grown(m, EventKind::Blood, "the case has no body that can bleed"); }
 
 Value ductLeak(const Material& m) { return grown(m, EventKind::Leak, "the case has no duct"); }
+
+/// The largest: an outflow that is opened wide gives back what had stretched the cavity.
+Value fluidDeficit(const Material& m)
+{
+    const auto events =
+        eventsOf(m, [](const Event& event) { return event.kind == EventKind::Deficit && event.amount; });
+    if (events.empty()) return none("no fluid distends a cavity");
+    double most = 0.0; // [m^3]
+    for (const Event* event : events) most = std::max(most, *event->amount);
+    return found(most, std::nullopt);
+}
+
 Value clipsPlaced(const Material& m) { return count(m, EventKind::Clip, anyOf); }
 Value clipsLost(const Material& m) { return count(m, EventKind::ClipLost, anyOf); }
 Value clipsSlipped(const Material& m) { return count(m, EventKind::ClipSlipped, anyOf); }

@@ -20,6 +20,7 @@ constexpr std::array kKinds = {
     KindName{EventKind::Activation, "activation"},
     KindName{EventKind::InAir, "in_air"},
     KindName{EventKind::Leak, "leak"},
+    KindName{EventKind::Deficit, "deficit"},
     KindName{EventKind::Clip, "clip"},
     KindName{EventKind::ClipLost, "clip_lost"},
     KindName{EventKind::ClipSlipped, "clip_slipped"},

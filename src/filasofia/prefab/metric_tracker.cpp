@@ -450,6 +450,10 @@ MetricTracker::MetricTracker(runtime::Simulation& simulation, MetricTrackerDef d
             const std::string which = duct.duct == 0 ? "" : text(", duct ", duct.duct);
             happened(EventKind::Leak, duct.time, duct.body, duct.balance.lost, which);
         }),
+        simulation.on<runtime::DistensionEvent>([weak](const runtime::DistensionEvent& fluid) {
+            if (const auto impl = weak.lock())
+                impl->add({fluid.time, EventKind::Deficit, "fluid", surface::deficit(fluid.balance)});
+        }),
         simulation.on<runtime::ClipEvent>([happened](const runtime::ClipEvent& clip) {
             using enum physics::ClipChange::Kind;
             const auto kind = clip.change.kind;

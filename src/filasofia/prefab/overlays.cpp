@@ -129,6 +129,41 @@ ForceBar::ForceBar(runtime::Simulation& simulation, const ForceBarDef& def)
     simulation.show(visual::GuiDef{.name = "force", .renderCallback = [impl = impl_] { impl->draw(); }});
 }
 
+struct FluidPanel::Impl {
+    explicit Impl(runtime::Simulation& sim) : simulation(sim) { static_cast<void>(sim.distension()); }
+
+    void draw() const
+    {
+        constexpr double kMillilitres = 1e6, kPerMinute = 60.0 * kMillilitres, kMmHg = 133.322;
+        constexpr double kCloudy = 0.002; // [-], share of blood that is seen
+        const surface::DistensionBalance now = simulation.distension();
+        const ImVec2 screen = ImGui::GetIO().DisplaySize;
+        ImGui::SetNextWindowPos({screen.x - 12.0F, screen.y - 12.0F}, ImGuiCond_Always, {1.0F, 1.0F});
+        ImGui::SetNextWindowSizeConstraints({270.0F, 0.0F},
+                                            {270.0F, 200.0F}); // its words change from picture to picture
+        if (ImGui::Begin("fluid", nullptr, kPlain)) {
+            char words[96];
+            std::snprintf(words, sizeof words, "Fluid %.0f mmHg, in %.0f, out %.0f ml/min", now.pressure / kMmHg,
+                          now.inflow * kPerMinute, now.outflow * kPerMinute);
+            line(words);
+            if (now.beyondLimit) ImGui::PushStyleColor(ImGuiCol_Text, ImVec4(0.95F, 0.25F, 0.2F, 1.0F));
+            std::snprintf(words, sizeof words, "Deficit %.0f ml%s", surface::deficit(now) * kMillilitres,
+                          now.beyondLimit ? ": too much" : "");
+            line(words);
+            if (now.beyondLimit) ImGui::PopStyleColor();
+            if (surface::bloodShare(now) > kCloudy) line("Blood clouds it: open the outflow");
+        }
+        ImGui::End();
+    }
+
+    runtime::Simulation& simulation;
+};
+
+FluidPanel::FluidPanel(runtime::Simulation& simulation) : impl_(std::make_shared<Impl>(simulation))
+{
+    simulation.show(visual::GuiDef{.name = "fluid", .renderCallback = [impl = impl_] { impl->draw(); }});
+}
+
 double ForceBar::force() const { return impl_->mean; }
 double ForceBar::highest() const { return impl_->largest; }
 int ForceBar::warnings() const { return impl_->warnings; }

@@ -265,6 +265,18 @@ void Electrodes::touch(const frame::Frame& frame, const std::vector<Burnings::Su
             if (here.dt > 0.0) each.spent[here.body] = each.balance.active;
 }
 
+std::vector<Electrodes::Given> Electrodes::given(const frame::Frame& frame) const
+{
+    const std::lock_guard lock(mutex_);
+    std::vector<Given> out;
+    for (std::size_t i = 0; i < state_.all.size(); ++i) {
+        const Electrode& each = state_.all[i];
+        if (const auto ends = endsOf(each.def.tip, each.body, frame))
+            out.push_back({i, 0.5 * ((*ends)[0] + (*ends)[1]), each.def.power * each.balance.active});
+    }
+    return out;
+}
+
 bool Electrodes::tell(double time, Electrode& electrode, const Post& post)
 {
     const bool moved = electrode.told != electrode.active;

@@ -34,6 +34,15 @@ public:
     /// false if an event is lost.
     bool afterStep(std::uint64_t step, double time, physics::PhysicsServer& physics, Burnings& burnings,
                    const Post& post);
+    /// What an electrode has given since it was added or reset, whether to tissue or not.
+    struct Given {
+        std::size_t electrode = 0; ///< among all
+        Vec3 place = {};           ///< [m], the middle of its tip
+        double energy = 0.0;       ///< [J]
+    };
+    /// By all electrodes whose bodies the frame has. Any thread.
+    [[nodiscard]] std::vector<Given> given(const frame::Frame& frame) const;
+    [[nodiscard]] bool any() const { return any_; }
     /// After burnings.fill().
     void fill(RunReport& report, const Burnings& burnings) const;
     /// For saved states; between two steps.

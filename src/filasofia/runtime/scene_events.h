@@ -75,6 +75,13 @@ struct SceneSmoke {
 struct SceneExtracted {
     surface::Extract command = {};
 };
+struct SceneDistension {
+    surface::DistensionDef def = {};
+    Vec3 gravity = {}; ///< [m/s^2], against which bubbles rise
+};
+struct SceneDistended {
+    surface::Distend command = {};
+};
 /// All paint, blood, heat, burns and smoke are removed, and all pedals released.
 struct SceneCleaned {};
 
@@ -105,9 +112,10 @@ struct ScenePlaces {
     std::vector<StagePlace> lights = {};
 };
 
-using SceneEvent = std::variant<SceneBegan, SceneFile, SceneShown, SceneVisible, SceneMaterial, SceneUnshown,
-                                ScenePainted, SceneCleaned, SceneStage, ScenePlaces, SceneBled, SceneTreated,
-                                SceneBurnt, SceneElectrode, SceneActivated, SceneDuct, SceneSmoke, SceneExtracted>;
+using SceneEvent =
+    std::variant<SceneBegan, SceneFile, SceneShown, SceneVisible, SceneMaterial, SceneUnshown, ScenePainted,
+                 SceneCleaned, SceneStage, ScenePlaces, SceneBled, SceneTreated, SceneBurnt, SceneElectrode,
+                 SceneActivated, SceneDuct, SceneSmoke, SceneExtracted, SceneDistension, SceneDistended>;
 
 constexpr auto fields(const SceneBegan*)
 {
@@ -193,6 +201,16 @@ constexpr auto fields(const SceneSmoke*)
 constexpr auto fields(const SceneExtracted*)
 {
     return describe("SceneExtracted", field("command", &SceneExtracted::command, "an opening that sucks smoke away"));
+}
+constexpr auto fields(const SceneDistension*)
+{
+    using T = SceneDistension;
+    return describe("SceneDistension", field("def", &T::def, "a fluid that distends a cavity"),
+                    field("gravity", &T::gravity, "m/s^2", finite(), "against which bubbles rise"));
+}
+constexpr auto fields(const SceneDistended*)
+{
+    return describe("SceneDistended", field("command", &SceneDistended::command, "pump and taps that were turned"));
 }
 constexpr auto fields(const SceneCleaned*) { return describe("SceneCleaned"); }
 constexpr auto fields(const StageMaterial*)

@@ -116,6 +116,9 @@ void ScenePlayer::apply(const SceneActivated& activated)
 void ScenePlayer::apply(const SceneSmoke& smoke) { impl_.smoke.add(smoke.def, smoke.gravity); }
 void ScenePlayer::apply(const SceneExtracted& extracted) { impl_.smoke.extract(extracted.command, impl_.physics); }
 
+void ScenePlayer::apply(const SceneDistension& distension) { impl_.distension.add(distension.def, distension.gravity); }
+void ScenePlayer::apply(const SceneDistended& distended) { impl_.distension.apply(distended.command); }
+
 void ScenePlayer::afterStep()
 {
     if (!drawing_) return;

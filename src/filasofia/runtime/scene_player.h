@@ -40,6 +40,8 @@ private:
     void apply(const SceneDuct&) {} ///< nothing of it is drawn
     void apply(const SceneSmoke& smoke);
     void apply(const SceneExtracted& extracted);
+    void apply(const SceneDistension& distension);
+    void apply(const SceneDistended& distended);
     void apply(const SceneStage& stage);
     void apply(const ScenePlaces& places);
     [[nodiscard]] bool knows(const SceneEvent& event) const;

@@ -159,6 +159,7 @@ surface::DuctBalance Simulation::duct(BodyId id, int duct) const { return impl_-
 void Simulation::addSmoke(const surface::SmokeDef& def)
 {
     const Vec3 gravity = impl_->def.physics.gravity;
+    if (impl_->distension.any()) fail("smoke: a fluid distends a cavity, and nothing smokes in it");
     impl_->smoke.add(def, gravity);
     impl_->recordScene(SceneSmoke{def, gravity});
 }
@@ -170,6 +171,20 @@ void Simulation::extract(const surface::Extract& command)
 void Simulation::checkExtract(const surface::Extract& command) const { impl_->smoke.check(command, impl_->physics); }
 surface::SmokeBalance Simulation::smoke() const { return impl_->smoke.balance(); }
 double Simulation::smokeBetween(Vec3 from, Vec3 to) const { return impl_->smoke.depth(from, to); }
+void Simulation::addDistension(const surface::DistensionDef& def)
+{
+    if (impl_->smoke.any()) fail("distension: the simulation has a room for smoke, and nothing smokes in a fluid");
+    const Vec3 gravity = impl_->def.physics.gravity;
+    impl_->distension.add(def, gravity);
+    impl_->recordScene(SceneDistension{def, gravity});
+}
+void Simulation::distend(const surface::Distend& command)
+{
+    impl_->distension.apply(command);
+    impl_->recordScene(SceneDistended{command});
+}
+void Simulation::checkDistend(const surface::Distend& command) const { impl_->distension.check(command); }
+surface::DistensionBalance Simulation::distension() const { return impl_->distension.balance(); }
 surface::BloodBalance Simulation::blood(BodyId id) const { return impl_->bleedings.balance(id); }
 surface::HeatBalance Simulation::heat(BodyId id) const { return impl_->burnings.balance(id); }
 void Simulation::follow(visual::Transform& transform, BodyId id, const FollowDef& def)

@@ -35,6 +35,7 @@ Simulation::Impl::Impl(const SimulationDef& asked, std::unique_ptr<physics::Phys
     memories.add(electrodes.memory());
     memories.add(ducts.memory());
     memories.add(smoke.memory());
+    memories.add(distension.memory());
 }
 
 std::unique_ptr<physics::PhysicsEngine> Simulation::Impl::engineFor(const SimulationDef& def)
@@ -178,9 +179,20 @@ std::uint32_t Simulation::Impl::stepSurfaces(const physics::StepReport& report)
         now.stamp(*event);
         return events.tryPost(std::move(event));
     };
-    const bool all = stepSurfaces(report.step, report.time, burnt, bled, given);
+    bool all = stepSurfaces(report.step, report.time, burnt, bled, given);
+    all = postDistension() && all;
     changeHeatedTissue();
     return all ? 0u : kEventLost;
+}
+
+bool Simulation::Impl::postDistension()
+{
+    const auto told = distension.takeTold();
+    if (!told) return true;
+    auto event = std::make_unique<DistensionEvent>();
+    event->balance = *told;
+    now.stamp(*event);
+    return events.tryPost(std::move(event));
 }
 
 /// By commands, which the recording of physics has: a replay does without this.
@@ -202,6 +214,7 @@ bool Simulation::Impl::stepSurfaces(std::uint64_t step, double time, const Surfa
     bleedings.close(burnings.takeBurnt());
     smoke.afterStep(step, time, physics, burnings);
     const bool second = bleedings.afterStep(step, time, physics, bled);
+    distension.afterStep(step, time, physics, {bleedings, electrodes});
     return told && first && second;
 }
 
@@ -235,6 +248,7 @@ void Simulation::Impl::cleanSurfaces()
     electrodes.restart();
     ducts.restart();
     smoke.restart();
+    distension.restart();
 }
 
 void Simulation::Impl::treat(BodyId id, const surface::Treatment& treatment)
@@ -261,6 +275,7 @@ geometry::Box Simulation::Impl::boundsNow(visual::VisualServer& visual)
 void Simulation::Impl::dressScene(visual::VisualServer& visual, Framed framed)
 {
     smoke.showAgain();
+    distension.showAgain();
     for (const visual::GuiDef& gui : picture.guis) visual.add(gui);
     for (const auto& dress : picture.dresses) dress(visual);
     if (!picture.dresses.empty()) return;
@@ -286,6 +301,7 @@ void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
     bindings.addPending(visual);
     bindings.setFilms(bleedings.takeFilms(), burnings.takeFilms());
     if (const auto seen = smoke.takePicture()) visual.setSmoke(*seen);
+    distension.draw(visual);
     if (const frame::FrameRef frame = physics.latest()) bindings.update(*frame, physics, visual);
     journal.observe(visual, now.step());
 }
@@ -341,6 +357,7 @@ void Simulation::Impl::fill(RunReport& report) const
     electrodes.fill(report, burnings);
     ducts.fill(report);
     smoke.fill(report);
+    distension.fill(report);
     report.nothingHeld = counters.attachments().nothing(physics);
     report.broke = counters.attachments().broke(physics);
     report.bluntBlades = blades.lines();

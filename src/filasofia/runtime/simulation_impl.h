@@ -5,6 +5,7 @@
 #include "filasofia/runtime/camera_steering.h"
 #include "filasofia/runtime/clock.h"
 #include "filasofia/runtime/contact_watch.h"
+#include "filasofia/runtime/distended_cavity.h"
 #include "filasofia/runtime/ducts.h"
 #include "filasofia/runtime/electrodes.h"
 #include "filasofia/runtime/haptics.h"
@@ -47,6 +48,7 @@ struct Simulation::Impl {
     Electrodes electrodes;
     Ducts ducts;
     SmokeRoom smoke;
+    DistendedCavity distension;
     PictureSetup picture;
     CameraSteering steering;
     StepCallbacks everyStep;
@@ -100,6 +102,8 @@ struct Simulation::Impl {
     /// event is lost.
     bool stepSurfaces(std::uint64_t step, double time, const SurfaceLayers<surface::Burning>::Post& burnt,
                       const SurfaceLayers<surface::Bleeding>::Post& bled, const Electrodes::Post& given);
+    /// Posts what has become of the fluid, if it is time. Returns false if the event is lost.
+    bool postDistension();
     /// Changes the tissue that heat has denatured.
     void changeHeatedTissue();
     /// Lets ducts flow, closes the vessels at cut ends that clips shut, and posts their events. Returns StepFlag bits

@@ -24,6 +24,7 @@ public:
     void check(const surface::Extract& command, const physics::PhysicsServer& physics) const;
     /// Takes effect at the smoke's next step. Any thread. Error as Simulation::extract().
     void extract(const surface::Extract& command, const physics::PhysicsServer& physics);
+    [[nodiscard]] bool any() const { return any_; }
     [[nodiscard]] surface::SmokeBalance balance() const;  ///< any thread; Error without a room
     [[nodiscard]] double depth(Vec3 from, Vec3 to) const; ///< the same
     /// The air is clear, and nothing is extracted. Any thread.

@@ -185,6 +185,14 @@ std::string smokeLine(const surface::SmokeBalance& balance)
                 b.emitted * 1e6, b.inAir * 1e6, b.extracted * 1e6, b.vented * 1e6, b.settled * 1e6);
 }
 
+std::string distensionLine(const surface::DistensionBalance& b)
+{
+    return line(
+        "distension: %.1f ml in, %.1f ml out, %.1f ml lost, deficit %.1f ml%s, %.2f ml of blood, %.1f %% of it now",
+        b.in * 1e6, b.out * 1e6, b.lost * 1e6, surface::deficit(b) * 1e6, b.beyondLimit ? " (too high)" : "",
+        b.bled * 1e6, 100.0 * surface::bloodShare(b));
+}
+
 std::string clipsLine(const physics::ClipReport& clips)
 {
     std::string out = text("clips closed on tissue: ", clips.applied);
@@ -251,6 +259,7 @@ std::string summary(const RunReport& report)
     for (const HeatReport& heat : report.heat) out += heatLine(heat);
     for (const EnergyReport& energy : report.energy) out += energyLine(energy);
     if (report.smoke) out += smokeLine(*report.smoke);
+    if (report.distension) out += distensionLine(*report.distension);
     if (report.clips.applied + report.clips.missed > 0) out += clipsLine(report.clips);
     for (const DuctReport& duct : report.ducts) out += ductLine(duct);
     if (report.nothingChanged > 0)

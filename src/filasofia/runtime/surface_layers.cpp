@@ -155,6 +155,15 @@ template <class Layer> auto SurfaceLayers<Layer>::balance(BodyId id) const -> Ba
     return patient(id).balance;
 }
 
+template <class Layer> double SurfaceLayers<Layer>::told() const
+{
+    if (!any_) return 0.0;
+    const std::lock_guard lock(mutex_);
+    double sum = 0.0;
+    for (const auto& [id, each] : patients_) sum += Kind<Layer>::told(each.balance);
+    return sum;
+}
+
 template <class Layer> bool SurfaceLayers<Layer>::has(BodyId id) const
 {
     const std::lock_guard lock(mutex_);

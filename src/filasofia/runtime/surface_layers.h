@@ -34,6 +34,8 @@ public:
     void treat(BodyId id, const Command& command);
     /// After the last step of the layer that has ended. Any thread. Error if the body has none.
     [[nodiscard]] Balance balance(BodyId id) const;
+    /// Summed over all bodies: what is told of them, for blood what has welled [m^3]. Any thread.
+    [[nodiscard]] double told() const;
     /// Whether a body has this layer. Any thread.
     [[nodiscard]] bool has(BodyId id) const;
     /// All bodies are as they were added. Any thread.

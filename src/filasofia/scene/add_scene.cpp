@@ -81,6 +81,11 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
         } catch (const Error& error) {
             failAtPlace(scene.places, "smoke", error.what());
         }
+    if (scene.distension) try {
+            simulation.addDistension(*scene.distension);
+        } catch (const Error& error) {
+            failAtPlace(scene.places, "distension", error.what());
+        }
     for (const SceneBody& body : scene.bodies) try {
             ids.push_back(addBody(simulation, body, ids));
         } catch (const Error& error) {

@@ -40,6 +40,7 @@ struct TargetOf {
     Target operator()(const physics::SetPose& c) const { return {c.id, false}; }
     Target operator()(const physics::SetJoint& c) const { return {c.id, false}; }
     Target operator()(const physics::SetHaptic& c) const { return {c.id, false}; }
+    Target operator()(const surface::Distend&) const { return {}; }
     Target operator()(const physics::Reset&) const { return {}; }
     Target operator()(const physics::Release&) const { return {}; }
     Target operator()(const physics::SetGravity&) const { return {}; }
@@ -87,6 +88,8 @@ private:
             simulation_.activate(command.id, command.on, command.electrode);
         else if constexpr (std::is_same_v<Command, surface::Extract>)
             simulation_.extract(command);
+        else if constexpr (std::is_same_v<Command, surface::Distend>)
+            simulation_.distend(command);
         else if constexpr (std::is_same_v<Command, physics::Reset>)
             simulation_.reset(); // removes the paint, too
         else if (const AttachmentId made = physics::give(server, command))
@@ -130,6 +133,8 @@ private:
         else if constexpr (std::is_same_v<Command, surface::Extract>) {
             if (command.body) trial_.mustBeThere(command.body);
             simulation_.checkExtract(command);
+        } else if constexpr (std::is_same_v<Command, surface::Distend>) {
+            simulation_.checkDistend(command);
         } else if (const AttachmentId made = trial_.give(std::move(command)))
             attachments_[number] = made;
     }

@@ -100,7 +100,7 @@ template <class T> std::vector<std::string_view> required()
         return {"place"};
     else if constexpr (std::is_same_v<T, surface::Extract>)
         return {"flow"};
-    else if constexpr (std::is_same_v<T, surface::SmokeDef>)
+    else if constexpr (IsAnyOf<T, surface::SmokeDef, surface::DistensionDef>)
         return {"room"};
     else if constexpr (std::is_same_v<T, surface::DuctDef>)
         return {"path"};

@@ -224,6 +224,11 @@ private:
     {
         if (scene_.smoke) command(extracted.command);
     }
+    void noteLater(const runtime::SceneDistension&) { note("a distension that was added during the run is left out"); }
+    void noteLater(const runtime::SceneDistended& distended)
+    {
+        if (scene_.distension) command(distended.command);
+    }
     void noteLater(const runtime::SceneFile&) {}
     void noteLater(const runtime::SceneBegan& event) { show(event); }
     void noteLater(const runtime::SceneStage& stage)
@@ -295,6 +300,8 @@ private:
     }
     void show(const runtime::SceneSmoke& smoke) { scene_.smoke = smoke.def; }
     void show(const runtime::SceneExtracted& extracted) { command(extracted.command); }
+    void show(const runtime::SceneDistension& distension) { scene_.distension = distension.def; }
+    void show(const runtime::SceneDistended& distended) { command(distended.command); }
     void show(const runtime::SceneFile&) {}
     void show(const runtime::SceneStage& stage) { stage_ = stage; }
     void show(const runtime::ScenePlaces& places) { places_ = places; }
