@@ -1,3 +1,4 @@
+#include "apps/hysteroscopy/fluid.h"
 #include "apps/hysteroscopy/motion.h"
 
 using namespace filasofia;
@@ -45,6 +46,8 @@ std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, Body
                 to({}))};
 }
 
+std::string millilitres(double volume) { return text(std::round(volume * 1e8) / 100.0, " ml"); }
+
 int train(const Training& training)
 {
     const std::string& caseName = kCases[static_cast<std::size_t>(training.caseIndex)];
@@ -56,8 +59,16 @@ int train(const Training& training)
                     .window = {"Hysteroscopy", 720, 720},
                     .look = {.mouse = false, .keys = false}});
     const Bodies bodies = addPatient(sim, patient);
-    Endoscope scope(
-        sim, {.name = "hysteroscope", .pose = {{0, -0.1, 0}, {}}, .groups = {ScopeWall, ScopePolyp}, .intensity = 2.0});
+    Fluid fluid(sim, bodies);
+    Endoscope scope(sim, {.name = "hysteroscope",
+                          .pose = {{0, -0.1, 0}, {}},
+                          .groups = {ScopeWall, ScopePolyp},
+                          .intensity = 2.0,
+                          .surroundings = {.intensity = 300.0,
+                                           .above = {0.55, 0.36, 0.32},
+                                           .below = {0.45, 0.25, 0.21},
+                                           .lampStrength = 1.0,
+                                           .background = {0.03, 0.006, 0.005}}});
     MetricTracker* marks = nullptr;
     const auto onGrasp = [&](BodyId body, bool on) {
         marks->mark(on ? EventKind::Grasp : EventKind::Release, body == bodies.polyp ? "polyp" : "uterus");
@@ -104,9 +115,6 @@ int train(const Training& training)
     MetricTracker tracker(sim, observed);
     marks = &tracker;
 
-    const auto bleed = [&](BodyId body, Vec3 place, double radius) {
-        sim.paint(body, {.place = place, .radius = radius, .state = {.blood = 0.6, .wetness = 1.0}});
-    };
     const ForceBar bar(sim, {.name = "Force on tissue",
                              .bodies = {scope.body(), forceps.body()},
                              .warning = difficulty.warning,
@@ -116,13 +124,15 @@ int train(const Training& training)
               .tools = {{.body = scope.body(), .tip = {0, 0, 1_mm}}, {.body = forceps.body()}},
               .force = kPerforation,
               .tracker = &tracker,
-              .perforated = [&](Vec3 place, double) { bleed(bodies.uterus, place, 5_mm); }});
+              .perforated = [&](Vec3 place, double) { fluid.pierced(place); }});
     TrainingSession session(sim, training);
     const auto over = [&](bool done) {
         session.over(done ? "The polyp is out" : "Time is up", [&] {
             return std::vector<ResultLine>{{"Highest total force", text(std::lround(1000 * bar.highest()), " mN")},
                                            {"Warnings", text(bar.warnings())},
-                                           {"Perforations", text(perforations.count())}};
+                                           {"Perforations", text(perforations.count())},
+                                           {"Fluid deficit", millilitres(deficit(fluid.balance()))},
+                                           {"Blood lost", millilitres(fluid.bloodLost())}};
         });
     };
     const Task task(sim, {.name = "hysteroscopy",
@@ -132,9 +142,6 @@ int train(const Training& training)
                           .over = over});
     Guidance guidance(sim, task);
     session.guide(guidance, difficulty.guided && training.motion.empty());
-    sim.on<TearEvent>([&](const TearEvent& tear) {
-        for (const BodyId body : {bodies.uterus, bodies.polyp}) bleed(body, tear.rupture.place, 2.5_mm);
-    });
     sim.dress([&](VisualServer& server) {
         scope.dress(server);
         guidance.dress(server);
@@ -142,9 +149,12 @@ int train(const Training& training)
 
     const auto from = [&](Vec3 node) { return distance(node, patient.middle); };
     const auto inside = static_cast<std::size_t>(std::ranges::min_element(nodes, {}, from) - nodes.begin());
-    const Motion with{patient, hands, forceps,
+    const Motion with{patient,
+                      hands,
+                      forceps,
                       [&, inside] { return sim.physics().latest()->softBody(bodies.polyp)->positions[inside]; },
-                      [&](const char* name) { return session.picture(name); }};
+                      [&](const char* name) { return session.picture(name); },
+                      [&] { fluid.outflow(true); }};
     std::vector<HandMove> moves;
     if (training.motion == "expert") moves = expertMotion(with);
     if (training.motion == "clumsy") moves = clumsyMotion(with, static_cast<std::uint64_t>(training.seed));
@@ -156,9 +166,11 @@ int train(const Training& training)
     const TaskProgress progress = task.progress();
     const bool done = progress.state == TaskProgress::State::Done;
     std::printf(
-        "%s: %d of %zu steps in %.1f s; highest total force %.2f N, %d warnings, %d perforations; session%s: %s\n",
+        "%s: %d of %zu steps in %.1f s; highest total force %.2f N, %d warnings, %d perforations, fluid deficit %.1f "
+        "ml, blood %.3f ml; session%s: %s\n",
         done ? "done" : "not done", progress.step, taskSteps.size(), progress.time, bar.highest(), bar.warnings(),
-        perforations.count(), tracker.failed() ? " (incomplete)" : "", training.file.c_str());
+        perforations.count(), deficit(fluid.balance()) * 1e6, fluid.bloodLost() * 1e6,
+        tracker.failed() ? " (incomplete)" : "", training.file.c_str());
     if (tracker.failed()) return 1;
     return training.motion == "expert" && !session.cutShort() && !done ? 1 : 0;
 }
@@ -175,7 +187,8 @@ int main(int argc, char** argv)
              "Drag with the right button to turn the scope about the cervix. The wheel and the keys up and down\n"
              "move it in and out; left and right roll it.\n"
              "W and S move the forceps, G closes and opens them. A haptic device (--device) holds the scope's outer\n"
-             "end: its first button acts as G; while its second is pressed, moving in and out moves the forceps.\n",
+             "end: its first button acts as G; while its second is pressed, moving in and out moves the forceps.\n"
+             "I opens and closes the inflow of the fluid, O its outflow; U and J change its pressure.\n",
          .cases = kCases,
          .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
          .motions = {"expert", "clumsy"},

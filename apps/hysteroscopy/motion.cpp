@@ -52,7 +52,7 @@ std::vector<HandMove> expertMotion(const Motion& with)
                        .end = with.picture("grasped")}});
     }
     moves.insert(moves.end(), {{.seconds = 1.6, .to = axial(32_mm, 0.0, 8_mm), .end = with.picture("torn")},
-                               {.seconds = 2.2, .to = axial(-25_mm, 0.0, 8_mm)}});
+                               {.seconds = 2.2, .to = axial(-25_mm, 0.0, 8_mm), .begin = with.flush}});
     return moves;
 }
 

@@ -12,6 +12,7 @@ struct Motion {
     std::function<filasofia::Vec3()> middle; ///< the present position of the polyp's head
     /// Takes a picture of that name; empty if no pictures are wanted.
     std::function<std::function<void()>(const char* name)> picture;
+    std::function<void()> flush; ///< opens the outflow of the fluid wide
 };
 
 /// Enters, looks around, grasps the polyp, tears it off and brings it out.

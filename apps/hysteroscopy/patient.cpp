@@ -3,8 +3,13 @@
 #include <filasofia/core/random.h>
 #include <filasofia/core/user_file.h>
 #include <filasofia/core/word.h>
+#include <filasofia/geometry/surface.h>
 
 #include <nlohmann/json.hpp>
+
+#include <array>
+#include <map>
+#include <span>
 
 using namespace filasofia;
 
@@ -52,6 +57,89 @@ std::string problemOf(const Patient& patient, const nlohmann::json& axis)
     return {};
 }
 
+using Corners = std::array<Vec3, 3>;
+
+/// Triangles that share corners at the same place.
+struct Patch {
+    TriangleMesh mesh = {};
+    std::map<std::array<double, 3>, int> number = {};
+    void add(const Corners& at)
+    {
+        geometry::Triangle triangle = {};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto [found, fresh] =
+                number.try_emplace({at[k].x, at[k].y, at[k].z}, static_cast<int>(mesh.vertices.size()));
+            if (fresh) mesh.vertices.push_back(at[k]);
+            triangle[k] = found->second;
+        }
+        mesh.triangles.push_back(triangle);
+    }
+};
+
+/// Adds a triangle, or those of its quarters and their quarters that are farther than `far` [m] from all points.
+void addAwayFrom(std::span<const Vec3> points, double far, const Corners& at, int quarters, Patch& out)
+{
+    const auto isNear = [&](Vec3 place) {
+        return std::ranges::any_of(points, [&](Vec3 point) { return distance(place, point) < far; });
+    };
+    const Corners half = {0.5 * (at[0] + at[1]), 0.5 * (at[1] + at[2]), 0.5 * (at[2] + at[0])};
+    const bool part = std::ranges::any_of(at, isNear) || std::ranges::any_of(half, isNear);
+    if (part && quarters > 0) {
+        for (const Corners& each : {Corners{at[0], half[0], half[2]}, Corners{half[0], at[1], half[1]},
+                                    Corners{half[2], half[1], at[2]}, half})
+            addAwayFrom(points, far, each, quarters - 1, out);
+    } else if (!part)
+        out.add(at);
+}
+
+/// [m] The height above which the cavity is wide enough for the polyp and what holds it; infinite: nowhere.
+double wideFrom(const nlohmann::json& axis, double width)
+{
+    constexpr double kPlay = 1.5_mm;
+    for (const auto& each : axis)
+        if (each.at("at").at(1) > kFulcrum.y &&
+            std::min(each.at("halfWidth").get<double>(), each.at("halfDepth").get<double>()) > 0.5 * width + kPlay)
+            return each.at("at").at(1);
+    return std::numeric_limits<double>::infinity();
+}
+
+/// The wall that a polyp may touch. Not what it lies in or on at the start: springs hold its foot there, against which
+/// contacts would push without end. Nor the canal, in which what is wider than it would be torn apart.
+std::shared_ptr<const TriangleMesh> wallBeside(const Patient& patient)
+{
+    constexpr double kBeside = 2_mm;
+    std::vector<Vec3> polyp = loadTetMesh(asset(kFolder + patient.polyp + ".msh")).nodes;
+    for (Vec3& node : polyp) node = transform(patient.pose, node);
+    const TriangleMesh all = geometry::extractSurface(loadTetMesh(asset(kFolder + "uterus_1702.msh"))).mesh;
+    Patch out;
+    for (const auto& [a, b, c] : all.triangles) {
+        const auto at = [&](int corner) { return all.vertices[static_cast<std::size_t>(corner)]; };
+        if (std::min({at(a).y, at(b).y, at(c).y}) >= patient.wideFrom)
+            addAwayFrom(polyp, kBeside, {at(a), at(b), at(c)}, 3, out);
+    }
+    return std::make_shared<const TriangleMesh>(std::move(out.mesh));
+}
+
+/// What the scope comes through: the upper end of the vagina, into which the cervix protrudes. It is drawn only.
+void addVault(Simulation& sim)
+{
+    TriangleMesh vault = *shapes::ellipsoid({20_mm, 38_mm, 20_mm}, 24);
+    for (Vec3& at : vault.vertices) { // its folds run around it
+        const double fold = 0.04 * std::sin(700 * at.y + 1.5 * std::sin(3.0 * std::atan2(at.z, at.x)));
+        at = {at.x * (1.0 + fold), at.y, at.z * (1.0 + fold)};
+    }
+    // Where the cervix is, it is open.
+    std::erase_if(vault.triangles, [&](const geometry::Triangle& corners) {
+        return std::ranges::any_of(corners,
+                                   [&](int i) { return vault.vertices[static_cast<std::size_t>(i)].y > 33_mm; });
+    });
+    for (auto& triangle : vault.triangles) std::swap(triangle[1], triangle[2]); // it is seen from inside
+    RigidBodyDef def{.name = "vagina", .mesh = std::make_shared<const TriangleMesh>(std::move(vault))};
+    def.elements = {{{0, -30_mm, 0}, {}}};
+    const BodyId vagina = sim.add(def);
+    sim.show(vagina, {.material = MucosaMaterial{.baseColor = {0.70, 0.27, 0.23}, .noiseScale = 500, .vessels = 0.3}});
+}
+
 } // namespace
 
 Patient makePatient(const std::string& caseName, std::uint64_t seed)
@@ -66,6 +154,7 @@ Patient makePatient(const std::string& caseName, std::uint64_t seed)
             patient.width = each.at("width");
             patient.base = each.at("base").get<std::vector<int>>();
         }
+    patient.wideFrom = wideFrom(uterus.at("centreline"), patient.width);
     // Tries sites until one suits.
     Random random(seed);
     for (int attempt = 0; attempt < 200; ++attempt) {
@@ -93,6 +182,8 @@ Bodies addPatient(Simulation& sim, const Patient& patient)
     uterus.rayleigh = {.mass = 5.0, .stiffness = 0.02};
     uterus.solver = ConjugateGradient{.tolerance = 2e-2, .minIterations = 60};
     uterus.collision = {{.proximity = 0.2_mm, .group = ScopeWall}, {.proximity = 0.2_mm, .group = ForcepsWall}};
+    const bool touching = std::isfinite(patient.wideFrom);
+    if (touching) uterus.collision.push_back({.mesh = wallBeside(patient), .proximity = 0.1_mm, .group = PolypWall});
     uterus.friction = 0.05;
     // Ligaments attach the cervix and the horns.
     for (const Box& ligament : {Box{{-1, 2_mm, 9_mm}, {1, 26_mm, 1}}, Box{{-1, 2_mm, -1}, {1, 26_mm, -9_mm}},
@@ -101,8 +192,14 @@ Bodies addPatient(Simulation& sim, const Patient& patient)
         uterus.attachments.push_back({.box = ligament, .stiffness = 100.0});
     Bodies bodies;
     bodies.uterus = sim.add(uterus);
-    const MucosaMaterial lining{
-        .baseColor = {0.62, 0.17, 0.13}, .subsurfaceColor = {0.66, 0.10, 0.07}, .noiseScale = 850, .pits = 0.45};
+    const MucosaMaterial lining{.baseColor = {0.62, 0.17, 0.13},
+                                .subsurfaceColor = {0.66, 0.10, 0.07},
+                                .wetness = 0.95,
+                                .noiseScale = 850,
+                                .pits = 0.45,
+                                .vessels = 0.6,
+                                .bump = 0.5};
+    addVault(sim);
     sim.show(bodies.uterus, {.surface = asset(kFolder + "uterus.obj"), .material = lining});
 
     SoftBodyDef polyp{.name = "polyp", .mesh = asset(kFolder + patient.polyp + ".msh"), .pose = patient.pose};
@@ -110,6 +207,7 @@ Bodies addPatient(Simulation& sim, const Patient& patient)
     polyp.rayleigh = {.mass = 10.0, .stiffness = 0.02};
     polyp.solver = ConjugateGradient{.tolerance = 2e-2, .minIterations = 60};
     polyp.collision = {{.proximity = 0.1_mm, .group = ScopePolyp}, {.proximity = 0.1_mm, .group = ForcepsPolyp}};
+    if (touching) polyp.collision.push_back({.proximity = 0.1_mm, .group = PolypWall});
     polyp.friction = 0.8;
     polyp.dynamicTopology = true;
     polyp.attachments = {{.nodes = patient.base, .stiffness = 40.0, .to = bodies.uterus}};

@@ -12,6 +12,7 @@ struct Patient {
     std::string polyp = {};      ///< base name of the polyp's files
     double height = 0.0;         ///< [m] height of the polyp
     double width = 0.0;          ///< [m] width of the polyp
+    double wideFrom = 0.0;       ///< [m] height above which the cavity is wide enough for it; infinite: nowhere
     std::vector<int> base = {};  ///< nodes of its root
     filasofia::Pose pose = {};   ///< pose of the polyp: root in the wall, +Y pointing out of it
     filasofia::Vec3 normal = {}; ///< unit vector pointing out of the wall
@@ -22,8 +23,8 @@ struct Patient {
 
 /// [m] The axis of the scope always passes through this point, because the canal guides it.
 inline constexpr filasofia::Vec3 kFulcrum = {0.0, 0.024, 0.0};
-/// Collision groups. Scope and forceps never collide with each other, nor does the polyp with its wall.
-enum Group { ScopeWall, ForcepsWall, ScopePolyp, ForcepsPolyp };
+/// Collision groups. Scope and forceps never collide with each other.
+enum Group { ScopeWall, ForcepsWall, ScopePolyp, ForcepsPolyp, PolypWall };
 
 inline const std::vector<std::string> kCases = {"small", "medium", "lobed"};
 /// The patient of a case and a seed, always the same. Throws Error if there is no such case.

@@ -65,9 +65,23 @@ class Expert(Trainer):
         area = sum(tear["amount"] for tear in tears)
         self.assertGreater(area, 5e-6)  # [m^2] 13 to 21 mm^2 were measured
         self.assertLess(area, 40e-6)
-        self.assertEqual({event["event"] for event in events}, {"step", "grasp", "tear"})
+        blood = [event for event in events if event["event"] == "blood" and event["what"] == "polyp"]
+        self.assertEqual(blood[0]["amount"], 0.0)
+        self.assertGreater(blood[-1]["amount"], 1e-8)  # [m^3] the torn root bleeds into the fluid
+        deficit = [event for event in events if event["event"] == "deficit"]
+        self.assertGreater(deficit[-1]["amount"], 1e-6)
+        self.assertEqual({event["event"] for event in events}, {"step", "grasp", "tear", "blood", "deficit"})
+
+    def contact(self, summary):
+        """Whether the polyp touched the wall. If so, without a struggle at its root."""
+        found = re.search(r"^uterus, polyp +(\d+) +[\d.]+ +([\d.]+) ", summary, re.MULTILINE)
+        if found:
+            self.assertLess(int(found[1]), 5000)
+            self.assertLess(float(found[2]), 0.5)  # [N] up to 0.01 was measured
+        return found is not None
 
     def test_the_expert_brings_the_polyp_out(self):
+        touched = 0
         for seed in SEEDS:
             words = ["--motion", "expert", "--seed", seed, "--headless", "--session", self.session]
             done = run(*words, *(["--steps", STEPS] if STEPS else []))
@@ -76,6 +90,9 @@ class Expert(Trainer):
             if not STEPS:
                 self.assertIn("done: 6 of 6 steps", done.stdout)
                 self.check_events()
+                touched += self.contact(done.stdout)
+        if not STEPS:
+            self.assertGreater(touched, 0)
 
 
 class Clumsy(Trainer):
