@@ -27,7 +27,7 @@ struct BodyPoint {
     std::array<int, 12> nodes{};
     std::array<double, 12> weights{};
     Vec3 position; ///< [m] at the start of the step
-    Vec3 shift;    ///< [m] Rigid, in contact: from `position` to where the constraint acts (turnContact())
+    Vec3 shift;    ///< [m] Rigid: from `position` to where the constraint acts (turnContact(), armOfChord())
     Vec3 velocity; ///< [m/s] at the start of the step; if nothing can change it, during the whole step
 
     void add(int node, double weight);

@@ -6,6 +6,7 @@
 #include "filasofia/engine/contact/attachment_points.h"
 #include "filasofia/engine/contact/pin_reactions.h"
 #include "filasofia/engine/scene/find_body.h"
+#include "filasofia/math/quat.h"
 #include "filasofia/physics/attachment_break.h"
 
 #include <algorithm>
@@ -25,6 +26,9 @@ constexpr double kAttachmentTolerance = 1e-5;
 /// [rad] how far a rod may turn against its holder in a step before the multiplier is updated
 constexpr double kTurnTolerance = 1e-4;
 constexpr double kFailedRecovery = 0.05; ///< a recovery below this fraction of the requested one counts as failed
+
+constexpr double kLargestTurn = 1.5; ///< [rad] in a step; beyond it, where a point comes is foreseen less far
+constexpr double kForeseen = 2e-5;   ///< [m] how far a point may come to be from where it was foreseen
 
 constexpr std::array<Vec3, 3> kWorldAxes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
 
@@ -49,10 +53,21 @@ Vec3 positionOf(const AttachedPoint& point, const std::optional<BodyPlace>& body
     return meanOf(point.nodes, scene.soft[body->index].state.x);
 }
 
-/// The current positions and velocities of attached points.
+/// [m] The arm at which a body that turns by `turn` [rad] has the mean velocity of a point: turn x arm leads along the
+/// chord of the arc on which the point goes, and not along the tangent at its start.
+Vec3 armOfChord(Vec3 turn, Vec3 arm)
+{
+    const double angle = std::min(length(turn), kLargestTurn), half = 0.5 * angle;
+    if (half < 1e-6) return arm;
+    const Vec3 axis = normalized(turn), along = dot(arm, axis) * axis;
+    return along + std::sin(half) / half * rotate(axisAngle(axis, half), arm - along);
+}
+
+/// The current positions of attached points, and their velocities in a step of dt [s].
 class Places {
 public:
-    Places(const Scene& scene, const RigidPlan& plan) : scene_(scene), plan_(plan), firstElement_(firstElements(scene))
+    Places(double dt, const Scene& scene, const RigidPlan& plan)
+        : dt_(dt), scene_(scene), plan_(plan), firstElement_(firstElements(scene))
     {
     }
 
@@ -70,7 +85,12 @@ public:
         out.of = BodyPoint::Of::Rigid;
         out.body = firstElement_[body->index] + static_cast<std::size_t>(point.element);
         const RigidPlanElement& planned = plan_[out.body];
-        out.velocity = planned.velocity + cross(planned.angularVelocity, out.position - planned.centre);
+        const Vec3 arm = out.position - planned.centre;
+        const bool link = planned.articulation >= 0;
+        const Vec3 turn = dt_ * (planned.angularVelocity + planned.change.angular);
+        const Vec3 foreseen = link ? arm : armOfChord(turn, arm);
+        out.shift = foreseen - arm;
+        out.velocity = planned.velocity + cross(planned.angularVelocity, foreseen);
     }
 
     /// An edge of a rod and the rigid body that it turns with. The angle is by how much the edge is ahead.
@@ -122,6 +142,7 @@ public:
     }
 
 private:
+    double dt_;
     const Scene& scene_;
     const RigidPlan& plan_;
     std::vector<std::size_t> firstElement_;
@@ -339,7 +360,7 @@ void addWelds(const StepContext& context, Scene& scene, Coupling& coupling)
     graspContacts(coupling, scene, context.report);
     if (scene.attachments.empty()) return;
     leaveToAttachments(scene, coupling);
-    const Places places(scene, coupling.rigid);
+    const Places places(dt, scene, coupling.rigid);
     for (std::size_t a = 0; a < scene.attachments.size(); ++a) {
         const std::size_t first = coupling.constraints.size();
         places.addWelds(scene.attachments[a], coupling.constraints);
@@ -347,6 +368,29 @@ void addWelds(const StepContext& context, Scene& scene, Coupling& coupling)
             finishWeld(scene.attachments[a], dt, scene.attachmentForces[a][p], coupling.constraints[first + p]);
     }
     coupling.weldCount = coupling.constraints.size() - coupling.contactCount;
+}
+
+bool foreseeTurns(double dt, Coupling& coupling)
+{
+    bool again = false;
+    std::vector<std::pair<BodyPoint*, Vec3>> sides; // and their new arms
+    for (std::size_t w = coupling.contactCount; w < coupling.contactCount + coupling.weldCount; ++w)
+        for (BodyPoint& side : coupling.constraints[w].sides) {
+            if (side.of != BodyPoint::Of::Rigid) continue;
+            const RigidPlanElement& planned = coupling.rigid[side.body];
+            if (!planned.dynamic || planned.articulation >= 0) continue;
+            const Vec3 turn = dt * (planned.angularVelocity + planned.change.angular);
+            const Vec3 arm = side.position - planned.centre, foreseen = armOfChord(turn, arm);
+            again = again || length(cross(turn, foreseen - arm - side.shift)) > kForeseen;
+            sides.emplace_back(&side, foreseen);
+        }
+    if (!again) return false;
+    for (const auto& [side, foreseen] : sides) {
+        const RigidPlanElement& planned = coupling.rigid[side->body];
+        side->shift = foreseen - (side->position - planned.centre);
+        side->velocity = planned.velocity + cross(planned.angularVelocity, foreseen);
+    }
+    return true;
 }
 
 void placePoints(const Scene& scene, std::vector<frame::AttachedPoint>& out)
@@ -371,7 +415,7 @@ void keepWelds(const StepContext& context, const Coupling& coupling, Scene& scen
     scene.attachmentReports.clear();
     std::span<const Constraint> welds = coupling.welds();
     std::vector<AttachmentId> broken;
-    const Places places(scene, coupling.rigid);
+    const Places places(dt, scene, coupling.rigid);
     for (std::size_t a = 0; a < scene.attachments.size(); ++a) {
         const std::size_t count = scene.attachmentForces[a].size();
         keep(a, dt, welds.first(count), places, scene);

@@ -132,6 +132,7 @@ BodyOutcome outcomeOf(BodyId id, BodyId together, const linalg::NodeSolveReport&
 // the step with half of their velocity, again and again, and at last with none.
 constexpr int kRepeats = 40;
 constexpr std::size_t kSlower = 12;
+constexpr int kTurns = 4; ///< solves that are repeated because a rigid body turns otherwise than foreseen
 
 /// Solves the bodies of the scene, coupled ones island by island, and moves the soft bodies.
 class Advance {
@@ -146,8 +147,9 @@ public:
     {
         const bool mayPass = std::ranges::any_of(
             scene_.soft, [](const SoftBody& body) { return isRod(body.model) && !body.model.collision.empty(); });
-        if (mayPass) keepStart();
+        if (mayPass || coupling_.weldCount > 0) keepStart();
         solveAll(context_);
+        followTurns();
         if (mayPass) keepLinesApart();
         for (std::size_t held : keepShellsApart(context_, scene_, coupling_))
             outcomes_[held].set(StepFlag::NotConverged);
@@ -257,29 +259,46 @@ private:
         contacts.mismatch = std::max(contacts.mismatch, solve.mismatch);
     }
 
-    /// If rods would pass through something, adds contacts that hinder them, and solves again.
-    void keepLinesApart()
+    [[nodiscard]] bool inTime() const
+    {
+        return std::ranges::none_of(outcomes_, [](const BodyOutcome& each) { return each.has(StepFlag::OutOfTime); });
+    }
+
+    void solveAgain()
     {
         // Without a deadline: a replay makes as many iterations, and a step that ran out of time has none left.
         const StepContext unhurried{context_.dt, nullptr, context_.method, context_.pool, context_.report};
+        std::tie(coupling_.rigid, coupling_.articulations) = plan_;
+        // A spring's force is that of its length alone. From the last solve's it would grow with every new one.
+        for (Constraint& each : coupling_.constraints)
+            if (each.softness != 0.0) each.impulse = {};
+        solveAll(unhurried);
+    }
+
+    /// A light body that is jerked about by what it holds turns otherwise than foreseen.
+    void followTurns()
+    {
+        for (int i = 0; i < kTurns && inTime() && foreseeTurns(context_.dt, coupling_); ++i) {
+            ++repeats_;
+            solveAgain();
+        }
+    }
+
+    /// If rods would pass through something, adds contacts that hinder them, and solves again.
+    void keepLinesApart()
+    {
         const auto missed = [&] {
             std::vector<MissedContact> all = findLinePasses(context_.dt, scene_, coupling_);
             std::ranges::move(findUnforeseen(context_, scene_, coupling_), std::back_inserter(all));
             return all;
         };
-        const bool inTime =
-            std::ranges::none_of(outcomes_, [](const BodyOutcome& each) { return each.has(StepFlag::OutOfTime); });
-        for (std::vector<MissedContact> found = missed(); !found.empty() && inTime && ++repeats_ <= kRepeats;
+        for (std::vector<MissedContact> found = missed(); !found.empty() && inTime() && ++repeats_ <= kRepeats;
              found = missed()) {
             const std::size_t before = coupling_.contactCount;
             addMissed(context_, found, scene_, coupling_);
             leaveToChannels(context_.dt, scene_, coupling_, before);
             if (coupling_.contactCount == before) break; // all were of threads along their channels: nothing to solve
-            std::tie(coupling_.rigid, coupling_.articulations) = plan_;
-            // A spring's force is that of its length alone. From the last solve's it would grow with every new one.
-            for (Constraint& each : coupling_.constraints)
-                if (each.softness != 0.0) each.impulse = {};
-            solveAll(unhurried);
+            solveAgain();
         }
         std::vector<MissedContact> passes = findLinePasses(context_.dt, scene_, coupling_);
         // They go as far as they can. What stands still passes through nothing that stands still, so this ends.
