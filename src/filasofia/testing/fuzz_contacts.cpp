@@ -22,6 +22,7 @@ constexpr double kLookEvery = 0.01;          ///< [s]: the engine tests as often
 constexpr int kSilentLooks = 3;              ///< looks in a row at an overlap that no flag tells
 constexpr double kCalmSpeed = 1e-3;          ///< [m/s]
 constexpr double kCalmFor = 0.2;             ///< [s] at the end of a scene
+constexpr double kThreadsRollFor = 4.0;      ///< [-] threads, and needles' tails, have so much longer to come to rest
 constexpr double kGravity = 9.81;            ///< [m/s^2]
 // [-] More of the energy at the start than this is gained. Contacts keep surfaces apart by a hundredth of a millimetre,
 // which lifts what lies on the floor.
@@ -140,8 +141,9 @@ public:
     /// Runs it to its end; returns its hash.
     std::uint64_t run(ContactFuzzKind& counts, IterationCount& iterations, const std::string& called)
     {
-        const double end = scene_.acts + def_.calm;
-        const long steps = std::lround(end / scene_.period);
+        double end = scene_.acts + def_.calm;
+        const double latest = scene_.tools ? scene_.acts + kThreadsRollFor * def_.calm : end;
+        long steps = std::lround(end / scene_.period);
         const long look = std::max(1L, std::lround(kLookEvery / scene_.period));
         double time = 0.0;
         const auto say = [&](const auto& what) {
@@ -160,6 +162,11 @@ public:
                 lookAtEnergy(time, say);
             }
             if (time > end - kCalmFor) fastest_ = std::max(fastest_, speed());
+            if (step == steps && fastest_ > kCalmSpeed && end < latest) {
+                end += def_.calm;
+                steps = std::lround(end / scene_.period);
+                fastest_ = 0.0;
+            }
         }
         finish(counts, steps);
         if (fastest_ > kCalmSpeed) say(text(1e3 * fastest_, " mm/s at the end"));
@@ -300,9 +307,7 @@ private:
         line.insert(line.end(), after_[thread].begin(), after_[thread].end());
         const auto found = overlapOf(line, bodies_[tissue].surface);
         if (!found) return std::nullopt;
-        double beside = found->inside - kBesideChannels;
-        for (const frame::Channel& each : stage_.frame().channels)
-            if (each.tissue == FuzzStage::idOf(tissue)) beside -= each.length;
+        const double beside = found->inside - kBesideChannels - stage_.lengthOfChannels(tissue);
         if (beside <= 0.0) return std::nullopt;
         return SurfaceOverlap{std::min(beside, found->depth), found->place};
     }

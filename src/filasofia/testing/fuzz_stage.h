@@ -47,6 +47,24 @@ public:
     {
         return engine_->scene().soft[engine::findBody(engine_->scene(), idOf(body))->index];
     }
+    /// [m] How long the paths are now that needles have cut into a tissue. A thread that is stretched in one is longer
+    /// than frame::Channel::length, which counts it at rest.
+    [[nodiscard]] double lengthOfChannels(std::size_t tissue) const
+    {
+        const std::vector<Vec3>& x = soft(tissue).state.x;
+        double sum = 0.0;
+        for (const engine::Channel& each : engine_->scene().channels) {
+            if (each.tissue != idOf(tissue)) continue;
+            Vec3 last = engine::meanOf(each.points.front().nodes, x);
+            for (const engine::ChannelPoint& point : each.points) {
+                const Vec3 at = engine::meanOf(point.nodes, x);
+                sum += distance(last, at);
+                last = at;
+            }
+            sum += distance(last, engine::meanOf(each.end, x));
+        }
+        return sum;
+    }
     /// Whether every place and every velocity of the frame is a number.
     [[nodiscard]] bool isFinite() const
     {

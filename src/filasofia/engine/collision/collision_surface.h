@@ -28,6 +28,10 @@ struct CollisionSurface {
     /// Per vertex: the number of its piece; -1: a fragment that meets nothing of its own body. Empty if there is only
     /// one piece.
     std::vector<int> pieceOf;
+    /// Per triangle: the vertex that is the fourth corner of its tetrahedron; -1: it is not on the surface. Only of a
+    /// solid that meets itself.
+    std::vector<int> apexes;
+    std::shared_ptr<const CollisionShape> apexesOf = {}; ///< the shape whose they are
 
     // Boxes and plates, for findProximities() and for what tests the surfaces after it: each bounds them anew.
     std::vector<Bounds> vertexBounds;

@@ -80,9 +80,24 @@ PointMinimum& addMinimum(const PointQuery& query, const Feature& feature, Vec3 a
     return out;
 }
 
+// Whether the point is the fourth corner of a tetrahedron whose face has the feature. It is before its own face only
+// while the tetrahedron is inside out, and elastic forces turn that back. A contact took the point for one that had
+// passed through the face since then, and drew it out again.
+bool isApex(const PointQuery& query, const Feature& feature)
+{
+    const CollisionSurface& target = query.target();
+    if (target.apexes.empty()) return false;
+    return std::ranges::any_of(target.shape->vertexTriangles[feature.vertices[0]], [&](int t) {
+        return target.apexes[t] == query.point && std::ranges::all_of(feature.vertices, [&](int vertex) {
+                   return vertex < 0 || std::ranges::count(target.shape->triangles[t], vertex) > 0;
+               });
+    });
+}
+
 bool excluded(const PointQuery& query, const Feature& feature)
 {
-    return query.meeting.self() && nearAtRest(query.meeting, {query.point, -1, -1}, feature.vertices);
+    return query.meeting.self() &&
+           (isApex(query, feature) || nearAtRest(query.meeting, {query.point, -1, -1}, feature.vertices));
 }
 
 // Adds a minimum at `place` on an edge or vertex with the pseudonormal `normal` (0 if it has none).

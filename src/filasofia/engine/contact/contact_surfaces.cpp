@@ -10,6 +10,18 @@
 namespace filasofia::engine {
 namespace {
 
+/// Finds CollisionSurface::apexes.
+void findApexes(const SoftModel& model, const CollisionModel& collision, CollisionSurface& out)
+{
+    out.apexesOf = collision.shape;
+    out.apexes.clear();
+    if (collision.behind.empty()) return;
+    std::vector<int> vertexOf(model.rest.size(), -1);
+    for (std::size_t v = 0; v < collision.embedding.nodes.size(); ++v)
+        vertexOf[static_cast<std::size_t>(collision.embedding.nodes[v][0])] = static_cast<int>(v);
+    for (const int node : collision.behind) out.apexes.push_back(vertexOf[static_cast<std::size_t>(node)]);
+}
+
 void placeSurface(double dt, const SurfaceOwner& owner, const Scene& scene, const RigidPlan& plan,
                   std::vector<Vec3>& normals, CollisionSurface& out)
 {
@@ -26,6 +38,7 @@ void placeSurface(double dt, const SurfaceOwner& owner, const Scene& scene, cons
         out.self = out.shape->self || (cut && collision.selfOnceCut);
         out.pieceOf.clear();
         if (out.self) findPieces(model, collision, out.pieceOf);
+        if (out.self && out.apexesOf != out.shape) findApexes(model, collision, out);
         // What holds the body is not known yet. Without gravity, a cube that starts at rest 2 mm above a floor fell
         // 12 mm into it at 50 steps per second, and through it at 10.
         const Vec3 fall = model.gravity ? dt * scene.gravity : Vec3{};
