@@ -326,4 +326,33 @@ TEST_CASE("a thread stays at the tail of a needle, told or free, that turns far 
         }
 }
 
+TEST_CASE("a light needle between the spring that holds it and a taut thread comes to rest")
+{
+    // Its torque turns with it: taken as it is at the start of a step, it made needles turn to and fro, ever farther.
+    Stage stage;
+    const std::vector<Vec3> axis = geometry::shapes::arc(5e-3, 0.0, 2.6);
+    const BodyId hand = stage.add(physics::RigidBodyDef{.name = "hand", .elements = {Pose{}}});
+    physics::RigidBodyDef needle{.name = "needle", .elements = {Pose{}}};
+    needle.mesh = geometry::shapes::tube(axis, 0.15e-3, 8);
+    needle.dynamic = true;
+    needle.mass = physics::TotalMass{5e-6};
+    needle.attachments = {{.points = {axis[5], axis[10]}, .stiffness = 20.0, .to = hand}};
+    const BodyId body = stage.add(needle);
+    physics::RodBodyDef thread = rods::thread(false);
+    thread.radius = 0.1e-3;
+    thread.points = {axis.back(), axis.back() + Vec3{-0.03, 0, 0.03}};
+    const int last = static_cast<int>(physics::centreLine(thread).size()) - 1;
+    thread.attachments = {{.nodes = {0}, .to = body}, {.nodes = {last}}};
+    stage.add(thread);
+    stage.post(physics::SetPose{hand, 0, Pose{{4e-3, 0, -4e-3}}}); // stretches springs and thread
+    stage.run(600, 1e-3);
+    CHECK(length(stage.world.scene().attachmentForces[1][0]) > 0.02);
+    double fastest = 0.0;
+    for (int i = 0; i < 200; ++i) {
+        stage.step(1e-3);
+        fastest = std::max(fastest, length(stage.world.scene().rigid[1].state.angularVelocities[0]));
+    }
+    CHECK(fastest < 1.0); // [rad/s]
+}
+
 } // namespace attachments_test

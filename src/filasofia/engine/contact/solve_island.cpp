@@ -97,6 +97,7 @@ void makeRigid(const RigidModel& model, double dt, const RigidPlanElement& eleme
 {
     const double mass = (1.0 + dt * model.linearDamping) * element.mass + element.couplingMass;
     unit.diagonal = {mass * Mat3::identity(), (1.0 + dt * model.angularDamping) * element.inertia};
+    unit.diagonal[1] += element.heldInertia;
     if (element.couplingInertia > 0.0) unit.diagonal[1] += element.couplingInertia * Mat3::identity();
     unit.rightHandSide = {unit.diagonal[0] * element.change.linear, unit.diagonal[1] * element.change.angular};
     unit.blocks = std::make_unique<BlockOperator>(BlockOperatorInput{

@@ -25,6 +25,7 @@ struct RigidPlanElement {
                  ///< velocity that it has at the start
     double couplingMass = 0.0;    ///< [kg] mass that an implicit virtual coupling adds against impulses
     double couplingInertia = 0.0; ///< [kg m^2] the same about any axis
+    Mat3 heldInertia = {};        ///< [kg m^2] the same in world axes by what the element is attached to
     RigidChange change;           ///< the element moves with velocity + change through the step; constraints add theirs
     int articulation = -1;        ///< links: index of the body's ArticulationPlan (articulation_step.h); -1: not a link
     std::size_t base = 0;         ///< links: index of the body's first element in the plan
