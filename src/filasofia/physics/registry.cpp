@@ -164,6 +164,7 @@ struct Registry::Check {
         validate(set, object);
         const auto& cavities = std::get<SoftBodyDef>(*body.def).cavities;
         const auto count = static_cast<int>(cavities.size());
+        if (count == 0) fail(object, ": has no cavities, got cavity ", set.cavity);
         if (set.cavity < 0 || set.cavity >= count)
             fail(object, ": cavity must be in [0, ", count, "), the number of its cavities, got ", set.cavity);
         if (set.inflow && cavities[static_cast<std::size_t>(set.cavity)].fill == CavityFill::Source)

@@ -186,8 +186,9 @@ void finishWeld(const Attachment& attachment, double dt, Vec3 carried, Constrain
     }
 }
 
-/// What a hard pair pulls at turns a rigid body as a weight does a pendulum. Within a step the pull counts as inertia,
-/// or a light body would turn ever farther to and fro: needles of 5 mg did, by 0.6 rad a step at 50 mN.
+/// What a hard pair alone pulls at turns a rigid body as a weight does a pendulum. (Several hold how it is turned.)
+/// Within a step the pull counts as inertia, or a light body would turn ever farther to and fro: needles of 5 mg did,
+/// by 0.6 rad a step at 50 mN.
 void addHeldInertia(double dt, const Constraint& weld, RigidPlan& plan)
 {
     for (std::size_t side = 0; side < 2; ++side) {
@@ -393,7 +394,8 @@ void addWelds(const StepContext& context, Scene& scene, Coupling& coupling)
         for (std::size_t p = 0; first + p < coupling.constraints.size(); ++p) {
             Constraint& weld = coupling.constraints[first + p];
             finishWeld(scene.attachments[a], dt, scene.attachmentForces[a][p], weld);
-            if (isHard(scene.attachments[a])) addHeldInertia(dt, weld, coupling.rigid);
+            if (isHard(scene.attachments[a]) && scene.attachments[a].pairs.size() == 1)
+                addHeldInertia(dt, weld, coupling.rigid);
         }
     }
     coupling.weldCount = coupling.constraints.size() - coupling.contactCount;
