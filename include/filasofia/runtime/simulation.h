@@ -256,6 +256,7 @@ public:
     struct Impl;
 
 private:
+    friend class Rewind;
     friend class SteppedRun;
     Simulation(const SimulationDef& def, std::nullptr_t);
 

@@ -302,14 +302,15 @@ void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
     bindings.setFilms(bleedings.takeFilms(), burnings.takeFilms());
     if (const auto seen = smoke.takePicture()) visual.setSmoke(*seen);
     distension.draw(visual);
-    if (const frame::FrameRef frame = physics.latest()) bindings.update(*frame, physics, visual);
+    if (const frame::FrameRef frame = physics.latest())
+        bindings.update(picture.drawn ? picture.drawn(*frame) : *frame, physics, visual);
     journal.observe(visual, now.step());
 }
 
 void Simulation::Impl::mapFinishedFrame(visual::VisualServer& visual)
 {
     const frame::FrameRef frame = physics.latest();
-    bindings.finishMeshes(frame ? &*frame : nullptr);
+    bindings.finishMeshes(!frame ? nullptr : picture.drawn ? &picture.drawn(*frame) : &*frame);
     mapNewestFrame(visual);
 }
 

@@ -33,6 +33,8 @@ struct PictureSetup {
     std::vector<std::function<void(visual::VisualServer&)>> dresses; ///< in place of the look of the Def
     std::vector<visual::GuiDef> guis;                                ///< over the window
     std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> openWindow; ///< empty: window::openWindow
+    /// What is drawn if this is the newest frame; called once for each picture. Empty: that frame.
+    std::function<const frame::Frame&(const frame::Frame&)> drawn;
 };
 
 /// The parts of a Simulation, each of which owns its state; the run modes work on it.
