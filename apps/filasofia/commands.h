@@ -39,6 +39,7 @@ Command runCommand();     ///< runs a scene in a window, or headless
 Command replayCommand();  ///< replays a recorded run
 Command benchCommand();   ///< measures and writes tables and JSON
 Command reportCommand();  ///< writes an instructor's report of a session
+Command filmCommand();    ///< films the experts of all trainers
 Command fuzzCommand();    ///< makes random cuts and checks everything after each
 Command tissuesCommand(); ///< lists the tissue library
 Command saveCommand();    ///< writes a recorded run as a scene file

@@ -5,7 +5,7 @@ int main(int argc, char** argv)
 {
     using namespace filasofia::app;
     return runCommandLine(argc, argv,
-                          {runCommand(), replayCommand(), reportCommand(), benchCommand(), fuzzCommand(),
+                          {runCommand(), replayCommand(), reportCommand(), filmCommand(), benchCommand(), fuzzCommand(),
                            tissuesCommand(), meshCommand(), sceneCommand(), saveCommand(), schemaCommand(),
                            doctorCommand()});
 }

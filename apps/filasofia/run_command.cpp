@@ -261,7 +261,7 @@ std::vector<Option> optionsOf(RunCommandOptions& o)
         {"--picture", &o.run.picture, "Write a picture of the last state to this PNG file", "FILE"},
         bounded("--picture-every", &o.run.pictureEvery, boundOf(&RunDef::pictureEvery),
                 "Headless: seconds of simulated time between numbered pictures; 0: only the last", "S"),
-        {"--video", &o.run.video, "Write the view to this MP4 file (needs ffmpeg)", "FILE"},
+        {"--video", &o.run.video, "Write the view to this file: .avi, or .mp4 (needs ffmpeg)", "FILE"},
         bounded("--fps", &o.run.fps, boundOf(&RunDef::fps), "Pictures per second of the video"),
         {"--log", &o.run.log, "Write one line per step to this CSV file", "FILE"},
         {"--record", &o.run.record, "Record the run in this .rec file, for replay", "FILE"},

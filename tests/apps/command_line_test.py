@@ -39,9 +39,9 @@ class Program(unittest.TestCase):
             self.assertIn(part, lines[0])
         return lines[0]
 
-    def output(self, *words, **environment):
+    def output(self, *words, timeout=100, **environment):
         """The program's standard output; it must exit with 0."""
-        done = run(*words, **environment)
+        done = run(*words, timeout=timeout, **environment)
         self.assertEqual(done.returncode, 0, done.stderr)
         return done.stdout
 
@@ -669,10 +669,31 @@ class Replay(Program):
 
 
     def test_a_video_is_refused_if_it_cannot_be_made(self):
-        self.refused("run", "bunny", "--headless", "--video", "bunny.avi", says=["video", ".mp4", "'bunny.avi'"])
+        self.refused("run", "bunny", "--headless", "--video", "bunny.mkv", says=["video", ".mp4 or .avi", "'bunny.mkv'"])
         self.refused("run", "bunny", "--headless", "--video", "bunny.mp4", "--fps", "0.5", says=["fps", "got 0.5"])
         with tempfile.TemporaryDirectory() as nothing:
             self.refused("run", "bunny", "--headless", "--video", "bunny.mp4", PATH=nothing, says=["ffmpeg", "PATH"])
+
+
+class Film(Program):
+    def test_the_experts_of_the_trainers_are_joined_into_one_video(self):
+        if not can_draw() or not (Path(PROGRAM).parent / "hysteroscopy").exists():
+            self.skipTest("no trainer, or nothing that draws")
+        with tempfile.TemporaryDirectory() as folder:
+            film = Path(folder) / "film.avi"
+            said = self.output("film", str(film), "--only", "hysteroscopy", "--speed", "4", "--steps", "510", timeout=280)
+            self.assertIn("hysteroscopy medium: 3 pictures\n", said)  # 6 a second, for 0.51 s
+            data = film.read_bytes()
+            self.assertEqual((data[:4], data[8:12]), (b"RIFF", b"AVI "))
+            head = data.index(b"avih") + 8
+            self.assertEqual(struct.unpack_from("<I", data, head + 16), (3,))
+            self.assertEqual(struct.unpack_from("<II", data, head + 32), (960, 720))
+            self.assertGreater(len(data), 3 * 10_000)  # black pictures are smaller
+
+    def test_unknown_words_are_refused_in_one_line(self):
+        self.refused("film", "film.mp4", says=["film: FILE must end in .avi, got 'film.mp4'"])
+        self.refused("film", "--only", "surgery", says=["film: --only must be one of hysteroscopy, laparoscopy, medium", "got 'surgery'"])
+        self.refused("film", "--speed", "25", says=["film: --speed must be in [1, 24], got 25"])
 
 
 class Save(Program):

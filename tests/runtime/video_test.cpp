@@ -124,7 +124,7 @@ TEST_CASE("without ffmpeg, or with one that does not run, a video is refused bef
         CHECK_THROWS_WITH(run(dead.file()), Catch::Contains("does not run: no libx264.so (exit code 127)"));
     }
     CHECK_THROWS_WITH(run("/nowhere/at/all.mp4"), Catch::Contains("there is no such folder"));
-    CHECK_THROWS_WITH(run("film.avi"), "run: video must end in .mp4, got 'film.avi'");
+    CHECK_THROWS_WITH(run("film.mkv"), "run: video must end in .mp4 or .avi, got 'film.mkv'");
     CHECK(sim.run({.headless = true, .steps = 1}).steps == 1); // nothing was stepped, and it can still run
 }
 
@@ -209,6 +209,45 @@ TEST_CASE("a replay films what the run has filmed, picture by picture")
     const ReplayReport again = replay({.file = ffmpeg.file("run.rec"), .video = ffmpeg.file("again.mp4"), .fps = 50});
     CHECK(again.pictures == std::vector<std::string>{ffmpeg.file("again.mp4")});
     CHECK(ffmpeg.read("input") == filmed);
+}
+
+TEST_CASE("an AVI needs no program: its head counts the pictures, and each of them is a JPEG that its index finds")
+{
+    const FakeFfmpeg none("", "");
+    const std::string name = none.file("out.avi");
+    VideoFile video(name, 16, 8, 10);
+    video.show(picture(16, 8, 200), 0.1);
+    video.show(picture(16, 8, 100), 0.35);
+    video.close();
+    const std::string bytes = none.read("out.avi");
+    const auto number = [&](std::size_t at) {
+        std::size_t value = 0;
+        for (std::size_t i = 0; i < 4; ++i) value |= std::size_t(static_cast<unsigned char>(bytes.at(at + i))) << 8 * i;
+        return value;
+    };
+    CHECK(bytes.substr(0, 4) == "RIFF");
+    CHECK(number(4) == bytes.size() - 8);
+    const std::size_t head = bytes.find("avih") + 8;
+    CHECK(number(head) == 100'000); // [us] for each picture
+    CHECK(number(head + 16) == 3);  // of them
+    CHECK(number(head + 32) == 16);
+    CHECK(number(head + 36) == 8);
+    const std::size_t list = bytes.find("movi"), index = bytes.find("idx1");
+    REQUIRE(number(index + 4) == 3 * 16);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t entry = index + 8 + 16 * i, at = list + number(entry + 8);
+        CHECK(bytes.substr(entry, 4) == "00dc");
+        CHECK(bytes.substr(at, 4) == "00dc");
+        CHECK(number(at + 4) == number(entry + 12));
+        const std::string jpeg = bytes.substr(at + 8, number(at + 4));
+        CHECK(jpeg.substr(0, 3) == "\xff\xd8\xff");
+        CHECK(jpeg.substr(jpeg.size() - 2) == "\xff\xd9");
+        std::ofstream(none.folder / "one.jpg", std::ios::binary) << jpeg;
+        const visual::Image read = visual::loadImage(none.folder / "one.jpg");
+        CHECK(read.width == 16);
+        CHECK(std::abs(int(read.pixel(3, 3)[0]) - (i == 0 ? 200 : 100)) < 4);
+    }
+    CHECK_THROWS_WITH(VideoFile("/nowhere/out.avi", 2, 2, 1), Catch::Contains("/nowhere/out.avi"));
 }
 
 } // namespace video_test

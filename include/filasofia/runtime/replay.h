@@ -13,7 +13,7 @@ struct ReplayDef {
     bool check = false;              ///< compare the hash of every step; end at the first that differs
     std::optional<int> threads = {}; ///< [-], in [1, 256], as PhysicsDef::threads
     std::string picture = {};        ///< a PNG file for the last state; empty: none
-    std::string video = {};          ///< an MP4 file, encoded by the program ffmpeg; empty: none
+    std::string video = {};          ///< an .mp4 (encoded by the program ffmpeg) or .avi file; empty: none
     double fps = 30.0;               ///< [1/s], in [1, 240], pictures per second of simulated time in the video
 };
 constexpr auto fields(const ReplayDef*)
@@ -23,7 +23,7 @@ constexpr auto fields(const ReplayDef*)
                     field("check", &T::check, "compare the hash of every step"),
                     field("threads", &T::threads, "-", closed(1, 256), "threads at work within one step"),
                     field("picture", &T::picture, "a PNG file for the last state"),
-                    field("video", &T::video, "an MP4 file"),
+                    field("video", &T::video, "an MP4 or AVI file"),
                     field("fps", &T::fps, "1/s", closed(1, 240), "pictures per second of the video"));
 }
 

@@ -28,7 +28,7 @@ struct RunDef {
     std::string log = {};     ///< a CSV file with a line per step; empty: none
     std::string record = {};  ///< a .rec file for `filasofia replay`, only in a simulation's first run; empty: none
     bool freeRunning = false; ///< a live run does not wait between steps, to measure what they cost
-    std::string video = {};   ///< an MP4 file, encoded by the program ffmpeg; empty: none
+    std::string video = {};   ///< an .mp4 (encoded by the program ffmpeg) or .avi file; empty: none
     /// Device of the first haptic interface, in place of its own: NAME, or NAME:LIBRARY; empty: its own.
     std::string device = {};
     std::string motion = {};       ///< a motion file that is played in place of that device; empty: none
@@ -51,7 +51,8 @@ constexpr auto fields(const RunDef*)
         field("pictureEvery", &T::pictureEvery, "s", nonNegative(), "interval of numbered pictures"),
         field("log", &T::log, "a CSV file with a line per step"),
         field("record", &T::record, "a file from which the run can be replayed"),
-        field("freeRunning", &T::freeRunning, "do not wait between steps"), field("video", &T::video, "an MP4 file"),
+        field("freeRunning", &T::freeRunning, "do not wait between steps"),
+        field("video", &T::video, "an MP4 or AVI file"),
         field("device", &T::device, "device of the first haptic interface"),
         field("motion", &T::motion, "a motion file played in place of a device"),
         field("recordMotion", &T::recordMotion, "a motion file that records the hand"),

@@ -78,7 +78,8 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
     addOption(app, "--picture", &RunDef::picture, def, "write the last state to this PNG file");
     addOption(app, "--picture-every", &RunDef::pictureEvery, def,
               "with --headless: write numbered pictures, this many seconds apart; 0: only the last");
-    addOption(app, "--video", &RunDef::video, def, "write the pictures to this MP4 file (needs the program ffmpeg)");
+    addOption(app, "--video", &RunDef::video, def,
+              "write the pictures to this file: .avi, or .mp4 (needs the program ffmpeg)");
     addOption(app, "--fps", &RunDef::fps, def, "pictures per second of the video");
     addOption(app, "--log", &RunDef::log, def, "write a line per step to this CSV file");
     addOption(app, "--record", &RunDef::record, def, "write the run to this .rec file, for 'filasofia replay'");
@@ -93,7 +94,7 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
         if (CLI::Option* same = app.get_option_no_throw(option.name)) same->group(""); // not in the help
     try {
         app.parse(static_cast<int>(arguments.size()), arguments.data());
-        if (app.count("--fps") > 0 && def.video.empty()) fail("run: --fps needs --video FILE.mp4");
+        if (app.count("--fps") > 0 && def.video.empty()) fail("run: --fps needs --video FILE");
         if (blind) def.backend = visual::Backend::Null;
         if (blind && !(def.picture.empty() && def.video.empty()))
             fail("run: --no-picture cannot be combined with --picture or --video");

@@ -27,7 +27,7 @@ ReplayReport replay(const ReplayDef& def)
 {
     validate(def, "replay");
     checkFile("replay", def.picture, "picture", ".png");
-    checkFile("replay", def.video, "video", ".mp4");
+    checkVideoFile("replay", def.video);
     record::RecordingReader reader(def.file);
     ReplayReport report{.header = reader.header()};
     const SimulationDef any; // its physics is that of the engine

@@ -8,6 +8,7 @@
 #include "filasofia/runtime/live_run.h"
 #include "filasofia/runtime/stop_signal.h"
 #include "filasofia/runtime/surfaces.h"
+#include "filasofia/runtime/video_file.h"
 
 #include <cmath>
 #include <utility>
@@ -21,7 +22,7 @@ void check(const RunDef& def)
     checkFile("run", def.picture, "picture", ".png");
     checkFile("run", def.log, "log", ".csv");
     checkFile("run", def.record, "record", ".rec");
-    checkFile("run", def.video, "video", ".mp4");
+    checkVideoFile("run", def.video);
     checkFile("run", def.recordMotion, "recordMotion", ".csv");
     if (def.pictureEvery > 0.0 && def.pictureEvery < 1e-3)
         fail("run: pictureEvery must be 0 or >= 0.001 s, got ", def.pictureEvery);

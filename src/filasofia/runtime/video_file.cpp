@@ -1,8 +1,10 @@
 #include "filasofia/runtime/video_file.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/runtime/check_file.h"
 
 #include <algorithm>
+#include <filesystem>
 
 namespace filasofia::runtime {
 namespace {
@@ -53,7 +55,10 @@ std::vector<std::string> arguments(const std::string& file, int width, int heigh
 VideoFile::VideoFile(const std::string& file, int width, int height, double fps)
     : file_(file), width_(width), height_(height), fps_(fps)
 {
-    ffmpeg_.emplace(workingFfmpeg(), arguments(file, width, height, fps));
+    if (std::filesystem::path(file).extension() == ".avi")
+        avi_.emplace(file, width, height, fps);
+    else
+        ffmpeg_.emplace(workingFfmpeg(), arguments(file, width, height, fps));
 }
 
 bool VideoFile::due(double time) const { return static_cast<double>(written_ + 1) <= time * fps_ + kPictureRounding; }
@@ -70,11 +75,15 @@ void VideoFile::show(const visual::Image& image, double time)
         pixels = &picture_;
     }
     for (; due(time); ++written_)
-        if (!ffmpeg_->feed(*pixels)) failed(ffmpeg_->finish(1.0));
+        if (avi_)
+            avi_->add(*pixels);
+        else if (!ffmpeg_->feed(*pixels))
+            failed(ffmpeg_->finish(1.0));
 }
 
 void VideoFile::close()
 {
+    if (avi_) return avi_->close();
     if (const std::string why = ffmpeg_->finish(kFinishTimeout); !why.empty()) failed(why);
     ffmpeg_.reset();
 }
@@ -83,6 +92,14 @@ void VideoFile::failed(const std::string& why) const
 {
     fail("video '", file_, "': ffmpeg took ", written_, written_ == 1 ? " picture" : " pictures", " and no more",
          why.empty() ? "" : ": ", why);
+}
+
+void checkVideoFile(const char* object, const std::string& file)
+{
+    const std::string extension = std::filesystem::path(file).extension().string();
+    if (!file.empty() && extension != ".mp4" && extension != ".avi")
+        fail(object, ": video must end in .mp4 or .avi, got '", file, "'");
+    checkFile(object, file, "video", extension.c_str());
 }
 
 } // namespace filasofia::runtime

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/runtime/avi_file.h"
 #include "filasofia/runtime/child_process.h"
 #include "filasofia/visual/image.h"
 
@@ -7,14 +8,16 @@
 
 namespace filasofia::runtime {
 
-/// An MP4 file of pictures. The program ffmpeg encodes it from raw pictures.
+/// A file of pictures: an MP4, which the program ffmpeg encodes from raw pictures, or an AVI, which needs no program.
 class VideoFile {
 public:
-    /// Throws an Error before the run if ffmpeg is not on PATH or does not even print its version.
+    /// Throws an Error before the run if the file is an MP4, and ffmpeg is not on PATH or does not even print its
+    /// version.
     VideoFile(const std::string& file, int width, int height, double fps);
 
     /// Writes the picture as often as is due until `time` [s] of the video, perhaps not at all. If the picture has
-    /// another size than the video, it is cropped or padded with black. Throws an Error if ffmpeg takes no more.
+    /// another size than the video, it is cropped or padded with black. Throws an Error if ffmpeg takes no more, or if
+    /// the file cannot be written.
     void show(const visual::Image& image, double time);
     /// Whether show() at this time would write a picture.
     [[nodiscard]] bool due(double time) const;
@@ -31,6 +34,11 @@ private:
     long written_ = 0;
     std::vector<unsigned char> picture_;
     std::optional<ChildProcess> ffmpeg_;
+    std::optional<AviFile> avi_; ///< in place of ffmpeg
 };
+
+/// Throws an Error naming object, field and bound if a name is neither empty nor that of a video that can be written:
+/// .mp4 or .avi.
+void checkVideoFile(const char* object, const std::string& file);
 
 } // namespace filasofia::runtime
