@@ -28,6 +28,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/filasofia DESTINATION ${CMAKE_IN
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/meshes DESTINATION ${CMAKE_INSTALL_DATADIR}/filasofia)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/filasofia)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/motions DESTINATION ${CMAKE_INSTALL_DATADIR}/filasofia)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/thumbnails DESTINATION ${CMAKE_INSTALL_DATADIR}/filasofia)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/assets/fonts DESTINATION ${CMAKE_INSTALL_DATADIR}/filasofia) # its licence
 install(FILES ${PROJECT_SOURCE_DIR}/assets/README.md DESTINATION ${CMAKE_INSTALL_DATADIR}/filasofia) # the meshes' terms
 foreach(program filasofia hysteroscopy laparoscopy)

@@ -126,25 +126,31 @@ int train(const Training& training)
               .tracker = &tracker,
               .perforated = [&](Vec3 place, double) { fluid.pierced(place); }});
     TrainingSession session(sim, training);
+    session.records(tracker);
+    const Task* running = nullptr;
     const auto over = [&](bool done) {
-        session.over(done ? "The polyp is out" : "Time is up", [&] {
+        const auto results = [&] {
             return std::vector<ResultLine>{{"Highest total force", text(std::lround(1000 * bar.highest()), " mN")},
                                            {"Warnings", text(bar.warnings())},
                                            {"Perforations", text(perforations.count())},
                                            {"Fluid deficit", millilitres(deficit(fluid.balance()))},
                                            {"Blood lost", millilitres(fluid.bloodLost())}};
-        });
+        };
+        session.over(done ? "The polyp is out" : "Time is up", results,
+                      {.done = done, .seconds = running->progress().time});
     };
     const Task task(sim, {.name = "hysteroscopy",
                           .steps = taskSteps,
                           .timeLimit = 60 * difficulty.minutes,
                           .tracker = &tracker,
                           .over = over});
+    running = &task;
     Guidance guidance(sim, task);
     session.guide(guidance, difficulty.guided && training.motion.empty());
     sim.dress([&](VisualServer& server) {
         scope.dress(server);
         guidance.dress(server);
+        session.dress(server);
     });
 
     const auto from = [&](Vec3 node) { return distance(node, patient.middle); };
@@ -192,6 +198,7 @@ int main(int argc, char** argv)
          .cases = kCases,
          .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
          .motions = {"expert", "clumsy"},
+         .pictures = {"thumbnails/small.png", "thumbnails/medium.png", "thumbnails/lobed.png"},
          .window = {"Hysteroscopy", 720, 720},
          .problem =
              [](int caseIndex, int seed) {

@@ -256,7 +256,8 @@ int cannulation(const Training& training)
                                                {"Tries", text(judge.tries())},
                                                {"Misses", text(judge.misses())},
                                                {"Score", text(std::lround(score(now)), " of 180")}};
-            }};
+            },
+        .score = score};
     def.observed.bodies = laparoscopy::observedIn(right, left, scope);
     def.observed.session = {.task = text("cannulation ", difficulty.name),
                             .fieldOfView = scope.def().fieldOfView,

@@ -231,7 +231,8 @@ int ligatingLoop(const Training& training)
                                                {"Narrower by", text(std::lround(100 * judge.narrowing()), " %")},
                                                {"Loop", stateOf(judge)},
                                                {"Score", text(std::lround(score(now)), " of 180")}};
-            }};
+            },
+        .score = score};
     def.observed.bodies = laparoscopy::observedIn(right, left, scope);
     def.observed.session = {.task = text("ligating loop ", difficulty.name),
                             .fieldOfView = scope.def().fieldOfView,

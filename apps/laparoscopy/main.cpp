@@ -157,7 +157,8 @@ int pegTransfer(const Training& training)
                     {"Lost", text(judge.lost())},
                     {"Score", text(std::lround(score(now)), " of 300")},
                     {"Highest total force", text(std::lround(1000 * running->force().highest()), " mN")}};
-            }};
+            },
+        .score = score};
     def.observed.bodies = observedIn(left, right, scope);
     def.observed.session = {.task = text("peg transfer ", difficulty.name),
                             .fieldOfView = scope.def().fieldOfView,
@@ -185,6 +186,8 @@ int main(int argc, char** argv)
 {
     const std::vector<std::string> cases = {"peg-transfer",  "cholecystectomy", "pattern-cutting",
                                             "ligating-loop", "suturing",        "cannulation"};
+    std::vector<std::string> pictures;
+    for (const std::string& each : cases) pictures.push_back(text("thumbnails/", each, ".png"));
     return runTrainer(
         argc, argv,
         {.name = "laparoscopy",
@@ -202,6 +205,7 @@ int main(int argc, char** argv)
          .cases = cases,
          .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
          .motions = {"expert", "clumsy"},
+         .pictures = pictures,
          .window = {"Laparoscopy", 960, 720}},
         [&](const Training& training) {
             static constexpr std::array kTasks = {

@@ -217,7 +217,8 @@ int patternCutting(const Training& training)
                     {"Time", text(std::lround(now.time), " s")},
                     {"Deviation", text(std::lround(100 * judge.deviation()), " % of the disc")},
                     {"Score", text(std::lround(score(now)), " of 300")}};
-            }};
+            },
+        .score = score};
     def.observed.bodies = laparoscopy::observedIn(right, left, scope);
     def.observed.session = {.task = text("pattern cutting ", difficulty.name),
                             .fieldOfView = scope.def().fieldOfView,

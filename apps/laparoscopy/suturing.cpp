@@ -187,7 +187,8 @@ int suturing(const Training& training)
                     {"Slit under load", millimetres(judge.loadedGap())},
                     {"Knot", kSecurity[static_cast<std::size_t>(judge.insecurity())]},
                     {"Score", text(std::lround(score(now)), " of 600")}};
-            }};
+            },
+        .score = score};
     def.observed.bodies = laparoscopy::observedIn(right, left, scope);
     def.observed.session = {.task = text("suturing ", difficulty.name),
                             .fieldOfView = scope.def().fieldOfView,

@@ -12,6 +12,7 @@
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/overlays.h"
 #include "filasofia/prefab/perforation.h"
+#include "filasofia/prefab/replay_screen.h"
 #include "filasofia/prefab/scope_hands.h"
 #include "filasofia/prefab/screens.h"
 #include "filasofia/prefab/specimen_bag.h"
@@ -138,6 +139,7 @@ using prefab::PerforationWatch;
 using prefab::pivotOf;
 using prefab::poseAt;
 using prefab::reach;
+using prefab::ReplayScreen;
 using prefab::ResultLine;
 using prefab::rollAcross;
 using prefab::runTrainer;
@@ -156,6 +158,7 @@ using prefab::TrainerDef;
 using prefab::TrainerTask;
 using prefab::TrainerTaskDef;
 using prefab::Training;
+using prefab::TrainingResult;
 using prefab::TrainingSession;
 using prefab::TrocarAim;
 using prefab::TrocarDef;

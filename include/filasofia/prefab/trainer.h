@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,7 +35,12 @@ struct TrainerDef {
     std::vector<std::string> cases = {};        ///< words without spaces; at least one
     std::vector<std::string> difficulties = {}; ///< words without spaces; at least one
     std::vector<std::string> motions = {};      ///< planned motions, words without spaces; may be empty
+    /// A picture for each case, for the start screen: a PNG or JPEG file, or an asset by its name (runtime/assets.h);
+    /// empty: none.
+    std::vector<std::string> pictures = {};
     window::WindowDef window = {};
+    /// Opens the windows of start screens and sessions, as Simulation::useWindow does; empty: window::openWindow.
+    std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> openWindow = {};
     /// For --check-seeds: why this patient cannot be treated; empty if it can.
     std::function<std::string(int caseIndex, int seed)> problem = {};
 };
@@ -45,8 +51,15 @@ constexpr auto fields(const TrainerDef*)
         "TrainerDef", field("name", &T::name, "the program's name"), field("about", &T::about, "one line for --help"),
         field("hands", &T::hands, "keys, for --help"), field("cases", &T::cases, "to choose from"),
         field("difficulties", &T::difficulties, "to choose from"), field("motions", &T::motions, "planned motions"),
-        field("window", &T::window, "the window of every session"));
+        field("pictures", &T::pictures, "of the cases"), field("window", &T::window, "the window of every session"));
 }
+
+/// What is kept of a session for the trainee's learning curve.
+struct TrainingResult {
+    bool done = false;                ///< the whole task
+    double seconds = 0.0;             ///< [s], simulated
+    std::optional<double> score = {}; ///< [-], the higher the better; if there is none, the time counts
+};
 
 /// One session of a trainer. Construct it before a run.
 class TrainingSession {
@@ -55,8 +68,16 @@ public:
 
     /// Lets the key T switch guidance on and off. Call it before run().
     void guide(Guidance& guidance, bool on);
-    /// Ends the session, for Task::over: a planned motion ends the run, a person gets the end screen with `results`.
-    void over(const std::string& how, const std::function<std::vector<ResultLine>()>& results);
+    /// The tracker that writes the session's file: it is closed when the trainee asks for the report or the replay. It
+    /// outlives this. Call it before run().
+    void records(MetricTracker& tracker);
+    /// Draws the paths of the replay; call it from inside the function given to Simulation::dress().
+    void dress(visual::VisualServer& server);
+    /// Ends the session, for Task::over: a planned motion ends the run; for a person physics is paused, and the end
+    /// screen shows `results`, the trainee's learning curve, and the ways to the report and the replay. `result` goes
+    /// into the table NAME_results.csv beside the session's file.
+    void over(const std::string& how, const std::function<std::vector<ResultLine>()>& results,
+              const TrainingResult& result = {});
     /// A function for HandMove that writes a picture of this name into the folder of --pictures; empty if there is no
     /// such folder.
     [[nodiscard]] std::function<void()> picture(const std::string& name) const;

@@ -22,6 +22,8 @@ struct TrainerTaskDef {
     std::string done = "Done";                                                ///< what the end screen says
     std::function<void(visual::VisualServer&)> dress = {};                    ///< adds camera and light
     std::function<std::vector<ResultLine>(const TaskProgress&)> results = {}; ///< for the end screen
+    /// [-], the higher the better, for the trainee's learning curve; empty: the time of the task counts.
+    std::function<double(const TaskProgress&)> score = {};
 };
 constexpr auto fields(const TrainerTaskDef*)
 {

@@ -1,39 +1,23 @@
 #include "filasofia/prefab/trainer.h"
 
 #include "filasofia/core/text.h"
-#include "filasofia/core/validate.h"
-#include "filasofia/core/word.h"
 #include "filasofia/metric/session_file.h"
+#include "filasofia/prefab/debriefing.h"
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/plain_window.h"
+#include "filasofia/prefab/trainer_program.h"
 #include "filasofia/runtime/file_failed_event.h"
 #include "filasofia/runtime/options.h"
 
 #include <imgui.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
-#include <cstdio>
 #include <filesystem>
+#include <optional>
 
 namespace filasofia::prefab {
 namespace {
-
-const std::string kKeys =
-    "T switches guidance, Space pauses, R calls the next patient, H shows these keys, Escape ends the session.";
-constexpr int kMaxSeeds = 1'000'000'000;
-/// The devices offered by a start screen, with the drivers' names; the first means no device.
-const std::vector<std::string> kDevices = {"mouse and keys", "forcedimension", "openhaptics"};
-
-int placeOf(const std::vector<std::string>& words, const std::string& word)
-{
-    return static_cast<int>(std::ranges::find(words, word) - words.begin());
-}
-const std::string& at(const std::vector<std::string>& words, int place)
-{
-    return words[static_cast<std::size_t>(place)];
-}
 
 /// Whether the session recorded nothing.
 bool isEmptySession(const std::string& file)
@@ -62,109 +46,22 @@ int trainOnce(const std::function<int(const Training&)>& train, const Training& 
     return code;
 }
 
+/// The settings of the next session.
+Training trainingOf(const std::shared_ptr<TrainerProgram>& program)
+{
+    const TrainerDef& def = program->def;
+    const std::string file = text(def.name, "_", program->caseName, "_", program->seedNumber());
+    return {.trainee = program->trainee,
+            .caseIndex = program->caseIndex(),
+            .difficulty = program->difficultyIndex(),
+            .seed = program->seedNumber(),
+            .motion = program->planned() ? program->motion : std::string(),
+            .device = program->device > 0 || program->has("--device") || program->has("--motion"),
+            .file = program->session.empty() ? unusedSessionFile(file) : program->session,
+            .program = program};
+}
+
 } // namespace
-
-struct TrainerProgram {
-    TrainerDef def;
-    std::string caseName, difficulty, motion = "hand", trainee, session, pictures, seed = "1", checkSeeds;
-    std::vector<std::string> rest; ///< for Simulation::run
-    int device = 0;                ///< index in kDevices, as chosen on the screen
-    bool another = false;          ///< the trainee asked for the next patient
-
-    /// "hand, expert, clumsy".
-    [[nodiscard]] std::string motions() const
-    {
-        std::string all = "hand";
-        for (const std::string& planned : def.motions) all += ", " + planned;
-        return all;
-    }
-    [[nodiscard]] std::vector<runtime::OwnOption> options()
-    {
-        return {{"--case", &caseName, "the case", def.cases},
-                {"--difficulty", &difficulty, "the difficulty", def.difficulties},
-                {"--seed", &seed, "the number that chooses the patient"},
-                {"--motion", &motion, "what moves the tools: " + motions() + ", or a device's motion file"},
-                {"--trainee", &trainee, "the trainee's name, for the session"},
-                {"--session", &session,
-                 "a .jsonl file for 'filasofia report'; default: " + def.name + "_CASE_SEED_NUMBER.jsonl"},
-                {"--pictures", &pictures, "a folder for pictures of a planned motion"},
-                {"--check-seeds", &checkSeeds, "check whether the patients of seeds 1 to N can be treated, and end"}};
-    }
-    [[nodiscard]] bool has(const char* word) const
-    {
-        return std::ranges::any_of(
-            rest, [&](const std::string& each) { return each == word || each.starts_with(text(word, "=")); });
-    }
-    [[nodiscard]] bool wantsHelp() const { return has("--help") || has("-h"); }
-    [[nodiscard]] bool planned() const { return std::ranges::find(def.motions, motion) != def.motions.end(); }
-    [[nodiscard]] int seedNumber() const
-    {
-        return wholeNumber(def.name + ": --seed", seed, {closed(0, kMaxSeeds - 1), "-"});
-    }
-
-    void parse(int argc, const char* const* argv)
-    {
-        rest = runtime::takeOptions(def.name, argc, argv, options());
-        if (wantsHelp()) return;
-        static_cast<void>(seedNumber()); // reports errors before any window opens
-        if (motion != "hand" && !planned()) {
-            std::error_code problem; // a name that is too long is not a file either
-            if (!std::filesystem::is_regular_file(motion, problem))
-                fail(def.name, ": --motion must be ", motions(), " or a motion file, but there is no file ",
-                     shownWord(motion));
-            rest.insert(rest.end(), {"--motion", motion});
-        }
-        if (!pictures.empty() && !std::filesystem::is_directory(pictures))
-            fail(def.name, ": --pictures must be a folder, got ", shownWord(pictures));
-        if (!pictures.empty() && ::access(pictures.c_str(), W_OK) != 0)
-            fail(def.name, ": --pictures: the folder ", shownWord(pictures), " cannot be written to");
-    }
-
-    [[nodiscard]] int help()
-    {
-        std::printf("%s\n\n%s\n%s%s\n\nThe other options are common to all simulations:\n\n", def.about.c_str(),
-                    runtime::optionHelp(options()).c_str(), def.hands.c_str(), kKeys.c_str());
-        std::fflush(stdout);
-        runtime::Simulation simulation;
-        return runtime::run(simulation, rest, options());
-    }
-
-    [[nodiscard]] int check() const
-    {
-        const int count = wholeNumber(def.name + ": --check-seeds", checkSeeds, {closed(1, 1'000'000), "-"});
-        int good = 0;
-        for (int each = 1; each <= count; ++each) {
-            const std::string problem = def.problem ? def.problem(placeOf(def.cases, caseName), each) : std::string();
-            good += problem.empty();
-            if (!problem.empty()) std::printf("seed %d: %s\n", each, problem.c_str());
-        }
-        std::printf("%d of %d patients can be treated\n", good, count);
-        return good == count ? 0 : 1;
-    }
-
-    /// Asks for trainee, case and seed. Returns false if the window was closed.
-    bool ask()
-    {
-        const bool choosesDevice = !has("--device") && !has("--motion");
-        const auto chosen = askAtStart({.title = def.window.title,
-                                        .cases = def.cases,
-                                        .difficulties = def.difficulties,
-                                        .devices = choosesDevice ? kDevices : std::vector<std::string>{},
-                                        .choice = {.trainee = trainee,
-                                                   .caseIndex = placeOf(def.cases, caseName),
-                                                   .difficulty = placeOf(def.difficulties, difficulty),
-                                                   .device = device,
-                                                   .seed = static_cast<std::uint64_t>(seedNumber())}},
-                                       def.window);
-        if (!chosen) return false;
-        trainee = chosen->trainee;
-        caseName = at(def.cases, chosen->caseIndex);
-        difficulty = at(def.difficulties, chosen->difficulty);
-        device = chosen->device;
-        seed = text(chosen->seed % kMaxSeeds);
-        return true;
-    }
-};
 
 struct TrainingSession::Impl {
     Impl(runtime::Simulation& sim, const Training& asked)
@@ -175,21 +72,26 @@ struct TrainingSession::Impl {
     void press(const event::KeyEvent& key)
     {
         using event::KeyCode;
-        if (!key.pressed || key.repeat) return;
+        if (!key.pressed || key.repeat || (debriefing && debriefing->replaying())) return;
+        if (debriefing) debriefing->press(key);
         if (key.key == KeyCode::T && guidance != nullptr) guidance->setOn(guided = !guided);
-        if (key.key == KeyCode::Space) simulation.pause(!simulation.paused());
+        if (key.key == KeyCode::Space && !over) simulation.pause(!simulation.paused());
         if (key.key == KeyCode::R) next();
         if (key.key == KeyCode::H) keysShown = !keysShown;
         if (key.key == KeyCode::Escape) simulation.finish("ended");
     }
+    void draw()
+    {
+        if (keysShown) drawKeys();
+        if (debriefing) debriefing->follow();
+    }
     void drawKeys() const
     {
-        if (!keysShown) return;
         const ImVec2 screen = ImGui::GetIO().DisplaySize;
         ImGui::SetNextWindowPos({screen.x - 12.0F, 12.0F}, ImGuiCond_Always, {1.0F, 0.0F});
         if (ImGui::Begin("keys", nullptr, kPlain)) {
             ImGui::PushTextWrapPos(0.6F * screen.x);
-            ImGui::TextUnformatted((program.def.hands + kKeys).c_str());
+            ImGui::TextUnformatted((program.def.hands + kTrainerKeys).c_str());
             ImGui::PopTextWrapPos();
         }
         ImGui::End();
@@ -204,15 +106,17 @@ struct TrainingSession::Impl {
     const Training training;
     TrainerProgram& program;
     EndScreen end;
+    std::optional<Debriefing> debriefing; ///< of a person at a window
     Guidance* guidance = nullptr;
     bool guided = false; // used by the thread that delivers events
-    std::atomic<bool> unwritten = false, keysShown = false;
+    std::atomic<bool> unwritten = false, keysShown = false, over = false;
 };
 
 TrainingSession::TrainingSession(runtime::Simulation& simulation, const Training& training)
     : impl_(std::make_shared<Impl>(simulation, training))
 {
     const auto weak = std::weak_ptr(impl_);
+    if (impl_->program.def.openWindow) simulation.useWindow(impl_->program.def.openWindow);
     impl_->end.onClose([&simulation] { simulation.finish("closed"); });
     impl_->end.onAgain([weak] {
         if (const auto impl = weak.lock()) impl->next();
@@ -221,11 +125,24 @@ TrainingSession::TrainingSession(runtime::Simulation& simulation, const Training
         if (const auto impl = weak.lock()) impl->press(key);
     });
     simulation.show(visual::GuiDef{.name = "keys", .renderCallback = [weak] {
-                                       if (const auto impl = weak.lock()) impl->drawKeys();
+                                       if (const auto impl = weak.lock()) impl->draw();
                                    }});
     simulation.on<runtime::FileFailedEvent>([weak](const runtime::FileFailedEvent&) {
         if (const auto impl = weak.lock()) impl->unwritten = true;
     });
+    // After the keys above: they must see whether a replay is open before it closes.
+    if (training.motion.empty() && impl_->program.hasWindow())
+        impl_->debriefing.emplace(simulation, impl_->end, training);
+}
+
+void TrainingSession::records(MetricTracker& tracker)
+{
+    if (impl_->debriefing) impl_->debriefing->records(tracker);
+}
+
+void TrainingSession::dress(visual::VisualServer& server)
+{
+    if (impl_->debriefing) impl_->debriefing->dress(server);
 }
 
 void TrainingSession::guide(Guidance& guidance, bool on)
@@ -234,16 +151,17 @@ void TrainingSession::guide(Guidance& guidance, bool on)
     guidance.setOn(impl_->guided = on);
 }
 
-void TrainingSession::over(const std::string& how, const std::function<std::vector<ResultLine>()>& results)
+void TrainingSession::over(const std::string& how, const std::function<std::vector<ResultLine>()>& results,
+                           const TrainingResult& result)
 {
     if (!impl_->training.motion.empty()) return impl_->simulation.finish(how);
     std::vector<ResultLine> lines = {{"Trainee", impl_->training.trainee}};
     for (ResultLine& line : results()) lines.push_back(std::move(line));
-    if (impl_->unwritten)
-        lines.push_back({"Session", "incomplete: a file could not be written"});
-    else
-        lines.push_back({"Report", text("filasofia report ", impl_->training.file)});
+    if (impl_->unwritten) lines.push_back({"Session", "incomplete: a file could not be written"});
+    impl_->over = true;
+    if (impl_->debriefing) impl_->simulation.pause(true); // what comes later is no part of the session
     impl_->end.show(how, std::move(lines), impl_->training.file);
+    if (impl_->debriefing) impl_->debriefing->begin(result);
 }
 
 std::function<void()> TrainingSession::picture(const std::string& name) const
@@ -273,39 +191,15 @@ bool TrainingSession::cutShort() const { return impl_->program.has("--steps"); }
 int runTrainer(int argc, const char* const* argv, const TrainerDef& def,
                const std::function<int(const Training&)>& train)
 try {
-    const auto program = std::make_shared<TrainerProgram>();
-    validate(def, "trainer");
-    if (def.cases.empty() || def.difficulties.empty())
-        fail("trainer: cases and difficulties must have at least one entry each");
-    for (const auto& [words, field] :
-         {std::pair{&def.cases, "cases"}, {&def.difficulties, "difficulties"}, {&def.motions, "motions"}})
-        for (const std::string& word : *words)
-            if (word.empty() || word.find_first_of(" \t\n") != std::string::npos)
-                fail("trainer: ", field, " must be words without spaces, got ", shownWord(word));
-    program->def = def;
-    program->caseName = def.cases.front();
-    program->difficulty = def.difficulties.front();
-    program->parse(argc, argv);
+    const auto program = std::make_shared<TrainerProgram>(def, argc, argv);
     if (program->wantsHelp()) return program->help();
     if (!program->checkSeeds.empty()) return program->check();
-    const auto session = [&] {
-        program->another = false;
-        const int seed = program->seedNumber();
-        const Training training{.trainee = program->trainee,
-                                .caseIndex = placeOf(def.cases, program->caseName),
-                                .difficulty = placeOf(def.difficulties, program->difficulty),
-                                .seed = seed,
-                                .motion = program->planned() ? program->motion : std::string(),
-                                .device = program->device > 0 || program->has("--device") || program->has("--motion"),
-                                .file = program->session.empty()
-                                            ? unusedSessionFile(text(def.name, "_", program->caseName, "_", seed))
-                                            : program->session,
-                                .program = program};
-        return trainOnce(train, training, program->session.empty());
-    };
-    if (program->planned() || program->has("--headless") || program->has("--no-picture")) return session();
+    const bool ownName = program->session.empty();
+    if (program->planned() || !program->hasWindow()) return trainOnce(train, trainingOf(program), ownName);
     while (program->another || program->ask()) {
-        if (const int problem = session(); problem != 0 || !program->session.empty()) return problem;
+        program->another = false;
+        if (const int problem = trainOnce(train, trainingOf(program), ownName); problem != 0 || !ownName)
+            return problem;
         if (program->another) program->seed = text((program->seedNumber() + 1) % kMaxSeeds);
     }
     return 0;

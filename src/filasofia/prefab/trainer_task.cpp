@@ -29,16 +29,22 @@ struct TrainerTask::Impl {
           guidance(simulation, task)
     {
         session.guide(guidance, def.guided && given.motion.empty());
+        session.records(tracker);
         simulation.dress([this](visual::VisualServer& server) {
             if (def.dress) def.dress(server);
             guidance.dress(server);
+            session.dress(server);
         });
     }
     TaskDef taskDef()
     {
         const auto over = [this](bool done) {
-            session.over(done ? def.done : "Time is up",
-                         [this] { return def.results ? def.results(task.progress()) : std::vector<ResultLine>(); });
+            const TaskProgress now = task.progress();
+            TrainingResult result{.done = done, .seconds = now.time};
+            if (def.score) result.score = def.score(now);
+            session.over(
+                done ? def.done : "Time is up",
+                [&] { return def.results ? def.results(now) : std::vector<ResultLine>(); }, result);
         };
         return {.name = def.observed.session.task,
                 .steps = def.steps,
