@@ -237,7 +237,8 @@ TEST_CASE("a start screen holds the simulation until Start is pressed, and an en
                                 ++pictures;
                                 if (pictures == 8) {
                                     pausedAt = sim.physics().latest()->time;
-                                    click(230, 311); // the Start button, at the panel's place in this window
+                                    for (double x = 460; x <= 620; x += 20) // the Start button, right of the choices
+                                        for (double y = 190; y <= 250; y += 20) click(x, y);
                                 }
                                 if (pictures == 20)
                                     end.show("Done", {{"a", "1"}, {"b", "2"}, {"c", "3"}}, "file.jsonl");

@@ -30,9 +30,9 @@ public:
 
     /// Plays from the beginning. Pause physics before. `closed` is called when the person closes it.
     void open(std::function<void()> closed = {});
-    void setOwn(const metric::Session& session);
-    void setExpert(const metric::Session& session);
-    void say(std::string line); ///< a line on the bar
+    void setOwn(const metric::Session& session);    ///< the trainee's paths, and the ends of the steps on the bar
+    void setExpert(const metric::Session& session); ///< the expert's paths, and a switch for them on the bar
+    void say(std::string line);                     ///< a line on the bar, of which 80 characters are shown
 
     [[nodiscard]] bool isOpen() const;    ///< any thread
     [[nodiscard]] double shownAt() const; ///< [s], simulated time that is shown; any thread

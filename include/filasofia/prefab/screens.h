@@ -35,7 +35,8 @@ struct StartScreenDef {
     std::vector<std::string> devices = {};              ///< the same
     StartChoice choice = {};                            ///< the initial choice
     std::function<void(const StartChoice&)> start = {}; ///< called on the main thread when Start is pressed
-    /// A PNG or JPEG file for each case, drawn beside its name, best with 128 x 96 pixels; empty: cases are a list.
+    /// A PNG or JPEG file for each case, drawn above its name, best with 128 x 96 pixels; that of the chosen case is
+    /// also behind the screen. Empty: cases are a list.
     std::vector<std::string> pictures = {};
     std::string controls = {}; ///< lines of text: which keys do what
     /// How the trainee of a choice has done in its case; empty: that is not shown. Called on the main thread when the

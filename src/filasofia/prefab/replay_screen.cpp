@@ -149,7 +149,8 @@ struct ReplayScreen::Impl {
     {
         const ImVec2 screen = ImGui::GetIO().DisplaySize;
         ImGui::SetNextWindowPos({0.5F * screen.x, screen.y - 8.0F}, ImGuiCond_Always, {0.5F, 1.0F});
-        ImGui::SetNextWindowSize({0.94F * screen.x, 0.0F});
+        ImGui::SetNextWindowSize({screen.x - 16.0F, 0.0F});
+        ImGui::SetNextWindowBgAlpha(1.0F); // what else is down there shows the present
         constexpr ImGuiWindowFlags flags = ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
                                            ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_AlwaysAutoResize;
         if (ImGui::Begin("replay", nullptr, flags)) {

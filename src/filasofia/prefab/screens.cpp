@@ -19,11 +19,14 @@ namespace {
 constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
                                     ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings;
 
+constexpr ImU32 kMainButton = IM_COL32(30, 120, 120, 255); ///< of what most people press
+
 /// In the middle of the picture. Typed text is never a title, because ImGui reads ids from titles.
 bool beginPanel(const char* id)
 {
     const ImVec2 screen = ImGui::GetIO().DisplaySize;
     ImGui::SetNextWindowPos({0.5F * screen.x, 0.5F * screen.y}, ImGuiCond_Always, {0.5F, 0.5F});
+    ImGui::SetNextWindowBgAlpha(0.88F);
     return ImGui::Begin(id, nullptr, kPanel | ImGuiWindowFlags_NoTitleBar);
 }
 
@@ -76,6 +79,7 @@ struct StartScreen::Impl {
     Impl(runtime::Simulation& sim, StartScreenDef asked)
         : simulation(sim), def(std::move(asked)), pictures(picturesOf(def)), choice(def.choice)
     {
+        choice.caseIndex = std::clamp(choice.caseIndex, 0, std::max(static_cast<int>(def.cases.size()) - 1, 0));
         // A name longer than the field is kept whole unless it is edited.
         const std::size_t size = std::min(choice.trainee.size(), typed.size() - 1);
         std::copy_n(choice.trainee.begin(), size, typed.begin());
@@ -84,35 +88,69 @@ struct StartScreen::Impl {
     void draw()
     {
         if (started) return;
+        drawBackdrop();
+        bool entered = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter), false);
         if (beginPanel("start")) {
             line(shown(def.title, 60));
             ImGui::Separator();
             lookUp();
-            if (pictures.empty())
-                choose("Case", def.cases, choice.caseIndex);
-            else
-                drawCards();
-            if (ImGui::InputText("Trainee", typed.data(), typed.size())) choice.trainee = typed.data();
-            choose("Difficulty", def.difficulties, choice.difficulty);
-            choose("Device", def.devices, choice.device);
-            ImGui::InputScalar("Seed", ImGuiDataType_U64, &choice.seed);
+            drawCards();
+            ImGui::BeginGroup();
+            drawChoices();
+            ImGui::EndGroup();
+            ImGui::SameLine(0.0F, 2.0F * ImGui::GetFontSize());
+            ImGui::BeginGroup();
             if (!histories.empty()) drawCurve(histories[static_cast<std::size_t>(choice.caseIndex)]);
-            if (!def.controls.empty() && ImGui::CollapsingHeader("Controls", ImGuiTreeNodeFlags_DefaultOpen))
-                line(def.controls);
-            const bool entered = ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Enter), false);
-            if (ImGui::Button("Start") || entered) {
-                started = true;
-                if (def.start) def.start(choice);
-                simulation.pause(false);
-            }
+            ImGui::PushStyleColor(ImGuiCol_Button, kMainButton);
+            entered |= ImGui::Button("Start", {8.0F * ImGui::GetFontSize(), 2.0F * ImGui::GetFontSize()});
+            ImGui::PopStyleColor();
+            ImGui::EndGroup();
+            drawControls();
         }
         ImGui::End();
+        if (entered) start();
+    }
+    void start()
+    {
+        started = true;
+        if (def.start) def.start(choice);
+        simulation.pause(false);
+    }
+    /// The picture of the case all over the window, dark and out of focus.
+    void drawBackdrop() const
+    {
+        if (pictures.empty()) return;
+        const visual::Image& image = pictures[static_cast<std::size_t>(choice.caseIndex)];
+        const ImVec2 screen = ImGui::GetIO().DisplaySize;
+        const auto across = static_cast<float>(image.width), down = static_cast<float>(image.height);
+        const float scale = std::max(screen.x / across, screen.y / down);
+        const ImVec2 from = {0.5F * (screen.x - scale * across), 0.5F * (screen.y - scale * down)};
+        ImDrawList& list = *ImGui::GetBackgroundDrawList();
+        drawImage(list, from, {from.x + scale * across, from.y + scale * down}, image);
+        list.AddRectFilled({0.0F, 0.0F}, screen, IM_COL32(0, 0, 0, 110));
+    }
+    void drawChoices()
+    {
+        ImGui::PushItemWidth(14.0F * ImGui::GetFontSize());
+        if (ImGui::InputText("Trainee", typed.data(), typed.size())) choice.trainee = typed.data();
+        if (pictures.empty()) choose("Case", def.cases, choice.caseIndex);
+        choose("Difficulty", def.difficulties, choice.difficulty);
+        choose("Device", def.devices, choice.device);
+        ImGui::InputScalar("Seed", ImGuiDataType_U64, &choice.seed);
+        ImGui::PopItemWidth();
+    }
+    void drawControls() const
+    {
+        if (def.controls.empty()) return;
+        ImGui::Separator();
+        ImGui::PushStyleColor(ImGuiCol_Text, IM_COL32(175, 180, 185, 255));
+        line(def.controls);
+        ImGui::PopStyleColor();
     }
     /// How the trainee has done, if trainee or difficulty have changed.
     void lookUp()
     {
         if (!def.history || def.cases.empty()) return;
-        choice.caseIndex = std::clamp(choice.caseIndex, 0, static_cast<int>(def.cases.size()) - 1);
         if (!histories.empty() && lookedUp.trainee == choice.trainee && lookedUp.difficulty == choice.difficulty)
             return;
         lookedUp = choice;
@@ -123,18 +161,25 @@ struct StartScreen::Impl {
     /// Cases as pictures, three in a row.
     void drawCards()
     {
-        for (int i = 0; i < static_cast<int>(def.cases.size()); ++i) {
+        for (int i = 0; i < static_cast<int>(pictures.size()); ++i) {
             if (i % 3 != 0) ImGui::SameLine();
             ImGui::PushID(i);
             drawCard(i);
             ImGui::PopID();
         }
     }
+    /// [px], so that the rows of cards take little more than half of the window.
+    [[nodiscard]] float cardWidth() const
+    {
+        const ImVec2 screen = ImGui::GetIO().DisplaySize;
+        const auto rows = static_cast<float>((def.cases.size() + 2) / 3);
+        const float high = 0.55F * screen.y / rows - 2.5F * ImGui::GetTextLineHeightWithSpacing();
+        return std::clamp(high / 0.75F, 4.0F * ImGui::GetFontSize(), 0.29F * screen.x);
+    }
     void drawCard(int index)
     {
         const auto at = static_cast<std::size_t>(index);
-        const float row = ImGui::GetTextLineHeightWithSpacing(), width = 12.0F * ImGui::GetFontSize();
-        const float high = 0.75F * width;
+        const float row = ImGui::GetTextLineHeightWithSpacing(), width = cardWidth(), high = 0.75F * width;
         if (ImGui::InvisibleButton("card", {width, high + row * (histories.empty() ? 1.2F : 2.2F)}))
             choice.caseIndex = index;
         const ImVec2 from = ImGui::GetItemRectMin(), to = ImGui::GetItemRectMax();

@@ -82,8 +82,9 @@ void appendResult(const std::string& file, const TrainingRecord& record)
     const bool isNew = !std::filesystem::exists(file, none);
     std::string lines = isNew ? text(kColumns, '\n') : std::string();
     lines += text(csvCell(record.date), ',', csvCell(record.trainee), ',', csvCell(record.caseName), ',',
-                  csvCell(record.difficulty), ',', record.seed, ',', record.done ? "yes" : "no", ',', record.seconds,
-                  ',', record.score ? text(*record.score) : std::string(), ',', csvCell(record.session), '\n');
+                  csvCell(record.difficulty), ',', record.seed, ',', record.done ? "yes" : "no", ',',
+                  std::round(1000.0 * record.seconds) / 1000.0, ',', record.score ? text(*record.score) : std::string(),
+                  ',', csvCell(record.session), '\n');
     std::ofstream out(file, std::ios::app);
     out << lines << std::flush;
     if (!out) fail(file, ": cannot be written");
