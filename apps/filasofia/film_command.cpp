@@ -160,7 +160,7 @@ int film(const FilmCommandOptions& options)
     }
     film.close();
     std::cout << "wrote " << oneLine(options.file) << ": " << text(std::round(10 * pictures / kFilmRate) / 10) << " s, "
-              << fs::file_size(options.file) / 1'000'000 << " MB\n";
+              << text(std::round(static_cast<double>(fs::file_size(options.file)) / 1e5) / 10) << " MB\n";
     return 0;
 }
 

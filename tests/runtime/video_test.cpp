@@ -229,7 +229,7 @@ TEST_CASE("an AVI needs no program: its head counts the pictures, and each of th
     CHECK(number(4) == bytes.size() - 8);
     const std::size_t head = bytes.find("avih") + 8;
     CHECK(number(head) == 100'000); // [us] for each picture
-    CHECK(number(head + 16) == 3);  // of them
+    CHECK(number(head + 16) == 3);  // pictures
     CHECK(number(head + 32) == 16);
     CHECK(number(head + 36) == 8);
     const std::size_t list = bytes.find("movi"), index = bytes.find("idx1");
@@ -247,6 +247,10 @@ TEST_CASE("an AVI needs no program: its head counts the pictures, and each of th
         CHECK(read.width == 16);
         CHECK(std::abs(int(read.pixel(3, 3)[0]) - (i == 0 ? 200 : 100)) < 4);
     }
+    const std::string never = none.file("never.avi");
+    CHECK_THROWS_WITH(AviFile(never, 0, 2, 1), Catch::Contains("must be in [1, 8192] px, got 0 x 2"));
+    CHECK_THROWS_WITH(AviFile(never, 2, 2, 0), Catch::Contains("fps must be in [0.001, 1000] 1/s, got 0"));
+    CHECK_FALSE(std::filesystem::exists(never));
     CHECK_THROWS_WITH(VideoFile("/nowhere/out.avi", 2, 2, 1), Catch::Contains("/nowhere/out.avi"));
 }
 

@@ -1,6 +1,7 @@
 #include "little_scene.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/visual/jpeg.h"
 
 #include <stb/stb_image.h>
 
@@ -51,6 +52,25 @@ TEST_CASE("a picture that cannot be written is an error that names the file")
     torn.rgba.pop_back();
     CHECK_THROWS_WITH(savePng(torn, "torn.png"), Contains("torn.png"));
     CHECK_THROWS_AS(savePng(Image{-1, -1, {}}, "negative.png"), Error);
+}
+
+TEST_CASE("a JPEG has the size and nearly the colours of its picture, and what cannot be one is refused")
+{
+    const Image image{16, 8, std::vector<std::uint8_t>(4 * 16 * 8, 130)};
+    const std::string jpeg = encodeJpeg(16, 8, image.rgba);
+    int width = 0, height = 0, channels = 0;
+    const auto* bytes = reinterpret_cast<const unsigned char*>(jpeg.data());
+    unsigned char* read = stbi_load_from_memory(bytes, int(jpeg.size()), &width, &height, &channels, 4);
+    REQUIRE(read);
+    CHECK(width == 16);
+    CHECK(height == 8);
+    for (int i = 0; i < 3; ++i) CHECK(std::abs(int(read[i]) - 130) < 4);
+    stbi_image_free(read);
+    CHECK(encodeJpeg(3, 2, checkers().rgba, 100).size() > encodeJpeg(3, 2, checkers().rgba, 1).size());
+    CHECK_THROWS_WITH(encodeJpeg(16, 9, image.rgba),
+                      "JPEG: a picture of 16 x 9 pixels with 512 bytes cannot be encoded");
+    CHECK_THROWS_AS(encodeJpeg(-16, -8, image.rgba), Error);
+    CHECK_THROWS_WITH(encodeJpeg(16, 8, image.rgba, 101), "JPEG: quality must be in [1, 100], got 101");
 }
 
 TEST_CASE("a picture without room leaves what was there, and no half file")

@@ -41,7 +41,7 @@ public:
     // The thread that draws (the main thread, as in callbacks of Guis), or any thread between two runs.
 
     [[nodiscard]] double begin() const;       ///< [s], simulated time of the first state; 0 if there is none
-    [[nodiscard]] double end() const;         ///< [s], of the last one
+    [[nodiscard]] double end() const;         ///< [s], simulated time of the last state
     [[nodiscard]] std::size_t states() const; ///< [-], how many it keeps
     [[nodiscard]] std::size_t bytes() const;  ///< what they take
     /// From the next picture on, the state of this time [s] is drawn, or the nearest one that is kept.

@@ -33,14 +33,20 @@ std::string aviChunk(const char* name, const std::string& content)
     return name + aviNumber(static_cast<std::uint32_t>(content.size())) + content;
 }
 
-} // namespace
-
-AviFile::AviFile(const std::string& file, int width, int height, double fps)
-    : width_(width), height_(height), fps_(fps), out_(file)
+/// The name of a video that can be begun.
+const std::string& checkedName(const std::string& file, int width, int height, double fps)
 {
     if (width < 1 || width > 8192 || height < 1 || height > 8192)
         fail("video '", file, "': width and height must be in [1, 8192] px, got ", width, " x ", height);
     if (!(fps >= 1e-3 && fps <= 1e3)) fail("video '", file, "': fps must be in [0.001, 1000] 1/s, got ", fps);
+    return file;
+}
+
+} // namespace
+
+AviFile::AviFile(const std::string& file, int width, int height, double fps)
+    : width_(width), height_(height), fps_(fps), out_(checkedName(file, width, height, fps))
+{
     out_.write(head()); // its numbers follow at the end
 }
 

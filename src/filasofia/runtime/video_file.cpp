@@ -74,11 +74,12 @@ void VideoFile::show(const visual::Image& image, double time)
             std::copy_n(row(image.rgba, image.width, y), 4 * std::min(width_, image.width), row(picture_, width_, y));
         pixels = &picture_;
     }
-    for (; due(time); ++written_)
+    for (; due(time); ++written_) {
         if (avi_)
             avi_->add(*pixels);
         else if (!ffmpeg_->feed(*pixels))
             failed(ffmpeg_->finish(1.0));
+    }
 }
 
 void VideoFile::close()
