@@ -137,7 +137,7 @@ int train(const Training& training)
                                            {"Blood lost", millilitres(fluid.bloodLost())}};
         };
         session.over(done ? "The polyp is out" : "Time is up", results,
-                      {.done = done, .seconds = running->progress().time});
+                     {.done = done, .seconds = running->progress().time});
     };
     const Task task(sim, {.name = "hysteroscopy",
                           .steps = taskSteps,
