@@ -166,7 +166,7 @@ TEST_CASE("a replay goes from the beginning to the end, and keys pause it, go ba
     CHECK(afterClosing >= 1.3);
 }
 
-TEST_CASE("the program of the report is given session and page, and its page is opened; what goes wrong is said")
+TEST_CASE("the program of the report is given session and page, its page is opened, and what goes wrong is said")
 {
     const Folder folder;
     folder.script("filasofia", text("echo \"$@\" > ", folder.file("words"), "\necho page > \"$4\"\n"));
