@@ -72,6 +72,8 @@ std::vector<Vec3> centreLine(const RodBodyDef& def)
             whole += distance(nodes.back(), nodes.front());
             nodes.push_back(nodes.front());
         }
+        if (!(*def.spacing < whole))
+            fail(object, ": spacing must be < the rod's length, ", whole, " m, got ", *def.spacing);
         const double edges =
             std::max(static_cast<double>(def.closed ? kMinRing : kMinNodes - 1), std::round(whole / *def.spacing));
         if (!(edges < static_cast<double>(kMaxNodes)))

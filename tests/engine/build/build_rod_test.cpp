@@ -84,6 +84,7 @@ TEST_CASE("what cannot be a rod is refused with one Error that names the rod, th
     checkError(with([](RodBodyDef& d) { d.points.push_back({2e4, 0, 0}); }), "points[2] must lie within 10000 m");
     checkError(with([](RodBodyDef& d) { d.points.push_back({0, std::nan(""), 0}); }), "points");
     checkError(with([](RodBodyDef& d) { d.spacing = 1e-9; }), "spacing must leave at most 100000 nodes");
+    checkError(with([](RodBodyDef& d) { d.spacing = 5.0; }), "spacing must be < the rod's length, ");
     checkError(with([](RodBodyDef& d) { d.closed = true; }), "points must have at least 3 entries for a ring, got 2");
     const auto ring = with([](RodBodyDef& d) {
         d.closed = true;
