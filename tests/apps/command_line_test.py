@@ -1029,6 +1029,25 @@ class Fuzz(Program):
         self.assertEqual((report["hashes_that_differ"], report["silent_overlaps"], report["not_finite"]), (0, 0, 0))
         self.assertIn(report["hash"], said)
 
+    def test_tools_join_random_contacts_and_knots(self):
+        def report(*words):
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder, "tools.json")
+                said = self.output("fuzz", *words, "--json", str(path))
+                written = json.loads(path.read_text())
+            self.assertIn(written["hash"], said)
+            return written
+
+        knots = ("knots", "--seed", "2", "--seconds", "0.2")
+        plain, tools = report(*knots), report(*knots, "--tools", "--twice")
+        self.assertNotEqual(plain["hash"], tools["hash"])
+        self.assertEqual((tools["passes"], tools["not_finite"], tools["hashes_that_differ"]), (0, 0, 0))
+        contacts = ("contact", "--seed", "3", "--scenes", "2")
+        plain, tools = report(*contacts), report(*contacts, "--tools", "--twice")
+        self.assertNotEqual(plain["hash"], tools["hash"])
+        self.assertEqual((tools["not_finite"], tools["hashes_that_differ"]), (0, 0))
+        self.refused("fuzz", "cut", "--tools", says=["--tools applies to contact and knots only"])
+
     def test_every_law_is_cut_torn_and_replayed_the_same_for_the_same_seed(self):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "laws.json")
