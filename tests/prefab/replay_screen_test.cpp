@@ -283,6 +283,10 @@ TEST_CASE("results are kept in a table, and a trainee's own make a history")
     CHECK(other.values == std::vector<double>{70.26});
     CHECK(other.best == "70.3 s");
     CHECK(other.last == "not done");
+    add("2026-03-05", "Bo", "easy", false, 300, 260);
+    const CaseHistory broken = historyOf(readResults(file), "Bo", "peg", "easy");
+    CHECK(broken.best.empty()); // it was broken off
+    CHECK(broken.values == std::vector<double>{260});
     CHECK(historyOf(all, "Ada", "suturing", "easy").last.empty());
     CHECK_THROWS_WITH(appendResult(folder.file("none/results.csv"), {}), Catch::Contains("cannot be written"));
 }

@@ -27,8 +27,8 @@ struct RodBodyDef {
     std::vector<Vec3> points = {};
     /// the last point is joined to the first: a ring, which is not given its first point again at the end
     bool closed = false;
-    /// [m], > 0: nodes are placed along that line, about this far apart. Not given: its corners are the nodes. A rod
-    /// has at least three nodes, a ring eight, and at most 100,000
+    /// [m], > 0, shorter than the line: nodes are placed along it, about this far apart. Not given: its corners are the
+    /// nodes. A rod has at least three nodes, a ring eight, and at most 100,000
     std::optional<double> spacing = {};
     Pose pose = {};            ///< from the points' coordinates to the world
     double radius = 0.15e-3;   ///< [m], > 0

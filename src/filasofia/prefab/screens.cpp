@@ -68,7 +68,7 @@ void drawCurve(const CaseHistory& history)
     std::vector<float> values;
     for (const double value : history.values) values.push_back(static_cast<float>(value));
     line(text("Your ", values.size(), " sessions: ", history.scored ? "score" : "time of those that were done",
-              ", best ", shown(history.best, 20)));
+              history.best.empty() ? "" : text(", best ", shown(history.best, 20))));
     ImGui::PlotLines("##curve", values.data(), static_cast<int>(values.size()), 0, nullptr, FLT_MAX, FLT_MAX,
                      {20.0F * ImGui::GetFontSize(), 3.5F * ImGui::GetFontSize()});
 }

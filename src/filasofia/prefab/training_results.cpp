@@ -108,8 +108,11 @@ CaseHistory historyOf(const std::vector<TrainingRecord>& all, const std::string&
     out.last = !last.done                 ? "not done"
                : out.scored && last.score ? shownScore(*last.score)
                                           : shownSeconds(last.seconds);
-    if (out.values.empty()) return out;
-    out.best = out.scored ? shownScore(std::ranges::max(out.values)) : shownSeconds(std::ranges::min(out.values));
+    std::vector<double> whole; // what was broken off is no best
+    for (const TrainingRecord* each : own)
+        if (each->done && (!out.scored || each->score)) whole.push_back(out.scored ? *each->score : each->seconds);
+    if (whole.empty()) return out;
+    out.best = out.scored ? shownScore(std::ranges::max(whole)) : shownSeconds(std::ranges::min(whole));
     return out;
 }
 
