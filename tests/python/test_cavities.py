@@ -44,7 +44,7 @@ def test_what_cannot_be_is_one_error():
     with pytest.raises(fs.Error, match=r"soft body 'bladder': cavity must be in \[0, 1\), the number of its cavities, got 3"):
         sim.set_cavity(body, 3, pressure=0)
     with pytest.raises(fs.Error, match="soft body 'solid': has no cavities, got cavity 0"):
-        sim.set_cavity(sim.add(fs.SoftBody(name="solid", mesh=fs.shapes.block((0.02, 0.02, 0.02), (2, 2, 2)))), pressure=0)
+        sim.set_cavity(sim.add(fs.SoftBodyDef(name="solid", mesh=fs.shapes.block((0.02, 0.02, 0.02), (2, 2, 2)))), pressure=0)
     with pytest.raises(fs.Error, match="inflow cannot be set for cavities.0.: its pressure is that of a source"):
         sim.set_cavity(body, inflow=1e-6)
     with pytest.raises(fs.Error, match="SetCavity must give a pressure or an inflow"):

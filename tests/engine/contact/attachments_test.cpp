@@ -1,5 +1,6 @@
 #include "filasofia/geometry/shapes.h"
 
+#include "engine/articulation/jaw.h"
 #include "engine/contact/attachment_scene.h"
 #include "engine/rods.h"
 
@@ -324,6 +325,25 @@ TEST_CASE("a thread stays at the tail of a needle, told or free, that turns far 
             CAPTURE(free, turn);
             CHECK(off < 1e-4);
         }
+}
+
+TEST_CASE("what a link holds goes with it, also if the tool turns far in a step")
+{
+    Stage stage;
+    const BodyId tool = stage.add(jawBody(physics::JointPosition{0.0}));
+    physics::RigidBodyDef box = rigidBox({0.05, 0, 0}, {0.004, 0.004, 0.004}, true);
+    box.mass = physics::TotalMass{1e-3};
+    box.attachments = {{.to = tool, .toElement = 1}};
+    stage.add(box);
+    double off = 0.0;
+    for (int i = 1; i <= 60; ++i) {
+        stage.post(physics::SetPose{tool, 0, Pose{{}, axisAngle({0, 0, 1}, 0.1 * std::min(i, 40))}});
+        stage.step(1e-3);
+        const auto& bodies = stage.world.scene().rigid;
+        off = std::max(off,
+                       distance(transform(bodies[0].state.poses[1], {0.02, 0, 0}), bodies[1].state.poses[0].position));
+    }
+    CHECK(off < 1e-4); // 0.1 rad a step, at 50 mm
 }
 
 TEST_CASE("a light needle between the spring that holds it and a taut thread comes to rest")

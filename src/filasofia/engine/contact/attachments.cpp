@@ -63,17 +63,18 @@ Vec3 armOfChord(Vec3 turn, Vec3 arm)
     return along + std::sin(half) / half * rotate(axisAngle(axis, half), arm - along);
 }
 
-/// [N m] How a force at an arm [N, m] turns a body back as it turns: the derivative of the torque arm x force, less
-/// what turns it on (Tournier, Nesme, Gilles and Faure 2015, geometric stiffness).
-Mat3 turningStiffness(Vec3 arm, Vec3 force)
+/// [kg m^2] A force turns a body back as it turns: the derivative of the torque arm x force is a stiffness, here less
+/// what turns the body on (Tournier, Nesme, Gilles and Faure 2015, geometric stiffness). In a step it acts as inertia;
+/// returned is what exceeds `own`, since below that a step is stable without.
+Mat3 turningInertia(double dt, Vec3 arm, Vec3 impulse, double own)
 {
-    const double size = length(arm) * length(force), pull = dot(arm, force);
-    if (!(size > 0.0)) return {};
-    const Vec3 first = normalized(arm), second = normalized(force), normal = cross(first, second);
-    if (length(normal) < 1e-9) return std::max(0.0, pull) * (Mat3::identity() - outer(first, first));
-    const Vec3 across = normalized(normal), middle = normalized(first + second);
-    const Vec3 along = cross(across, middle);
-    return 0.5 * (pull + size) * outer(along, along) + std::max(0.0, pull) * outer(across, across);
+    const double size = length(arm) * length(impulse), pull = dot(arm, impulse);
+    if (!(dt * size > own)) return {};
+    const auto beyond = [&](double stiffness) { return std::max(0.0, dt * stiffness - own); };
+    const Vec3 first = normalized(arm), second = normalized(impulse), normal = cross(first, second);
+    if (length(normal) < 1e-9) return beyond(pull) * (Mat3::identity() - outer(first, first));
+    const Vec3 across = normalized(normal), along = cross(across, normalized(first + second));
+    return beyond(0.5 * (pull + size)) * outer(along, along) + beyond(pull) * outer(across, across);
 }
 
 /// The current positions of attached points, and their velocities in a step of dt [s].
@@ -99,11 +100,9 @@ public:
         out.body = firstElement_[body->index] + static_cast<std::size_t>(point.element);
         const RigidPlanElement& planned = plan_[out.body];
         const Vec3 arm = out.position - planned.centre;
-        const bool link = planned.articulation >= 0;
-        const Vec3 turn = dt_ * (planned.angularVelocity + planned.change.angular);
-        const Vec3 foreseen = link ? arm : armOfChord(turn, arm);
+        const Vec3 foreseen = armOfChord(dt_ * (planned.angularVelocity + planned.change.angular), arm);
         out.shift = foreseen - arm;
-        out.velocity = planned.velocity + cross(planned.angularVelocity, foreseen);
+        out.velocity = planned.velocity + planned.beyond + cross(planned.angularVelocity, foreseen);
     }
 
     /// An edge of a rod and the rigid body that it turns with. The angle is by how much the edge is ahead.
@@ -186,18 +185,18 @@ void finishWeld(const Attachment& attachment, double dt, Vec3 carried, Constrain
     }
 }
 
-/// What a hard pair alone pulls at turns a rigid body as a weight does a pendulum. (Several hold how it is turned.)
-/// Within a step the pull counts as inertia, or a light body would turn ever farther to and fro: needles of 5 mg did,
-/// by 0.6 rad a step at 50 mN.
+/// A thread, or tissue, that pulls at one point of a rigid body turns it as a weight does a pendulum. Within a step the
+/// pull counts as inertia, or a light body would turn ever farther to and fro: needles of 5 mg did, by 0.6 rad a step
+/// at 50 mN. (Several points hold how a body is turned, and what two rigid bodies pull at each other may be strain of
+/// a grip alone.)
 void addHeldInertia(double dt, const Constraint& weld, RigidPlan& plan)
 {
-    for (std::size_t side = 0; side < 2; ++side) {
-        const BodyPoint& point = weld.sides[side];
-        if (point.of != BodyPoint::Of::Rigid || !plan[point.body].dynamic) continue;
-        RigidPlanElement& element = plan[point.body];
-        const Vec3 impulse = side == 0 ? weld.impulse : -weld.impulse;
-        element.heldInertia += dt * turningStiffness(point.position - element.centre, impulse);
-    }
+    const BodyPoint& point = weld.sides[1];
+    if (weld.sides[0].of != BodyPoint::Of::Soft || point.of != BodyPoint::Of::Rigid) return;
+    RigidPlanElement& element = plan[point.body];
+    if (!element.dynamic || element.articulation >= 0) return;
+    const double sum = trace(element.inertia), least = 4.0 * determinant(element.inertia) / (sum * sum);
+    element.heldInertia += turningInertia(dt, point.position - element.centre, -weld.impulse, least);
 }
 
 /// [N s] The start of a hard pair's next solve: the multiplier, less what a failed recovery has added to it. Otherwise
