@@ -68,7 +68,8 @@ def chunk(name, data):
     return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
 
-def shrink(path):
+def read(path):
+    """The bytes of the file, its header, and its rows of pixels."""
     with open(path, "rb") as file:
         data = file.read()
     parts = list(chunks(data))
@@ -77,7 +78,12 @@ def shrink(path):
     if (depth, color) != (8, 2):
         sys.exit(f"{path}: is not a PNG of 8-bit RGB")
     raw = zlib.decompress(b"".join(body for name, body in parts if name == b"IDAT"))
-    body = packed(filtered(unfiltered(raw, width, height)))
+    return data, head, unfiltered(raw, width, height)
+
+
+def shrink(path):
+    data, head, rows = read(path)
+    body = packed(filtered(rows))
     small = data[:8] + chunk(b"IHDR", head) + chunk(b"IDAT", body) + chunk(b"IEND", b"")
     if len(small) < len(data):
         with open(path, "wb") as file:
@@ -85,5 +91,6 @@ def shrink(path):
     print(f"{path}: {len(data)} -> {min(len(small), len(data))}")
 
 
-for each in sys.argv[1:]:
-    shrink(each)
+if __name__ == "__main__":
+    for each in sys.argv[1:]:
+        shrink(each)

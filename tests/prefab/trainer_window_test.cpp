@@ -2,7 +2,7 @@
 #include "filasofia/metric/session_file.h"
 #include "filasofia/prefab/trainer_task.h"
 
-#include "window/x11_person.h"
+#include "window/attended.h"
 
 #include <catch2/catch.hpp>
 
@@ -21,31 +21,6 @@ using runtime::Simulation;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A real window with a person who is asked what to do each time the run looks for input.
-class Attended final : public window::Window {
-public:
-    using Act = std::function<void(window::Person&)>;
-    Attended(const window::WindowDef& def, Act act)
-        : inner_(window::openWindow(def)), person_(inner_->nativeWindow()), act_(std::move(act))
-    {
-    }
-    [[nodiscard]] void* nativeWindow() const override { return inner_->nativeWindow(); }
-    [[nodiscard]] window::WindowSize size() const override { return inner_->size(); }
-    [[nodiscard]] double scale() const override { return inner_->scale(); }
-    void poll(const event::EventSink& sink) override
-    {
-        act_(person_);
-        inner_->poll(sink);
-    }
-    [[nodiscard]] bool shouldClose() const override { return inner_->shouldClose(); }
-    void setTitle(const std::string& title) override { inner_->setTitle(title); }
-
-private:
-    std::unique_ptr<window::Window> inner_;
-    window::Person person_;
-    Act act_;
-};
 
 /// A folder in which the test works, and programs of its own on PATH.
 class Workplace {
@@ -134,7 +109,7 @@ TEST_CASE("a trainee starts with a key, reaches the end, asks for the report, se
                    .window = {"Drill", 480, 360},
                    .openWindow = [&](const window::WindowDef& window) -> std::unique_ptr<window::Window> {
                        looks = 0;
-                       return std::make_unique<Attended>(window, act);
+                       return std::make_unique<window::Attended>(window, act);
                    }};
     const std::vector<const char*> words = {"drill", "--trainee", "Ada"};
     const int code = runTrainer(static_cast<int>(words.size()), words.data(), def, [&](const Training& training) {

@@ -1,6 +1,6 @@
 #include "filasofia/filasofia.h"
 
-#include "window/x11_person.h"
+#include "window/attended.h"
 
 #include <unistd.h>
 
@@ -14,31 +14,6 @@ using namespace filasofia;
 namespace fs = std::filesystem;
 
 namespace {
-
-/// A real window with a person who is asked what to do each time the run looks for input.
-class Attended final : public window::Window {
-public:
-    using Act = std::function<void(window::Person&)>;
-    Attended(const window::WindowDef& def, Act act)
-        : inner_(window::openWindow(def)), person_(inner_->nativeWindow()), act_(std::move(act))
-    {
-    }
-    [[nodiscard]] void* nativeWindow() const override { return inner_->nativeWindow(); }
-    [[nodiscard]] window::WindowSize size() const override { return inner_->size(); }
-    [[nodiscard]] double scale() const override { return inner_->scale(); }
-    void poll(const event::EventSink& sink) override
-    {
-        act_(person_);
-        inner_->poll(sink);
-    }
-    [[nodiscard]] bool shouldClose() const override { return inner_->shouldClose(); }
-    void setTitle(const std::string& title) override { inner_->setTitle(title); }
-
-private:
-    std::unique_ptr<window::Window> inner_;
-    window::Person person_;
-    Act act_;
-};
 
 std::string contents(const std::string& name)
 {
@@ -84,7 +59,7 @@ TEST_CASE("a person at a real window turns the camera, takes a picture by key an
             ++did;
         }
     };
-    sim.useWindow([&](const window::WindowDef& def) { return std::make_unique<Attended>(def, act); });
+    sim.useWindow([&](const window::WindowDef& def) { return std::make_unique<window::Attended>(def, act); });
     const RunReport report = sim.run({.seconds = 100});
     CHECK(report.finished == "Escape");
     CHECK(contents("before.png").size() > 100);

@@ -1,7 +1,7 @@
 #include "filasofia/surface/distension.h"
 
 #include "filasofia/core/hash.h"
-#include "filasofia/core/validate.h"
+#include "filasofia/surface/checked_room.h"
 
 #include <algorithm>
 #include <cmath>
@@ -54,13 +54,7 @@ double risingSpeed(double radius, double gravity)
 
 Distension::Distension(const DistensionDef& def, const std::string& object) : def_(def)
 {
-    if (def_.room == geometry::Box{}) // the default, which has infinite corners
-        fail(object, ": room must be given, with room.low < room.high in every axis; what is seen of it fills it");
-    validate(def_, object);
-    const Vec3 size = def_.room.high - def_.room.low;
-    if (!(size.x > 0.0 && size.y > 0.0 && size.z > 0.0))
-        fail(object, ": room.high must be > room.low in every axis, got a room of ", size.x, " x ", size.y, " x ",
-             size.z, " m");
+    validateWithRoom(def_, object, "what is seen of it fills it");
     if (def_.up && !(length(*def_.up) > 0.0)) fail(object, ": up must have a length > 0, got 0");
     balance_.atStart = balance_.volume = def_.volume;
 }

@@ -1,9 +1,9 @@
 #include "filasofia/surface/smoke.h"
 
 #include "filasofia/core/hash.h"
-#include "filasofia/core/validate.h"
 #include "filasofia/geometry/box.h"
 #include "filasofia/math/gaussian.h"
+#include "filasofia/surface/checked_room.h"
 #include "filasofia/surface/heat.h"
 
 #include <algorithm>
@@ -64,13 +64,7 @@ double rise(Puff& puff, double entrainment, double dt)
 
 Smoke::Smoke(const SmokeDef& def, const std::string& object) : def_(def)
 {
-    if (def_.room == geometry::Box{}) // the default, which has infinite corners
-        fail(object, ": room must be given, with room.low < room.high in every axis; smoke stays in it");
-    validate(def_, object);
-    const Vec3 size = def_.room.high - def_.room.low;
-    if (!(size.x > 0.0 && size.y > 0.0 && size.z > 0.0))
-        fail(object, ": room.high must be > room.low in every axis, got a room of ", size.x, " x ", size.y, " x ",
-             size.z, " m");
+    validateWithRoom(def_, object, "smoke stays in it");
 }
 
 double Smoke::volume() const

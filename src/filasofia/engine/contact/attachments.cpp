@@ -5,8 +5,8 @@
 #include "filasofia/engine/contact/attached_contacts.h"
 #include "filasofia/engine/contact/attachment_points.h"
 #include "filasofia/engine/contact/pin_reactions.h"
+#include "filasofia/engine/contact/turning_attachments.h"
 #include "filasofia/engine/scene/find_body.h"
-#include "filasofia/math/quat.h"
 #include "filasofia/physics/attachment_break.h"
 
 #include <algorithm>
@@ -26,9 +26,6 @@ constexpr double kAttachmentTolerance = 1e-5;
 /// [rad] how far a rod may turn against its holder in a step before the multiplier is updated
 constexpr double kTurnTolerance = 1e-4;
 constexpr double kFailedRecovery = 0.05; ///< a recovery below this fraction of the requested one counts as failed
-
-constexpr double kLargestTurn = 1.5; ///< [rad] in a step; beyond it, where a point comes is foreseen less far
-constexpr double kForeseen = 2e-5;   ///< [m] how far a point may come to be from where it was foreseen
 
 constexpr std::array<Vec3, 3> kWorldAxes{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};
 
@@ -53,30 +50,6 @@ Vec3 positionOf(const AttachedPoint& point, const std::optional<BodyPlace>& body
     return meanOf(point.nodes, scene.soft[body->index].state.x);
 }
 
-/// [m] The arm at which a body that turns by `turn` [rad] has the mean velocity of a point: turn x arm leads along the
-/// chord of the arc on which the point goes, and not along the tangent at its start.
-Vec3 armOfChord(Vec3 turn, Vec3 arm)
-{
-    const double angle = std::min(length(turn), kLargestTurn), half = 0.5 * angle;
-    if (half < 1e-6) return arm;
-    const Vec3 axis = normalized(turn), along = dot(arm, axis) * axis;
-    return along + std::sin(half) / half * rotate(axisAngle(axis, half), arm - along);
-}
-
-/// [kg m^2] A force turns a body back as it turns: the derivative of the torque arm x force is a stiffness, here less
-/// what turns the body on (Tournier, Nesme, Gilles and Faure 2015, geometric stiffness). In a step it acts as inertia;
-/// returned is what exceeds `own`, since below that a step is stable without.
-Mat3 turningInertia(double dt, Vec3 arm, Vec3 impulse, double own)
-{
-    const double size = length(arm) * length(impulse), pull = dot(arm, impulse);
-    if (!(dt * size > own)) return {};
-    const auto beyond = [&](double stiffness) { return std::max(0.0, dt * stiffness - own); };
-    const Vec3 first = normalized(arm), second = normalized(impulse), normal = cross(first, second);
-    if (length(normal) < 1e-9) return beyond(pull) * (Mat3::identity() - outer(first, first));
-    const Vec3 across = normalized(normal), along = cross(across, normalized(first + second));
-    return beyond(0.5 * (pull + size)) * outer(along, along) + beyond(pull) * outer(across, across);
-}
-
 /// The current positions of attached points, and their velocities in a step of dt [s].
 class Places {
 public:
@@ -98,11 +71,7 @@ public:
         if (!body) return;
         out.of = BodyPoint::Of::Rigid;
         out.body = firstElement_[body->index] + static_cast<std::size_t>(point.element);
-        const RigidPlanElement& planned = plan_[out.body];
-        const Vec3 arm = out.position - planned.centre;
-        const Vec3 foreseen = armOfChord(dt_ * (planned.angularVelocity + planned.change.angular), arm);
-        out.shift = foreseen - arm;
-        out.velocity = planned.velocity + planned.beyond + cross(planned.angularVelocity, foreseen);
+        foreseeArc(dt_, plan_[out.body], out);
     }
 
     /// An edge of a rod and the rigid body that it turns with. The angle is by how much the edge is ahead.
@@ -183,20 +152,6 @@ void finishWeld(const Attachment& attachment, double dt, Vec3 carried, Constrain
         weld.softness = dt * dt * attachment.stiffness;
         weld.bias = 1.0 / dt * gap;
     }
-}
-
-/// A thread, or tissue, that pulls at one point of a rigid body turns it as a weight does a pendulum. Within a step the
-/// pull counts as inertia, or a light body would turn ever farther to and fro: needles of 5 mg did, by 0.6 rad a step
-/// at 50 mN. (Several points hold how a body is turned, and what two rigid bodies pull at each other may be strain of
-/// a grip alone.)
-void addHeldInertia(double dt, const Constraint& weld, RigidPlan& plan)
-{
-    const BodyPoint& point = weld.sides[1];
-    if (weld.sides[0].of != BodyPoint::Of::Soft || point.of != BodyPoint::Of::Rigid) return;
-    RigidPlanElement& element = plan[point.body];
-    if (!element.dynamic || element.articulation >= 0) return;
-    const double sum = trace(element.inertia), least = 4.0 * determinant(element.inertia) / (sum * sum);
-    element.heldInertia += turningInertia(dt, point.position - element.centre, -weld.impulse, least);
 }
 
 /// [N s] The start of a hard pair's next solve: the multiplier, less what a failed recovery has added to it. Otherwise
@@ -398,29 +353,6 @@ void addWelds(const StepContext& context, Scene& scene, Coupling& coupling)
         }
     }
     coupling.weldCount = coupling.constraints.size() - coupling.contactCount;
-}
-
-bool foreseeTurns(double dt, Coupling& coupling)
-{
-    bool again = false;
-    std::vector<std::pair<BodyPoint*, Vec3>> sides; // and their new arms
-    for (std::size_t w = coupling.contactCount; w < coupling.contactCount + coupling.weldCount; ++w)
-        for (BodyPoint& side : coupling.constraints[w].sides) {
-            if (side.of != BodyPoint::Of::Rigid) continue;
-            const RigidPlanElement& planned = coupling.rigid[side.body];
-            if (!planned.dynamic || planned.articulation >= 0) continue;
-            const Vec3 turn = dt * (planned.angularVelocity + planned.change.angular);
-            const Vec3 arm = side.position - planned.centre, foreseen = armOfChord(turn, arm);
-            again = again || length(cross(turn, foreseen - arm - side.shift)) > kForeseen;
-            sides.emplace_back(&side, foreseen);
-        }
-    if (!again) return false;
-    for (const auto& [side, foreseen] : sides) {
-        const RigidPlanElement& planned = coupling.rigid[side->body];
-        side->shift = foreseen - (side->position - planned.centre);
-        side->velocity = planned.velocity + cross(planned.angularVelocity, foreseen);
-    }
-    return true;
 }
 
 void placePoints(const Scene& scene, std::vector<frame::AttachedPoint>& out)

@@ -38,10 +38,6 @@ void removeAttachmentsOf(BodyId id, Scene& scene);
 /// points that are welded are removed.
 void addWelds(const StepContext& context, Scene& scene, Coupling& coupling);
 
-/// Welds foresee where a rigid body's points come to be by how it turns without constraints. If the solve has made it
-/// turn otherwise, they foresee it anew, and the step is to be solved again: true.
-bool foreseeTurns(double dt, Coupling& coupling);
-
 /// Where the points of attachments are that can let go one by one.
 void placePoints(const Scene& scene, std::vector<frame::AttachedPoint>& out);
 

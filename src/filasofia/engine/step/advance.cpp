@@ -5,6 +5,7 @@
 #include "filasofia/engine/contact/fragment_solves.h"
 #include "filasofia/engine/contact/keep_shells_apart.h"
 #include "filasofia/engine/contact/solve_island.h"
+#include "filasofia/engine/contact/turning_attachments.h"
 #include "filasofia/engine/piercing/channels.h"
 #include "filasofia/engine/scene/each_body.h"
 #include "filasofia/engine/step/assemble.h"
