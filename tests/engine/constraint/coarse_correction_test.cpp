@@ -61,7 +61,7 @@ struct Problem {
     }
     Problem(const Problem&) = delete;
     [[nodiscard]] std::vector<CoupledBody> list() { return {coupled(bodies[0]), coupled(bodies[1])}; }
-    using Motions = std::vector<ConstraintMotion> (*)(const ConstraintNetwork&);
+    using Motions = std::vector<ConstraintMotions> (*)(const ConstraintNetwork&);
     void correct(CoarseCorrection& correction, Motions motions = patchMotions)
     {
         for (std::size_t c = 0; c < constraints.size(); ++c) rows.list[c].constraint = &constraints[c];
@@ -156,7 +156,7 @@ TEST_CASE("the correction never overcorrects: B' lies between B and the true inv
 {
     std::mt19937 random(2);
     for (int trial = 0; trial < 6; ++trial) {
-        Problem scene(random, trial < 5 ? 7 : 40);
+        Problem scene(random, trial < 5 ? 7 : 300);
         for (int c = 0; c < static_cast<int>(scene.filters.size()) && trial == 5; ++c)
             scene.rows.list[static_cast<std::size_t>(c)].pieces = {c, 0}; // more patches than are counted
         CoarseCorrection none, patches;

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "filasofia/engine/constraint/constraint_motions.h"
+#include "filasofia/engine/constraint/motion_matrix.h"
 #include "filasofia/engine/constraint/tied_coarse.h"
 #include "filasofia/linalg/column_panels.h"
-#include "filasofia/linalg/dense_cholesky.h"
 
 #include <vector>
 
@@ -33,7 +33,7 @@ public:
     [[nodiscard]] bool empty() const { return sums_.empty() && ties_.empty(); }
     [[nodiscard]] bool hasMotions() const { return !sums_.empty(); }
 
-    void make(const ConstraintNetwork& network, std::vector<ConstraintMotion> motions);
+    void make(const ConstraintNetwork& network, std::vector<ConstraintMotions> motions);
 
     /// Computes the coefficients from the bodies' F^T B s, and corrects s for the ties. To be called between their
     /// smooth() and their applyCoarse().
@@ -62,16 +62,20 @@ private:
         }
     };
     void clearMotions();
-    void addTies(std::span<const CoupledBody> bodies, std::size_t size, std::vector<double>& matrix);
+    void addColumns(const ConstraintNetwork& network, const ConstraintMotions& motions, std::span<const Mat3> impulses,
+                    std::size_t number);
+    void addBody(DeflationOperator& deflation, std::size_t body);
+    void addTies(std::span<const CoupledBody> bodies, std::size_t motions);
     void projectMotions(std::span<const CoupledBody> bodies);
     void answerTies(std::span<const CoupledBody> bodies);
     void subtractTies(std::span<const CoupledBody> bodies);
 
     std::vector<Tie> ties_;
-    std::vector<std::vector<std::size_t>> rows_; ///< per body, per column: its row in S, ascending
-    std::vector<std::vector<double>> shares_;    ///< per body, per column
-    std::vector<double> sums_;
-    linalg::DenseCholesky factor_; ///< Cholesky factor of S
+    std::vector<std::vector<std::size_t>> threes_; ///< per body: which motions, three by three, reach it; ascending
+    std::vector<std::vector<double>> shares_;      ///< per body, per column: three for each of these
+    std::vector<Vec3> sums_;                       ///< per three motions
+    std::vector<Vec3> column_;                     ///< scratch: a column of F, at all contact points
+    MotionMatrix s_;
 };
 
 } // namespace filasofia::engine

@@ -44,10 +44,7 @@ Trapped trappedAt(const Constraint& constraint, double kappa)
 
 } // namespace
 
-std::size_t CoupledSolve::bodyOf(int point) const
-{
-    return static_cast<std::size_t>(std::ranges::upper_bound(first_, point) - first_.begin()) - 1;
-}
+std::size_t CoupledSolve::bodyOf(int point) const { return network().bodyOf(point); }
 
 const BodySmoother& CoupledSolve::smootherAt(int& point) const
 {
@@ -207,7 +204,7 @@ void CoupledSolve::joinConstraints()
 {
     if (joined_) return;
     joined_ = true;
-    if (std::vector<ConstraintMotion> motions = coarseNodeMotions(network()); !motions.empty())
+    if (std::vector<ConstraintMotions> motions = coarseNodeMotions(network()); !motions.empty())
         correction_.make(network(), std::move(motions));
     if (together_) return;
     together_ = true;
