@@ -1,6 +1,6 @@
 #include "filasofia/geometry/shapes.h"
 
-#include "verification/verification.h"
+#include "verification/hertz.h"
 
 namespace contact_test {
 
@@ -251,54 +251,10 @@ TEST_CASE("bodies that touch keep their momentum, whatever their integrators and
     }
 }
 
-namespace {
-
-/// The force on a rigid ball pressed into a block much larger than the contact area, pinned at its floor, with finer
-/// elements under the ball. Relative to Hertz' force for a half-space, F = 4/3 E / (1 - nu^2) sqrt(R) d^(3/2),
-/// corrected for a layer of the block's thickness h bonded to a floor (Dimitriadis et al. 2002, equation 13: its first
-/// terms in sqrt(R d) / h).
-double forceOverHertz(int cells)
-{
-    const double radius = 0.02, depth = 0.001, young = 1e4, nu = 0.3, thick = 0.1; // this nu avoids volume locking
-    geometry::TetMesh mesh = boxMesh({cells, cells * 22 / 30, cells}, {2, 1, 2});
-    for (Vec3& p : mesh.nodes) { // crowd the nodes around the middle of the top
-        const auto crowd = [&](double t) { return thick * t * (0.05 + 0.95 * t * t); };
-        p = {crowd(p.x - 1), crowd(p.y - 1), crowd(p.z - 1)};
-    }
-    physics::SoftBodyDef block{.mesh = shared(mesh)};
-    block.material = physics::FemMaterial{.youngModulus = young, .poissonRatio = nu};
-    block.gravity = false;
-    block.friction = 0.0;
-    block.collision = {{.proximity = 1e-4}};
-    block.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, -0.999 * thick, 1}}}};
-    Stage stage;
-    stage.add(block);
-    physics::RigidBodyDef ball{.name = "ball", .elements = {Pose{{0, radius, 0}, {}}}};
-    ball.mesh = geometry::shapes::sphere(radius, 32);
-    ball.collision = block.collision;
-    ball.friction = 0.0;
-    const BodyId id = stage.add(ball);
-    for (int i = 1; i <= 200; ++i) {
-        stage.post(physics::SetPose{id, 0, Pose{{0, radius - depth * std::min(1.0, i / 100.0), 0}, {}}});
-        stage.step(5e-3);
-    }
-    const double chi = std::sqrt(radius * depth) / thick;
-    const double layer = 2 / std::numbers::pi * (1.2876 - 1.4678 * nu + 1.3442 * nu * nu) / (1 - nu) * chi;
-    const double hertz = 4.0 / 3.0 * young / (1 - nu * nu) * std::sqrt(radius) * std::pow(depth, 1.5);
-    return forceOn(stage, id).y / (hertz * (1 + layer + layer * layer));
-}
-
-} // namespace
-
 TEST_CASE("a ball pressed into a soft block feels the force of Hertz")
 {
-    const double coarse = forceOverHertz(18), fine = forceOverHertz(24);
-    tell("ball pressed into a block of 18 cells: force over Hertz on a layer", coarse);
-    tell("ball pressed into a block of 24 cells: force over Hertz on a layer", fine);
-    // The elements have second order.
-    const double limit = fine - (coarse - fine) / (24.0 * 24.0 / (18.0 * 18.0) - 1.0);
-    verifyWithin("ball pressed into a block, extrapolated to small cells: force over Hertz on a layer", limit, 0.95,
-                 1.05);
+    verifyHertz("ball pressed into a block",
+                [](Stage& stage, const geometry::TetMesh& mesh) { stage.add(hertzBlock(mesh)); });
 }
 
 TEST_CASE("a soft ball on a floor does not sink in")
