@@ -13,6 +13,12 @@ void BlockJacobi::set(int node, const Mat3& block)
     for (int k = 0; k < 6; ++k) m[k][node % kBlock] = static_cast<float>(entries[k]);
 }
 
+void BlockJacobi::set(const DiagonalTerms& terms, const std::vector<RotationBlock>& rotations, WorkerPool& pool)
+{
+    const Parts nodes = nodeParts(blocks());
+    pool.run(nodes.count(), [&](int part) { invertDiagonal(terms, rotations, inverse_, nodes[part]); });
+}
+
 Mat3 BlockJacobi::inverse(int node) const
 {
     const auto& m = inverse_[static_cast<std::size_t>(node / kBlock)].m;

@@ -23,6 +23,8 @@ public:
     void grow(int blocks) { inverse_.resize(static_cast<std::size_t>(blocks)); }
     /// Sets the node's block of D.
     void set(int node, const Mat3& block);
+    /// Sets D of all nodes, from blocks in world axes.
+    void set(const DiagonalTerms& terms, const std::vector<RotationBlock>& rotations, WorkerPool& pool);
     [[nodiscard]] Mat3 inverse(int node) const; ///< D^-1, in the rest frame
 
     void apply(const std::vector<RotationBlock>& rotations, const NodeArray& r, NodeArray& s, NodeArray& w,

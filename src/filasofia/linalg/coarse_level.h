@@ -33,6 +33,7 @@ public:
 
     /// While it is set aside, A_c^-1 counts as zero in both solve(): x_c = 0.
     void setAside(bool aside) { aside_ = aside; }
+    [[nodiscard]] bool isAside() const { return aside_; }
 
     /// r_c = P^T s
     void restrictResidual(const NodeArray& s, WorkerPool& pool);

@@ -112,19 +112,6 @@ HWY_ATTR void multiplyPanelBatch(const PanelRow* HWY_RESTRICT panels, const floa
     }
 }
 
-/// The sum of the vectors of the corners around one node.
-HWY_INLINE V4 gathered(const int* HWY_RESTRICT place, const int* HWY_RESTRICT end, const float* HWY_RESTRICT corners)
-{
-    const Four d;
-    V4 even = hn::Zero(d), odd = hn::Zero(d);
-    for (; place + 1 < end; place += 2) {
-        even = hn::Add(even, hn::Load(d, corners + place[0]));
-        odd = hn::Add(odd, hn::Load(d, corners + place[1]));
-    }
-    if (place < end) even = hn::Add(even, hn::Load(d, corners + *place));
-    return hn::Add(even, odd);
-}
-
 template <bool forces> HWY_INLINE double gatherBlocks(const NodeTerms& terms, const float* HWY_RESTRICT p,
                                                       float* HWY_RESTRICT y, Blocks blocks)
 {

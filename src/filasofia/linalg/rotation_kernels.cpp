@@ -32,6 +32,58 @@ HWY_ATTR void warpAndSmoothBlocks(const RotationBlock* HWY_RESTRICT rotations,
         }
 }
 
+/// The inverse of a symmetric matrix xx xy xz yy yz zz. Where rounding leaves none, the matrix counts as its trace.
+HWY_INLINE void invertSymmetric(const V (&m)[6], V (&out)[6])
+{
+    const Lanes d;
+    const auto minor = [&](V a, V b, V c, V e) HWY_ATTR { return hn::MulSub(a, b, hn::Mul(c, e)); };
+    const V c[6] = {minor(m[3], m[5], m[4], m[4]), minor(m[2], m[4], m[1], m[5]), minor(m[1], m[4], m[2], m[3]),
+                    minor(m[0], m[5], m[2], m[2]), minor(m[1], m[2], m[0], m[4]), minor(m[0], m[3], m[1], m[1])};
+    const V det = sumOfProducts(m[0], c[0], m[1], c[1], m[2], c[2]);
+    const auto good = hn::And(hn::Gt(det, hn::Zero(d)), hn::And(hn::Gt(c[0], hn::Zero(d)), hn::Gt(m[0], hn::Zero(d))));
+    const V one = hn::Set(d, 1.0f), perDet = hn::Div(one, hn::IfThenElse(good, det, one));
+    const V plain = hn::Div(one, hn::Add(m[0], hn::Add(m[3], m[5])));
+    constexpr bool kDiagonal[6] = {true, false, false, true, false, true};
+    for (int k = 0; k < 6; ++k)
+        out[k] = hn::IfThenElse(good, hn::Mul(perDet, c[k]), kDiagonal[k] ? plain : hn::Zero(d));
+}
+
+HWY_ATTR void invertDiagonalBlocks(const DiagonalTerms& terms, const RotationBlock* HWY_RESTRICT rotations,
+                                   SymmetricBlock* HWY_RESTRICT inverse, Blocks blocks)
+{
+    const ListRange* HWY_RESTRICT ranges = terms.nodes.gather.ranges.data();
+    const int* HWY_RESTRICT places = terms.nodes.gather.values.data();
+    const Lanes d;
+    const Four four;
+    alignas(64) float own[64], mixed[64];
+    for (int b = blocks.begin; b < blocks.end; ++b) {
+        for (std::size_t node = 0; node < kBlock; ++node) {
+            const std::size_t i = 16ul * static_cast<std::size_t>(b) + node;
+            const int *place = places + ranges[i].begin, *end = places + ranges[i].end;
+            const float more = terms.nodes.massWeight * terms.nodes.masses[i] + terms.nodes.extra[i];
+            hn::Store(hn::Add(hn::Set(four, more), gathered(place, end, terms.nodes.corners.data())), four,
+                      own + 4 * node);
+            hn::Store(gathered(place, end, terms.mixed.data()), four, mixed + 4 * node);
+        }
+        for (std::size_t part = 0; part < kBlock; part += kLanes) {
+            const auto m = [&](int k) HWY_ATTR { return hn::Load(d, rotations[b].m[k] + part); };
+            const V3 a = loadNodes(own, part), c = loadNodes(mixed, part); // xx yy zz, yz zx xy
+            V turned[3][3];                                                // the matrix times R
+            for (int k = 0; k < 3; ++k) {
+                turned[0][k] = sumOfProducts(a.x, m(k), c.z, m(3 + k), c.y, m(6 + k));
+                turned[1][k] = sumOfProducts(c.z, m(k), a.y, m(3 + k), c.x, m(6 + k));
+                turned[2][k] = sumOfProducts(c.y, m(k), c.x, m(3 + k), a.z, m(6 + k));
+            }
+            V rest[6], out[6]; // R^T that
+            for (int i = 0, at = 0; i < 3; ++i)
+                for (int k = i; k < 3; ++k, ++at)
+                    rest[at] = sumOfProducts(m(i), turned[0][k], m(3 + i), turned[1][k], m(6 + i), turned[2][k]);
+            invertSymmetric(rest, out);
+            for (int k = 0; k < 6; ++k) hn::Store(out[k], d, inverse[b].m[k] + part);
+        }
+    }
+}
+
 HWY_ATTR void turnBlocks(const RotationBlock* HWY_RESTRICT turns, float* HWY_RESTRICT vectors, Blocks blocks)
 {
     const Lanes d;
@@ -171,6 +223,7 @@ HWY_AFTER_NAMESPACE();
 namespace filasofia::linalg {
 
 HWY_EXPORT(warpAndSmoothBlocks);
+HWY_EXPORT(invertDiagonalBlocks);
 HWY_EXPORT(turnBlocks);
 HWY_EXPORT(prolongAndUnwarpBlocks);
 HWY_EXPORT(prolongByMassBlocks);
@@ -181,6 +234,12 @@ void warpAndSmooth(const std::vector<RotationBlock>& rotations, const std::vecto
 {
     HWY_DYNAMIC_DISPATCH(warpAndSmoothBlocks)
     (rotations.data(), inverseDiagonal.data(), r.data(), s.data(), w.data(), blocks);
+}
+
+void invertDiagonal(const DiagonalTerms& terms, const std::vector<RotationBlock>& rotations,
+                    std::vector<SymmetricBlock>& inverse, Blocks blocks)
+{
+    HWY_DYNAMIC_DISPATCH(invertDiagonalBlocks)(terms, rotations.data(), inverse.data(), blocks);
 }
 
 void turnBoth(const std::vector<RotationBlock>& turns, NodeArray& s, NodeArray& w, Blocks blocks)

@@ -32,6 +32,16 @@ struct alignas(64) SymmetricBlock {
 void warpAndSmooth(const std::vector<RotationBlock>& rotations, const std::vector<SymmetricBlock>& inverseDiagonal,
                    const NodeArray& r, NodeArray& s, NodeArray& w, Blocks blocks);
 
+/// The 3x3 blocks on the diagonal of a matrix in world axes: the corners hold xx yy zz, `mixed` yz zx xy, laid out
+/// alike.
+struct DiagonalTerms {
+    NodeTerms nodes;
+    std::span<const float> mixed;
+};
+/// The inverses of these blocks, turned into the frame in which each node was at rest.
+void invertDiagonal(const DiagonalTerms& terms, const std::vector<RotationBlock>& rotations,
+                    std::vector<SymmetricBlock>& inverse, Blocks blocks);
+
 /// s = T s, w = T w
 void turnBoth(const std::vector<RotationBlock>& turns, NodeArray& s, NodeArray& w, Blocks blocks);
 

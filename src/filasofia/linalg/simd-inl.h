@@ -131,6 +131,19 @@ HWY_INLINE void storeNodes(V3 v, float* HWY_RESTRICT nodes, std::size_t part)
 /// a * b + c * d + e * f, in this order.
 HWY_INLINE V sumOfProducts(V a, V b, V c, V d, V e, V f) { return hn::MulAdd(e, f, hn::MulAdd(c, d, hn::Mul(a, b))); }
 
+/// The sum of the vectors of the corners around one node.
+HWY_INLINE V4 gathered(const int* HWY_RESTRICT place, const int* HWY_RESTRICT end, const float* HWY_RESTRICT corners)
+{
+    const Four d;
+    V4 even = hn::Zero(d), odd = hn::Zero(d);
+    for (; place + 1 < end; place += 2) {
+        even = hn::Add(even, hn::Load(d, corners + place[0]));
+        odd = hn::Add(odd, hn::Load(d, corners + place[1]));
+    }
+    if (place < end) even = hn::Add(even, hn::Load(d, corners + *place));
+    return hn::Add(even, odd);
+}
+
 /// Sixteen sums side by side, four nodes to a row: sixteen lanes on every target.
 struct LaneSums {
     alignas(64) float lanes[kBlock];

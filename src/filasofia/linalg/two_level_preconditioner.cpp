@@ -52,8 +52,9 @@ void TwoLevelPreconditioner::interpolate(int node, const Interpolation& how)
 bool TwoLevelPreconditioner::takeCoarseLevel(CoarseLevel&& from)
 {
     if (from.coarseNodes() == 0) return false;
+    const bool aside = coarse_.isAside();
     coarse_ = std::move(from);
-    coarse_.setAside(presentUsed_);
+    coarse_.setAside(aside);
     coarse_.resize(smoother_.blocks());
     coarseMasses_.clear();
     return true;
@@ -96,7 +97,7 @@ double TwoLevelPreconditioner::coherence()
 
 bool TwoLevelPreconditioner::blendRotations()
 {
-    if (presentUsed_ || blended_) return false;
+    if (coarse_.isAside() || blended_) return false;
     sumRotations();
     std::vector<char> turned(turned_.size()); // the motions of small pieces hold R already
     for (std::size_t c = 0; c < static_cast<std::size_t>(coarse_.latticeNodes()); ++c)
@@ -140,6 +141,12 @@ void TwoLevelPreconditioner::usePresent(std::span<const Mat3> diagonal)
         const Mat3 turn = rotation(static_cast<int>(i));
         present_.set(static_cast<int>(i), transpose(turn) * diagonal[i] * turn);
     }
+}
+
+void TwoLevelPreconditioner::usePresentSmoother(const DiagonalTerms& diagonal, WorkerPool& pool)
+{
+    presentUsed_ = true;
+    present_.set(diagonal, rotations_, pool);
 }
 
 double TwoLevelPreconditioner::apply(const NodeArray& r, NodeArray& z, WorkerPool& pool)

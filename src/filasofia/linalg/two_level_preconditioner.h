@@ -54,6 +54,8 @@ public:
     /// From now on M^-1 = D^-1 with these blocks of the present matrix, one per node in world axes, and no coarse level
     /// and no clusters. Empty: M^-1 is that of A_rest again.
     void usePresent(std::span<const Mat3> diagonal);
+    /// From now on D are these blocks of the present matrix, without clusters; until usePresent().
+    void usePresentSmoother(const DiagonalTerms& diagonal, WorkerPool& pool);
 
     /// z = M^-1 r; returns r . z
     double apply(const NodeArray& r, NodeArray& z, WorkerPool& pool);
@@ -115,7 +117,7 @@ private:
     std::vector<RotationBlock> rotations_;
     std::vector<RotationBlock> blend_, toBlend_; ///< R', and R'^T R
     bool blended_ = false;
-    BlockJacobi smoother_, present_; ///< for A_rest, and from usePresent()
+    BlockJacobi smoother_, present_; ///< for A_rest, and the present matrix
     bool presentUsed_ = false;
     ClusterSmoother clusters_;
     CoarseLevel coarse_;

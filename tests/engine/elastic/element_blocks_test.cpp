@@ -132,6 +132,50 @@ TEST_CASE("blocks of elements match the double-precision element in every deform
         });
 }
 
+TEST_CASE("the blocks on the diagonal of elements are those of their products, with every law and with fibres")
+{
+    onEveryTarget([](const std::string&) {
+        for (const auto& [name, law] : everyLaw()) {
+            if (std::holds_alternative<physics::Corotational>(law)) continue;
+            INFO(name);
+            for (const bool fibres : {false, true}) {
+                std::mt19937 random(4);
+                Elements all(randomElements(random, 16 * 4 - 3, 0.4), law);
+                if (fibres)
+                    for (const double dispersion : {0.0, 0.2})
+                        all.addFibres({.stiffness = 3.0, .exponent = 1.5, .dispersion = dispersion}, random);
+                for (int e = 0; e < all.count(); ++e) {
+                    const double size = e % 5 == 0 ? 1.0 : 0.3; // one in five may be inside out
+                    all.deform(e, toMat3(randomRotation(random)) * (Mat3::identity() + size * randomMat3(random, 1.0)));
+                }
+                randomMotion(random, all);
+                all.run();
+                NodeArray own(all.corners.blocks()), mixed(all.corners.blocks());
+                diagonalOfElements(all.tangents, all.fibreTangents, Elements::floats(own), Elements::floats(mixed),
+                                   {0, all.blocks});
+                WorstError error;
+                for (int node = 0; node < 4; ++node)
+                    for (int axis = 0; axis < 3; ++axis) {
+                        all.p.setZero();
+                        for (int e = 0; e < all.count(); ++e) all.p[4 * e + node][axis] = 1.0f;
+                        multiplyElements(all.tangents, all.fibreTangents, all.p, Elements::floats(all.products),
+                                         {0, all.blocks});
+                        for (int e = 0; e < all.count(); ++e) {
+                            const float *a = Elements::corner(own, e, node), *b = Elements::corner(mixed, e, node);
+                            const Mat3 block{{{a[0], b[2], b[1]}, {b[2], a[1], b[0]}, {b[1], b[0], a[2]}}};
+                            const Vec3 column = vectorOf(Elements::corner(all.products, e, node));
+                            for (int k = 0; k < 3; ++k)
+                                error.compare(static_cast<float>(block[k][axis]), column[k], frobeniusNorm(block));
+                            CHECK(a[3] == 0.0f);
+                            CHECK(b[3] == 0.0f);
+                        }
+                    }
+                CHECK(error.roundings() <= 60);
+            }
+        }
+    });
+}
+
 TEST_CASE("lanes behind the last element contribute nothing")
 {
     onEveryTarget([](const std::string&) {

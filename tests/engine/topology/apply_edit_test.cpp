@@ -118,7 +118,7 @@ std::vector<Vec3> stepOf(const SoftModel& model, SoftState state, MatrixFreeSyst
     std::vector<Vec3> given(model.rest.size(), {0, -1e-3, 0});
     system.assemble(model, given, 1e-3, 1.0, state, pool);
     std::vector<Vec3> dv(model.rest.size()), residual(model.rest.size());
-    const auto report = system.solve({.tolerance = 1e-7, .maxIterations = 5000}, dv, residual, pool);
+    const auto report = system.solve({.tolerance = 1e-7, .maxIterations = 5000}, 0, dv, residual, pool);
     CHECK(report.converged);
     return dv;
 }

@@ -143,6 +143,35 @@ template <class Tangent> HWY_ATTR void multiply(const std::vector<typename Tange
         multiplyWithFibres<Tangent>(tangents, fibres, p, corners, blocks);
 }
 
+template <class Tangent> HWY_ATTR void diagonalBlocks(const std::vector<typename Tangent::Block>& tangents,
+                                                      std::span<const FibreTangentBlock> fibres, float* own,
+                                                      float* mixed, linalg::Blocks blocks)
+{
+    const V zero = hn::Zero(Lanes());
+    for (int block = blocks.begin; block < blocks.end; ++block) {
+        const auto b = static_cast<std::size_t>(block);
+        for (std::size_t part = 0; part < kBlock; part += kLanes) {
+            DiagonalLanes diagonal;
+            Tangent::load(tangents[b], part).addDiagonal(diagonal);
+            for (std::size_t place = b; place < fibres.size(); place += tangents.size())
+                FibreLanes::load(fibres[place], part).addDiagonal(diagonal);
+            for (std::size_t k = 0; k < 4; ++k) {
+                storeGroup(diagonal.own[k], zero, own + kElementCorners * b + 64 * k, part);
+                storeGroup(diagonal.mixed[k], zero, mixed + kElementCorners * b + 64 * k, part);
+            }
+        }
+    }
+}
+
+HWY_ATTR void diagonalElementBlocks(const ElementTangents& tangents, std::span<const FibreTangentBlock> fibres,
+                                    float* own, float* mixed, linalg::Blocks blocks)
+{
+    if (const auto* neoHookean = std::get_if<std::vector<NeoHookeanBlock>>(&tangents))
+        diagonalBlocks<NeoHookeanLanes>(*neoHookean, fibres, own, mixed, blocks);
+    else
+        diagonalBlocks<StretchLanes>(std::get<std::vector<StretchBlock>>(tangents), fibres, own, mixed, blocks);
+}
+
 HWY_ATTR void updateElementBlocks(const physics::ElasticLaw& law, std::span<const ElementBlock> elements,
                                   const BlockInput& input, linalg::Blocks blocks, const ElementOutput& output)
 {
@@ -173,6 +202,7 @@ namespace filasofia::engine {
 
 HWY_EXPORT(updateElementBlocks);
 HWY_EXPORT(multiplyElementBlocks);
+HWY_EXPORT(diagonalElementBlocks);
 
 ElementTangents makeTangents(const physics::ElasticLaw& law, std::size_t blocks)
 {
@@ -191,6 +221,12 @@ void multiplyElements(const ElementTangents& tangents, std::span<const FibreTang
                       const linalg::NodeArray& p, std::span<float> corners, linalg::Blocks blocks)
 {
     HWY_DYNAMIC_DISPATCH(multiplyElementBlocks)(tangents, fibres, p.data(), corners.data(), blocks);
+}
+
+void diagonalOfElements(const ElementTangents& tangents, std::span<const FibreTangentBlock> fibres,
+                        std::span<float> own, std::span<float> mixed, linalg::Blocks blocks)
+{
+    HWY_DYNAMIC_DISPATCH(diagonalElementBlocks)(tangents, fibres, own.data(), mixed.data(), blocks);
 }
 
 } // namespace filasofia::engine

@@ -126,4 +126,9 @@ void updateElements(const physics::ElasticLaw& law, std::span<const ElementBlock
 void multiplyElements(const ElementTangents& tangents, std::span<const FibreTangentBlock> fibres,
                       const linalg::NodeArray& p, std::span<float> corners, linalg::Blocks blocks);
 
+/// The 3x3 blocks on the diagonal of stiffness * K at the corners of elements, in world axes: xx yy zz to `own`, yz zx
+/// xy to `mixed`, both laid out as corners. Not for the corotational law, whose blocks are those at rest, rotated.
+void diagonalOfElements(const ElementTangents& tangents, std::span<const FibreTangentBlock> fibres,
+                        std::span<float> own, std::span<float> mixed, linalg::Blocks blocks);
+
 } // namespace filasofia::engine

@@ -48,6 +48,13 @@ struct FibreLanes {
         const V longer = hn::Add(dot(along[0], edges[0]), hn::Add(dot(along[1], edges[1]), dot(along[2], edges[2])));
         for (int k = 0; k < 3; ++k) out[k] = out[k] + turned[k] + longer * along[k];
     }
+    HWY_INLINE void addDiagonal(DiagonalLanes& to) const
+    {
+        const FourVectors all(along);
+        V turned[4];
+        diagonalOfEdges(turning, turned);
+        for (int k = 0; k < 4; ++k) to.add(k, turned[k], lane(1.0f), all.v[k]);
+    }
 };
 
 /// Adds the forces of a family on nodes 1, 2, 3, times the weight of forces, and returns its tangent. S g_k is the sum

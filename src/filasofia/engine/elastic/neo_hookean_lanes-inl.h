@@ -69,6 +69,15 @@ struct NeoHookeanLanes {
             out[k] = shear + (grown * normals[k] + twist * turned[k]);
         }
     }
+    /// The twist turns nothing back that a single node does.
+    HWY_INLINE void addDiagonal(DiagonalLanes& to) const
+    {
+        const V3 normals[3] = {cross(e[1], e[2]), cross(e[2], e[0]), cross(e[0], e[1])};
+        const FourVectors all(normals);
+        V shear[4];
+        diagonalOfEdges(gram, shear);
+        for (int k = 0; k < 4; ++k) to.add(k, shear[k], bulk, all.v[k]);
+    }
 };
 
 HWY_INLINE NeoHookeanLanes linearise(const physics::NeoHookean&, const LaneElement& at, V3 (&forces)[3])

@@ -69,6 +69,32 @@ struct StretchLanes {
             for (int j = 0; j < 3; ++j) stress.m[i][j] = p[i][j].v;
         for (int k = 0; k < 3; ++k) out[k] = HWY_NAMESPACE::times(u, HWY_NAMESPACE::times(stress, b[k]));
     }
+    /// u M u^T, where M is along the axes: M_ii = a_ii b_i^2 + the sum of ahead b_j^2 of both others, and
+    /// M_ij = (a_ij + across) b_i b_j.
+    HWY_INLINE void addDiagonal(DiagonalLanes& to) const
+    {
+        const FourVectors all(b);
+        for (int node = 0; node < 4; ++node) {
+            const V g[3] = {all.v[node].x, all.v[node].y, all.v[node].z};
+            V m[3][3];
+            for (int i = 0; i < 3; ++i) m[i][i] = hn::Mul(modes.a[i][i].v, hn::Mul(g[i], g[i]));
+            for (int k = 0; k < 3; ++k) { // the pair of axes that is across axis k
+                const int i = (k + 1) % 3, j = (k + 2) % 3;
+                m[i][i] = hn::MulAdd(modes.ahead[k].v, hn::Mul(g[j], g[j]), m[i][i]);
+                m[j][j] = hn::MulAdd(modes.ahead[k].v, hn::Mul(g[i], g[i]), m[j][j]);
+                m[i][j] = m[j][i] = hn::Mul(hn::Add(modes.a[i][j].v, modes.across[k].v), hn::Mul(g[i], g[j]));
+            }
+            M3 half; // u M
+            for (int i = 0; i < 3; ++i)
+                for (int j = 0; j < 3; ++j)
+                    half.m[i][j] = sumOfProducts(u.m[i][0], m[0][j], u.m[i][1], m[1][j], u.m[i][2], m[2][j]);
+            const auto entry = [&](int i, int j) HWY_ATTR {
+                return sumOfProducts(half.m[i][0], u.m[j][0], half.m[i][1], u.m[j][1], half.m[i][2], u.m[j][2]);
+            };
+            to.own[node] = to.own[node] + V3{entry(0, 0), entry(1, 1), entry(2, 2)};
+            to.mixed[node] = to.mixed[node] + V3{entry(1, 2), entry(2, 0), entry(0, 1)};
+        }
+    }
 };
 
 HWY_INLINE StretchLanes linearise(const physics::ElasticLaw& law, const LaneElement& at, V3 (&forces)[3])

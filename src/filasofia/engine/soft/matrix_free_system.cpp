@@ -7,6 +7,7 @@
 #include "filasofia/linalg/node_parts.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace filasofia::engine {
 namespace {
@@ -31,6 +32,10 @@ constexpr double kRough = 0.25;
 // such bodies (0.3 to 8 s, 20 to 128 nodes, 1 MPa) gained up to 10^4 times their initial energy; with a hundredth of
 // it, none does.
 constexpr int kFewNodes = 128;
+
+// Iterations of a step from which on the next one's smoother is made of the present tangents, which costs as much as
+// two products. Measured in docs/lab/engine.md.
+constexpr int kSlow = 5;
 constexpr double kTighter = 0.01, kSmallestTolerance = 1e-5; // the second is the limit of float
 
 // [-] A shell whose nodes have turned against their neighbours so far is crumpled. A sheet of 441 nodes and 1 MPa that
@@ -86,6 +91,7 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
     const RelaxationStep relaxation = nextRelaxation(model, dt, state);
     const ImplicitWeights weights =
         implicit ? implicitWeights(dt, rayleigh, relaxation.tangent) : explicitWeights(dt, rayleigh);
+    dt_ = dt;
     massWeight_ = inertia * weights.mass;
     massLoss_ = dt * rayleigh.mass;
     elasticLoss_ = 1.0 - 0.5 * weights.lawTurning;
@@ -126,7 +132,10 @@ void MatrixFreeSystem::assemble(const SoftModel& model, std::span<const Vec3> gi
     });
     if (!implicit) return;
     preconditioner_.useOwnRotations();
-    if (!shell_.empty()) followCreases();
+    if (shell_.empty())
+        preconditioner_.usePresent({});
+    else
+        followCreases();
     preconditioner_.followPieces(x_, masses_, massWeight_);
 }
 
@@ -172,10 +181,28 @@ double MatrixFreeSystem::precondition(const NodeArray& r, NodeArray& z, WorkerPo
     return preconditioner_.apply(r, z, pool);
 }
 
-linalg::NodeSolveReport MatrixFreeSystem::solve(const linalg::SolveLimits& limits, std::span<Vec3> dv,
+bool MatrixFreeSystem::mayFollowTangents() const
+{
+    const bool ofThisStep = std::abs(dt_ - period_) < 0.1 * period_; // as the coarse level is
+    return ofThisStep && !elements_.empty() && springs_.empty() && volumes_.empty() && !preconditioner_.hasClusters() &&
+           !std::holds_alternative<std::vector<WarpedBlock>>(tangents_);
+}
+
+void MatrixFreeSystem::smoothByTangents(WorkerPool& pool)
+{
+    mixed_.resize(4 * elements_.size());
+    const std::span<float> own = floats(corners_), mixed = floats(mixed_);
+    const Parts elements = elementParts(elements_.size());
+    pool.run(elements.count(),
+             [&](int part) { diagonalOfElements(tangents_, fibreTangents_, own, mixed, elements[part]); });
+    preconditioner_.usePresentSmoother({{gather_, own, asFloat(massWeight_), masses_, diagonal_}, mixed}, pool);
+}
+
+linalg::NodeSolveReport MatrixFreeSystem::solve(const linalg::SolveLimits& limits, int iterations, std::span<Vec3> dv,
                                                 std::span<Vec3> residual, WorkerPool& pool)
 {
     load(dv, {}, dv_, pool);
+    if (iterations >= kSlow && mayFollowTangents()) smoothByTangents(pool);
     linalg::SolveLimits tighter = limits;
     if (freeNodes_ <= kFewNodes)
         tighter.tolerance = std::min(limits.tolerance, std::max(kTighter * limits.tolerance, kSmallestTolerance));

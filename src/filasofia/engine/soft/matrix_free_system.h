@@ -57,9 +57,9 @@ public:
                   WorkerPool& pool);
 
     /// Solves for the change of the velocities. `dv` [m/s]: the first guess, then the result. `residual` [N s]: the
-    /// part of the residual impulse that the next step takes over.
-    linalg::NodeSolveReport solve(const linalg::SolveLimits& limits, std::span<Vec3> dv, std::span<Vec3> residual,
-                                  WorkerPool& pool);
+    /// part of the residual impulse that the next step takes over. `iterations`: those of the last step's solve.
+    linalg::NodeSolveReport solve(const linalg::SolveLimits& limits, int iterations, std::span<Vec3> dv,
+                                  std::span<Vec3> residual, WorkerPool& pool);
     /// Writes dv and `residual` after a coupled solve, which has left its result in this system. The error of the rigid
     /// motion is not corrected here as in solve(): it depends on the bodies in contact.
     void finish(const linalg::NodeSolveReport& report, std::span<Vec3> dv, std::span<Vec3> residual, WorkerPool& pool);
@@ -146,6 +146,10 @@ private:
 
     void load(std::span<const Vec3> from, Vec3 origin, linalg::NodeArray& to, WorkerPool& pool) const;
 
+    /// Whether the smoother can be made of the present tangents alone, and differs from that at rest.
+    [[nodiscard]] bool mayFollowTangents() const;
+    /// Makes it so, until the next assemble().
+    void smoothByTangents(WorkerPool& pool);
     /// Chooses the preconditioner of a shell: that of rest, or that of its present blocks if it is crumpled.
     void followCreases();
 
@@ -205,10 +209,12 @@ private:
     linalg::Gather turns_;  ///< some of the elements or triangles, for the rotations of nodes
     /// Contributions of elements, springs and triangles to their nodes, in blocks of sixteen.
     std::vector<linalg::NodeBlock> corners_;
+    std::vector<linalg::NodeBlock> mixed_;       ///< see smoothByTangents(); empty until it is needed
     std::vector<std::uint16_t> inverted_;        ///< bits of the elements that were inside out in assemble()
     std::vector<float> strains_;                 ///< see strains()
     std::vector<linalg::NodeBlock> quaternions_; ///< rotations of the elements
 
+    double dt_ = 0.0;          ///< [s] of the last assemble()
     double massWeight_ = 1.0;  ///< [-] factor on the masses in the step's matrix
     double massLoss_ = 0.0;    ///< [-] mass damping in the step's right-hand side, h a
     double elasticLoss_ = 0.5; ///< [-] (h^2 / 2 + h b) / (h^2 + h b)

@@ -43,7 +43,7 @@ linalg::NodeSolveReport solveBody(double dt, double inertia, const linalg::Solve
     }
     if (system.assembled) return {solve(body.model, dt, inertia, body.state.v, *system.assembled, system.dv)};
     if (std::holds_alternative<physics::ImplicitEuler>(body.model.integrator))
-        return system.matrixFree->solve(limits, system.dv, system.residual, pool);
+        return system.matrixFree->solve(limits, body.state.iterations, system.dv, system.residual, pool);
     system.matrixFree->solveExplicit(system.dv);
     return {};
 }
@@ -115,6 +115,7 @@ void settleBody(const StepContext& context, const Scene& scene, SoftBody& body, 
         std::swap(system.residual, state.residual);
         if (system.rod) std::swap(system.rod->moved(), state.rod);
         state.unrelaxed = dt;
+        state.iterations = outcome.solve.iterations;
         limitSpin(body.model, kMaxTurn, dt, state);
     }
 }
