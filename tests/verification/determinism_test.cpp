@@ -102,9 +102,9 @@ TEST_CASE("every instruction set with fused multiply-add makes the same hash, ot
 // too.
 TEST_CASE("after 50 steps of 1 ms every bunny has the hash that it had on any machine")
 {
-    const std::tuple<int, std::uint64_t, std::uint64_t> goldens[] = {{756, 0x2ebae6586c865f00, 0x3060d74f92e68b61},
-                                                                     {1492, 0xb8c6293c65c5b481, 0x760b3a76612fb2a0},
-                                                                     {3004, 0x16d31d5d6962fc9d, 0x39a6a8219b2e3ce2}};
+    const std::tuple<int, std::uint64_t, std::uint64_t> goldens[] = {{756, 0x7125e6c65a6d47b0, 0x3060d74f92e68b61},
+                                                                     {1492, 0x51392fcd32a1572a, 0x760b3a76612fb2a0},
+                                                                     {3004, 0xc4c65c6ca15f647b, 0x39a6a8219b2e3ce2}};
     const bool same = fused(linalg::simdTarget());
     if (!same) WARN("no fused multiply-add on this machine: the default solver's hashes are not checked");
     for (const auto& [elements, inFloat, inDouble] : goldens) {
