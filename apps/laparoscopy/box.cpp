@@ -17,12 +17,11 @@ constexpr Vec3 kBoard = {150_mm, 8_mm, 106_mm};
 std::shared_ptr<const TriangleMesh> ringMesh(int around, double bevel)
 {
     const double half = 0.5 * kRingHeight, in = kHole, out = kHole + kWall;
-    // Radius and height, around the wall.
-    std::vector<std::pair<double, double>> section = {{out, -half}, {out, half}, {in, half}, {in, -half}};
+    std::vector<Vec3> wall = {{out, -half, 0}, {out, half, 0}, {in, half, 0}, {in, -half, 0}};
     if (bevel > 0.0)
-        section = {{out, -half + bevel}, {out, half - bevel}, {out - bevel, half}, {in + bevel, half},
-                   {in, half - bevel},   {in, -half + bevel}, {in + bevel, -half}, {out - bevel, -half}};
-    return std::make_shared<const TriangleMesh>(revolved(section, around));
+        wall = {{out, -half + bevel, 0}, {out, half - bevel, 0}, {out - bevel, half, 0}, {in + bevel, half, 0},
+                {in, half - bevel, 0},   {in, -half + bevel, 0}, {in + bevel, -half, 0}, {out - bevel, -half, 0}};
+    return shapes::revolved(wall, around);
 }
 
 /// The pegs in the board's coordinates; they begin inside it.
@@ -53,22 +52,6 @@ TissueMaterial plain(Color color, double wetness)
             .mottling = 0.0,
             .vessels = 0.0,
             .bump = 0.02};
-}
-
-TriangleMesh revolved(const std::vector<std::pair<double, double>>& section, int around)
-{
-    TriangleMesh mesh;
-    const int n = static_cast<int>(section.size());
-    for (int i = 0; i < around; ++i)
-        for (int k = 0; k < n; ++k) {
-            const double angle = 2.0 * std::numbers::pi * i / around;
-            const auto [radius, y] = section[static_cast<std::size_t>(k)];
-            mesh.vertices.push_back({radius * std::sin(angle), y, radius * std::cos(angle)});
-            const int a = i * n + k, b = i * n + (k + 1) % n, next = (i + 1) % around * n;
-            mesh.triangles.push_back({a, next + k, next + (k + 1) % n});
-            mesh.triangles.push_back({a, next + (k + 1) % n, b});
-        }
-    return mesh;
 }
 
 Vec3 pegAt(Side side, int peg)

@@ -23,9 +23,6 @@ enum Side { LeftSide, RightSide };
 
 /// Plastic: a material without vessels and relief.
 filasofia::TissueMaterial plain(filasofia::Color color, double wetness = 0.15);
-/// The closed outline `section`, pairs of radius and y [m] with the axis on its left, turned about y, with so many
-/// points around.
-filasofia::TriangleMesh revolved(const std::vector<std::pair<double, double>>& section, int around);
 
 /// [m], where a peg stands, on the board.
 filasofia::Vec3 pegAt(Side side, int peg);

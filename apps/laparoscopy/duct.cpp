@@ -10,9 +10,8 @@ namespace cannulating {
 namespace {
 
 constexpr double kBefore = -10_mm, kBehind = 40_mm, kCell = 2_mm; // the duct's ends, and its cells along it
-constexpr int kAround = 12;
-constexpr double kTable = -8_mm, kHeight = 14_mm; // heights: the table, the duct's middle
-constexpr double kSlope = 30_deg;                 // the introducer's; it points to the opening
+constexpr double kTable = -8_mm, kHeight = 14_mm;                 // heights: the table, the duct's middle
+constexpr double kSlope = 30_deg;                                 // the introducer's; it points to the opening
 constexpr double kStart = 20_mm, kMouth = 56_mm, kRear = 80_mm, kEnd = 116_mm; // along that line: tip, introducer, end
 constexpr double kBore = 1.3_mm, kTube = 2.2_mm;                               // radii of the introducer
 constexpr double kSpacing = 1.5_mm;
@@ -22,35 +21,9 @@ Vec3 onLine(double back) { return {-back * std::cos(kSlope), kLumen + back * std
 /// Turns y into a unit vector.
 Quat upright(Vec3 to) { return axisAngle(cross({0, 1, 0}, to), std::acos(std::clamp(to.y, -1.0, 1.0))); }
 
-/// A tube along x without the cells of the opening, and without the nodes that were only theirs.
-TetMesh openTube()
-{
-    std::vector<Vec3> axis;
-    for (double x = kBefore; x < kBehind + 0.5 * kCell; x += kCell) axis.push_back({x, 0, 0});
-    const auto whole = shapes::vessel(axis, kLumen, kWall, {kAround, 1});
-    TetMesh mesh;
-    std::vector<int> numbers(whole->nodes.size(), -1);
-    for (auto tetrahedron : whole->tetrahedra) {
-        Vec3 middle;
-        for (const int node : tetrahedron) middle += 0.25 * whole->nodes[static_cast<std::size_t>(node)];
-        const bool above = std::abs(std::atan2(middle.z, middle.y)) < 360_deg / kAround;
-        if (above && std::abs(middle.x) < 0.5 * kOpening) continue;
-        for (int& node : tetrahedron) {
-            int& number = numbers[static_cast<std::size_t>(node)];
-            if (number < 0) {
-                number = static_cast<int>(mesh.nodes.size());
-                mesh.nodes.push_back(whole->nodes[static_cast<std::size_t>(node)]);
-            }
-            node = number;
-        }
-        mesh.tetrahedra.push_back(tetrahedron);
-    }
-    return mesh;
-}
-
 void addWall(Simulation& sim, Duct& duct)
 {
-    const auto mesh = std::make_shared<const TetMesh>(openTube());
+    const auto mesh = std::make_shared<const TetMesh>(loadTetMesh(asset("meshes/laparoscopy/duct.msh")));
     SoftBodyDef def{.name = "duct", .mesh = mesh, .pose = duct.pose, .friction = 0.1, .dynamicTopology = true};
     def.material = FemMaterial{.youngModulus = 100_kPa, .poissonRatio = 0.4, .tearingThreshold = 100_kPa};
     def.rayleigh = {20.0, 2e-3};
@@ -87,9 +60,10 @@ void addCatheter(Simulation& sim, Duct& duct, const Pose& stand)
 {
     const Quat back = stand.orientation * upright(normalized(onLine(1) - onLine(0)));
     const auto tube = [](int around) {
-        return std::make_shared<const TriangleMesh>(laparoscopy::revolved(
-            {{kBore + 0.6_mm, 0}, {kTube, 0.4_mm}, {kTube, kRear - kMouth}, {kBore, kRear - kMouth}, {kBore, 0.6_mm}},
-            around));
+        constexpr double kLength = kRear - kMouth;
+        return shapes::revolved(
+            {{kBore + 0.6_mm, 0, 0}, {kTube, 0.4_mm, 0}, {kTube, kLength, 0}, {kBore, kLength, 0}, {kBore, 0.6_mm, 0}},
+            around);
     };
     RigidBodyDef introducer{.name = "introducer", .elements = {{transform(stand, onLine(kMouth)), back}}};
     introducer.mesh = tube(10);

@@ -36,14 +36,13 @@ std::vector<Vec3> straight(double from, double to, int edges)
 std::shared_ptr<const TriangleMesh> tubeMesh(double length, int around)
 {
     const double half = 0.5 * (kTube - kBore);
-    std::vector<std::pair<double, double>> section;
+    std::vector<Vec3> section;
     for (int i = 0; i <= 8; ++i) {
         const double turn = kPi * (i / 8.0 - 1.0);
-        section.emplace_back(kBore + half * (1.0 + std::cos(turn)), half * (1.0 + std::sin(turn)));
+        section.push_back({kBore + half * (1.0 + std::cos(turn)), half * (1.0 + std::sin(turn)), 0});
     }
-    section.emplace_back(kTube, length);
-    section.emplace_back(kBore, length);
-    TriangleMesh mesh = laparoscopy::revolved(section, around);
+    section.insert(section.end(), {{kTube, length, 0}, {kBore, length, 0}});
+    TriangleMesh mesh = *shapes::revolved(section, around);
     for (Vec3& each : mesh.vertices) each = {each.x, -each.z, each.y};
     return std::make_shared<const TriangleMesh>(std::move(mesh));
 }
@@ -75,13 +74,10 @@ void addAppendage(Simulation& sim, Foam& foam, std::size_t index, const char* na
     def.friction = 0.5;
     foam.appendages[index] = sim.add(def);
     sim.show(foam.appendages[index], {.subdivision = 1, .material = laparoscopy::plain(Color{0.62, 0.10, 0.08}, 0.0)});
-    TriangleMesh band = laparoscopy::revolved({{kRadius + 0.12_mm, kMark - 0.5 * kMarkWidth},
-                                               {kRadius + 0.12_mm, kMark + 0.5 * kMarkWidth},
-                                               {kRadius - 0.5_mm, kMark + 0.5 * kMarkWidth},
-                                               {kRadius - 0.5_mm, kMark - 0.5 * kMarkWidth}},
-                                              48);
-    sim.show(foam.appendages[index], {.surface = std::make_shared<const TriangleMesh>(std::move(band)),
-                                      .material = laparoscopy::plain(Color{0.01, 0.01, 0.01}, 0.0)});
+    const double out = kRadius + 0.12_mm, in = kRadius - 0.5_mm;
+    const double low = kMark - 0.5 * kMarkWidth, high = kMark + 0.5 * kMarkWidth;
+    const auto band = shapes::revolved({{out, low, 0}, {out, high, 0}, {in, high, 0}, {in, low, 0}}, 48);
+    sim.show(foam.appendages[index], {.surface = band, .material = laparoscopy::plain(Color{0.01, 0.01, 0.01}, 0.0)});
 }
 
 } // namespace

@@ -17,14 +17,6 @@ constexpr double kNear = 5e-3;   // [m] from the circle
 constexpr int kSectors = 120;    // around the circle
 constexpr int kParts = 8;        // along a triangle's edges, to measure its part of the disc
 
-/// The sheet, on which the picture lies once.
-std::shared_ptr<const TriangleMesh> printed()
-{
-    TriangleMesh mesh = *shapes::sheet(kSide, kSide, {kCells, kCells});
-    for (const Vec3& each : mesh.vertices) mesh.uv.push_back({each.x / kSide + 0.5, 0.5 - each.z / kSide});
-    return std::make_shared<const TriangleMesh>(std::move(mesh));
-}
-
 /// The nodes at a corner.
 AttachmentDef clipAt(const TriangleMesh& mesh, double x, double z)
 {
@@ -101,7 +93,7 @@ Gauze addGauze(Simulation& sim, std::uint64_t seed)
     const Vec3 place{random.between(-4_mm, 4_mm), 46_mm + random.between(-3_mm, 3_mm), random.between(-4_mm, 4_mm)};
     const Quat tilted = axisAngle({1, 0, 0}, random.between(-4_deg, 4_deg));
     gauze.pose = {place, axisAngle({0, 1, 0}, random.between(-6_deg, 6_deg)) * tilted};
-    const auto mesh = printed();
+    const auto mesh = shapes::sheet(kSide, kSide, {kCells, kCells}, true);
     SoftBodyDef cloth{.name = "gauze", .mesh = mesh, .pose = gauze.pose};
     cloth.material =
         ShellMaterial{.youngModulus = 200e3, .poissonRatio = 0.2, .thickness = 0.4_mm, .bendingScale = 30.0};

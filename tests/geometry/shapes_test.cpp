@@ -137,6 +137,37 @@ TEST_CASE("the vertices of round shapes lie on the round surface, and both ends 
     CHECK(high == Approx(0.02));
 }
 
+TEST_CASE("an outline that turns about y makes a closed ring or, from the axis on, a solid one")
+{
+    const auto ring = shapes::revolved({{0.02, 0, 0}, {0.03, 0, 0}, {0.03, 0.04, 0}, {0.02, 0.04, 0}}, 64);
+    const auto cone = shapes::revolved({{0, -0.02, 0}, {0.03, -0.02, 0}, {0, 0.02, 0}}, 64);
+    CHECK(facesOutwards(*cone));
+    CHECK(volumeOf(ring) == Approx(kPi * (9e-4 - 4e-4) * 0.04).epsilon(2e-3));
+    CHECK(volumeOf(cone) == Approx(kPi * 9e-4 * 0.04 / 3.0).epsilon(2e-3));
+    CHECK(ring->vertices.size() == 4 * 64);
+    CHECK(cone->vertices.size() == 64 + 2); // one on the axis for each corner that is there
+    CHECK(cone->triangles.size() == 2 * 64);
+    CHECK_THROWS_WITH(shapes::revolved({{0, 0, 0}, {1, 0, 0}}),
+                      "revolved: corners must have at least 3 entries, got 2");
+    CHECK_THROWS_WITH(shapes::revolved({{0, 0, 0}, {1, 0, 0}, {-1, 1, 0}}),
+                      "revolved: corners[2].x must be >= 0 m, got -1");
+    CHECK_THROWS_WITH(shapes::revolved({{0, 0, 0}, {1, 0, 2}, {1, 1, 0}}), "revolved: corners[1].z must be 0 m, got 2");
+    CHECK_THROWS_WITH(shapes::revolved({{0, 0, 0}, {1, 1, 0}, {1, 0, 0}}), Catch::Contains("counter-clockwise"));
+    CHECK_THROWS_WITH(shapes::revolved({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}, 2),
+                      "revolved: sides must be in [3, 500], got 2");
+}
+
+TEST_CASE("a picture lies once on a printed sheet, and on no other")
+{
+    CHECK(shapes::sheet(0.1, 0.2, {4, 6})->uv.empty());
+    const auto sheet = shapes::sheet(0.1, 0.2, {4, 6}, true);
+    REQUIRE(sheet->uv.size() == sheet->vertices.size());
+    for (std::size_t i = 0; i < sheet->uv.size(); ++i) {
+        CHECK(sheet->uv[i][0] == Approx(sheet->vertices[i].x / 0.1 + 0.5).margin(1e-12));
+        CHECK(sheet->uv[i][1] == Approx(0.5 - sheet->vertices[i].z / 0.2).margin(1e-12));
+    }
+}
+
 TEST_CASE("no triangle of a sphere is a splinter")
 {
     const auto sphere = shapes::sphere(1.0, 12);

@@ -173,6 +173,9 @@ TEST_CASE("scenes: each condition of a task holds when it should")
         Approx(200.0 * 15 / 27).margin(3)); // it has come from 40 to 25 mm
     CHECK(stepsIn(R"({"type": "Reached", "body": "ball", "target": "tissue", "within": "20 mm"})") ==
           Approx(149).margin(4));
+    const std::string corner = R"("body": "tissue", "place": "-10 -10 -10 mm", "within": "1 mm"})"; // that of node 0
+    CHECK(stepsIn(R"({"type": "Reached", "node": 0, )" + corner) < 5);
+    CHECK(stepsIn(R"({"type": "Reached", "node": 1, )" + corner) == 400);
     CHECK(stepsIn(R"({"type": "Touched", "first": "tissue", "second": "ball"})") == Approx(185).margin(5)); // at 15 mm
     CHECK(stepsIn(R"({"type": "Touched", "first": "ball", "second": "tissue", "force": 1000})") == 400);
     CHECK(stepsIn(R"({"type": "Held", "body": "tissue"})") == Approx(252).margin(3));
@@ -261,6 +264,14 @@ TEST_CASE("scenes: instruments, tasks and measures that are wrong are refused wi
     };
     CHECK_THAT(step(R"({"type": "Reached", "body": "ball", "element": 3, "place": [0, 0, 0]})"),
                Contains("task.steps[0].done.element must be in [0, 1), got 3"));
+    CHECK_THAT(step(R"({"type": "Reached", "body": "ball", "node": 0, "place": [0, 0, 0]})"),
+               Contains("task.steps[0].done.node must not be given for a rigid body"));
+    const auto rod = [&](int node) {
+        return fails(text(R"({"bodies": [{"type": "RodBodyDef", "name": "rod", "points": [[0, 0, 0], [0, 0.01, 0]], )",
+                          R"("spacing": 0.001}], "task": {"steps": [{"done": {"type": "Reached", "body": "rod", )",
+                          R"("node": )", node, R"(, "place": [0, 0, 0]}}]}})"));
+    };
+    CHECK_THAT(rod(11), Contains("task.steps[0].done.node must be in [0, 11), got 11"));
     CHECK_THAT(step(R"({"type": "Reached", "body": "ball", "target": "ball"})"),
                Contains("must name two bodies, got rigid body 'ball' twice"));
     CHECK_THAT(step(R"({"type": "Touched", "first": "ball", "second": "ball"})"), Contains("must name two bodies"));

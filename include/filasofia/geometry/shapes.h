@@ -28,6 +28,10 @@ std::shared_ptr<const TriangleMesh> capsule(double radius, double length, int qu
 /// A cylinder of `radius` [m], > 0, and `length` [m], > 0, along y; `quarter` as for the sphere.
 std::shared_ptr<const TriangleMesh> cylinder(double radius, double length, int quarter = 8);
 
+/// What a closed outline, `corners` [m] of the plane z = 0 with x >= 0, counter-clockwise, at least three, makes as it
+/// turns about y, with `sides` in [3, 500] around it: rings, pipes, caps.
+std::shared_ptr<const TriangleMesh> revolved(const std::vector<Vec3>& corners, int sides = 24);
+
 /// A round tube of `radius` [m], > 0, along the line through `points` [m], at least two, with `sides` in [3, 500]
 /// around it. Its ends are flat; with `sharp`, the first one is a point.
 std::shared_ptr<const TriangleMesh> tube(const std::vector<Vec3>& points, double radius, int sides = 8,
@@ -35,8 +39,9 @@ std::shared_ptr<const TriangleMesh> tube(const std::vector<Vec3>& points, double
 
 /// A flat sheet of edges `width` along x and `depth` along z [m], each > 0, that faces up, with the given number of
 /// cells, in [1, 500], along each, two triangles per cell. All diagonals are parallel: a shell of it bends most
-/// exactly.
-std::shared_ptr<const TriangleMesh> sheet(double width, double depth, std::array<int, 2> cells = {10, 10});
+/// exactly. A `printed` one has texture coordinates: a picture lies on it once, its lower edge at +z.
+std::shared_ptr<const TriangleMesh> sheet(double width, double depth, std::array<int, 2> cells = {10, 10},
+                                          bool printed = false);
 
 /// A solid box of edges `size` [m], each > 0, with the given number of cells, in [1, 200], along each axis and six
 /// tetrahedra per cell. Neighbouring cells mirror each other, so an even number of cells has no preferred direction.

@@ -123,7 +123,8 @@ constexpr auto fields(const ScenePedal*)
 struct Reached {
     BodyId body = {};
     int element = 0;                ///< [-], >= 0, index in a rigid body
-    Vec3 tip = {};                  ///< [m], the point, in the element's coordinates; for a soft body its middle
+    Vec3 tip = {};                  ///< [m], the point, in the element's coordinates
+    std::optional<int> node = {};   ///< [-], >= 0, the point of a soft body or a rod; without it its middle
     std::optional<Vec3> place = {}; ///< [m], in the world
     BodyId target = {};             ///< in place of a place: the middle of this body
     double within = 5e-3;           ///< [m], > 0
@@ -159,12 +160,14 @@ using Condition = std::variant<Reached, Touched, Held, Parted, Pierced, Waited>;
 constexpr auto fields(const Reached*)
 {
     using T = Reached;
-    return describe("Reached", field("body", &T::body, "the body that moves"),
-                    field("element", &T::element, "-", nonNegative(), "index in a rigid body"),
-                    field("tip", &T::tip, "m", finite(), "its point, in the element's coordinates"),
-                    field("place", &T::place, "m", finite(), "where to go, in the world"),
-                    field("target", &T::target, "the body to go to, in place of a place"),
-                    field("within", &T::within, "m", positive(), "distance at which it is reached"));
+    return describe(
+        "Reached", field("body", &T::body, "the body that moves"),
+        field("element", &T::element, "-", nonNegative(), "index in a rigid body"),
+        field("tip", &T::tip, "m", finite(), "its point, in the element's coordinates"),
+        field("node", &T::node, "-", nonNegative(), "the point of a soft body or a rod; without it its middle"),
+        field("place", &T::place, "m", finite(), "where to go, in the world"),
+        field("target", &T::target, "the body to go to, in place of a place"),
+        field("within", &T::within, "m", positive(), "distance at which it is reached"));
 }
 constexpr auto fields(const Touched*)
 {

@@ -100,6 +100,20 @@ std::shared_ptr<const TriangleMesh> mirrored(std::vector<Ring> lower, double apa
     return std::make_shared<const TriangleMesh>(std::move(turned.mesh));
 }
 
+void checkOutline(const std::vector<Vec3>& corners)
+{
+    if (corners.size() < 3) fail("revolved: corners must have at least 3 entries, got ", corners.size());
+    double area = 0.0;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+        const auto& [x, y, z] = corners[i];
+        if (!isFinite(corners[i])) fail("revolved: corners[", i, "] must be finite");
+        if (x < 0.0) fail("revolved: corners[", i, "].x must be >= 0 m, got ", x);
+        if (z != 0.0) fail("revolved: corners[", i, "].z must be 0 m, got ", z);
+        area += cross(corners[i], corners[(i + 1) % corners.size()]).z / 2.0;
+    }
+    if (!(area > 0.0)) fail("revolved: corners must go counter-clockwise around an area > 0 m^2, got ", area);
+}
+
 } // namespace
 
 std::shared_ptr<const TriangleMesh> box(Vec3 size, std::array<int, 3> cells)
@@ -166,7 +180,33 @@ std::shared_ptr<const TriangleMesh> cylinder(double radius, double length, int q
     return mirrored({{0.0, 0.0, 1}, {0.0, radius, 4 * quarter}}, length);
 }
 
-std::shared_ptr<const TriangleMesh> sheet(double width, double depth, std::array<int, 2> cells)
+std::shared_ptr<const TriangleMesh> revolved(const std::vector<Vec3>& corners, int sides)
+{
+    checkOutline(corners);
+    checkCount("revolved", "sides", sides, 3, kMaxSurfaceCells);
+    TriangleMesh mesh;
+    const std::size_t count = corners.size();
+    std::vector<int> numbers; // of the vertices, side by side; a corner on the axis has one
+    for (int side = 0; side < sides; ++side)
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto [radius, y, z] = corners[k];
+            const double angle = 2.0 * std::numbers::pi * side / sides;
+            const bool again = radius == 0.0 && side > 0;
+            numbers.push_back(again ? numbers[k] : static_cast<int>(mesh.vertices.size()));
+            if (!again) mesh.vertices.push_back({radius * std::sin(angle), y, radius * std::cos(angle)});
+        }
+    for (std::size_t side = 0; side < static_cast<std::size_t>(sides); ++side)
+        for (std::size_t k = 0; k < count; ++k) {
+            const std::size_t here = side * count, next = (side + 1) % static_cast<std::size_t>(sides) * count;
+            const std::size_t up = (k + 1) % count;
+            const int a = numbers[here + k], b = numbers[next + k], c = numbers[next + up], d = numbers[here + up];
+            if (a != b) mesh.triangles.push_back({a, b, c});
+            if (c != d) mesh.triangles.push_back({a, c, d});
+        }
+    return std::make_shared<const TriangleMesh>(std::move(mesh));
+}
+
+std::shared_ptr<const TriangleMesh> sheet(double width, double depth, std::array<int, 2> cells, bool printed)
 {
     checkLength("sheet", "width", width);
     checkLength("sheet", "depth", depth);
@@ -178,6 +218,7 @@ std::shared_ptr<const TriangleMesh> sheet(double width, double depth, std::array
         for (int k = 0; k <= cells[1]; ++k) {
             const Vec3 place = placeOf({i, 0, k}, {width, 0.0, depth}, grid);
             mesh.vertices.push_back({place.x, 0.0, place.z});
+            if (printed) mesh.uv.push_back({place.x / width + 0.5, 0.5 - place.z / depth});
         }
     for (int i = 0; i < cells[0]; ++i)
         for (int k = 0; k < cells[1]; ++k) {

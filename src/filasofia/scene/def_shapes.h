@@ -118,6 +118,8 @@ template <class T> std::vector<std::string_view> required()
         return {"halfAxes"};
     else if constexpr (IsAnyOf<T, CapsuleShape, CylinderShape>)
         return {"radius", "length"};
+    else if constexpr (std::is_same_v<T, RevolvedShape>)
+        return {"corners"};
     else if constexpr (std::is_same_v<T, SheetShape>)
         return {"width", "depth"};
     else if constexpr (IsAnyOf<T, ScaledSurface, ScaledTetrahedra>)

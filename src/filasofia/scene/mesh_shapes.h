@@ -52,11 +52,17 @@ struct TubeShape {
     bool sharp = false;
     [[nodiscard]] TrianglePtr make() const { return geometry::shapes::tube(points, radius, sides, sharp); }
 };
+struct RevolvedShape {
+    std::vector<Vec3> corners = {};
+    int sides = 24;
+    [[nodiscard]] TrianglePtr make() const { return geometry::shapes::revolved(corners, sides); }
+};
 struct SheetShape {
     double width = 0.0;
     double depth = 0.0;
     std::array<int, 2> cells = {10, 10};
-    [[nodiscard]] TrianglePtr make() const { return geometry::shapes::sheet(width, depth, cells); }
+    bool printed = false;
+    [[nodiscard]] TrianglePtr make() const { return geometry::shapes::sheet(width, depth, cells, printed); }
 };
 struct BlockShape {
     Vec3 size = {};
@@ -101,9 +107,10 @@ struct ScaledTetrahedra {
 
 /// What a surface may be made of, and what a soft body may.
 using SurfaceShape = std::variant<BoxShape, SphereShape, EllipsoidShape, CapsuleShape, CylinderShape, TubeShape,
-                                  SheetShape, ScaledSurface>;
-using SoftShape = std::variant<BlockShape, VesselShape, BladderShape, ScaledTetrahedra, SheetShape, BoxShape,
-                               SphereShape, EllipsoidShape, CapsuleShape, CylinderShape, TubeShape, ScaledSurface>;
+                                  RevolvedShape, SheetShape, ScaledSurface>;
+using SoftShape =
+    std::variant<BlockShape, VesselShape, BladderShape, ScaledTetrahedra, SheetShape, BoxShape, SphereShape,
+                 EllipsoidShape, CapsuleShape, CylinderShape, TubeShape, RevolvedShape, ScaledSurface>;
 
 constexpr auto fields(const BoxShape*)
 {
@@ -144,12 +151,20 @@ constexpr auto fields(const TubeShape*)
                     field("sides", &T::sides, "-", closed(3, 500), "edges around it"),
                     field("sharp", &T::sharp, "the first end is a point"));
 }
+constexpr auto fields(const RevolvedShape*)
+{
+    using T = RevolvedShape;
+    return describe("revolved",
+                    field("corners", &T::corners, "m", finite(), "outline in the plane z = 0, counter-clockwise"),
+                    field("sides", &T::sides, "-", closed(3, 500), "edges around y"));
+}
 constexpr auto fields(const SheetShape*)
 {
     using T = SheetShape;
     return describe("sheet", field("width", &T::width, "m", positive(), "edge along x"),
                     field("depth", &T::depth, "m", positive(), "edge along z"),
-                    field("cells", &T::cells, "-", closed(1, 500), "cells along each edge"));
+                    field("cells", &T::cells, "-", closed(1, 500), "cells along each edge"),
+                    field("printed", &T::printed, "it has texture coordinates: a picture lies on it once"));
 }
 constexpr auto fields(const BlockShape*)
 {

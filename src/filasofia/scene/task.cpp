@@ -26,6 +26,14 @@ std::optional<Vec3> middleOf(const Frame& frame, BodyId id)
     return sum / static_cast<double>(soft->positions.size());
 }
 
+/// How many nodes a soft body or a rod is made of.
+std::size_t nodesOf(const physics::BodyDef& def)
+{
+    if (const auto* rod = std::get_if<physics::RodBodyDef>(&def)) return physics::centreLine(*rod).size();
+    const auto& soft = std::get<physics::SoftBodyDef>(def);
+    return physics::isShell(soft) ? physics::worldShell(soft).vertices.size() : physics::worldMesh(soft).nodes.size();
+}
+
 /// What cuts and tears have opened since the run began. Written by the events' thread, read by the stepping one.
 class Partings {
 public:
@@ -95,6 +103,10 @@ private:
     {
         const auto* rigid = frame.rigidBody(of.body);
         const auto element = static_cast<std::size_t>(of.element);
+        if (!rigid && of.node) {
+            const auto* soft = frame.softBody(of.body);
+            return soft ? std::optional(soft->positions[static_cast<std::size_t>(*of.node)]) : std::nullopt;
+        }
         if (!rigid) return middleOf(frame, of.body);
         return element < rigid->poses.size() ? std::optional(transform(rigid->poses[element], of.tip)) : std::nullopt;
     }
@@ -157,6 +169,10 @@ public:
         const std::size_t elements = rigid ? physics::elementCount(*rigid) : 1;
         if (static_cast<std::size_t>(c.element) >= elements)
             fail(path_, ".element must be in [0, ", elements, "), got ", c.element);
+        if (!c.node) return;
+        if (rigid) fail(path_, ".node must not be given for a rigid body: it has a tip");
+        const std::size_t nodes = nodesOf(*server_.def(c.body));
+        if (static_cast<std::size_t>(*c.node) >= nodes) fail(path_, ".node must be in [0, ", nodes, "), got ", *c.node);
     }
     void operator()(const Touched& c) const { differ(c.first, c.second); }
     void operator()(const Held& c) const { differ(c.body, c.by); }
