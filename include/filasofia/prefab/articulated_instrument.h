@@ -114,14 +114,15 @@ constexpr auto fields(const ArticulatedInstrumentDef*)
 
 /// An instrument that is moved as a whole, opened and closed. Key, device button and script all use the same calls.
 ///
-/// Closing presses with a torque, so tissue between the jaws stops them. If a soft body pushes both sides of the mouth
-/// with `gripForce` or more, it is grasped: it is attached to the jaws, which then keep their angle (a ratchet), until
-/// open() or until `breakForce` is exceeded. So is a dynamic rigid body without joints, a needle for example, until the
-/// force exceeds what friction bears, too: 2 mu times the closing torque over the distance from the pivot. With a
-/// finite `gripStiffness` the jaws then open by 0.2 mm, so that a spring alone holds it, and two instruments can hold
-/// it. A reset of the simulation does not release what is held: call open() before. A saved state knows what it holds;
-/// onGrasp is not called when such a state is restored. Every function may be called from any thread and takes effect
-/// at the next step.
+/// Closing presses with a torque, so tissue between the jaws stops them. If a soft body pushes both sides of the mouth,
+/// in front of the pivot, with `gripForce` or more, it is grasped: it is attached to the jaws, which then keep their
+/// angle (a ratchet), until open() or until `breakForce` is exceeded. So is a dynamic rigid body without joints, a
+/// needle for example, until the force exceeds what friction bears, too: 2 mu times the closing torque over the
+/// distance from the pivot. With a finite `gripStiffness` the jaws then open by 0.2 mm, so that a spring alone holds
+/// it, and two instruments can hold it. A thread that lies on the shaft, too, is held between the jaws only, and slides
+/// on the shaft. A reset of the simulation does not release what is held: call open() before. A saved state knows what
+/// it holds; onGrasp is not called when such a state is restored. Every function may be called from any thread and
+/// takes effect at the next step.
 class ArticulatedInstrument {
 public:
     static constexpr int kShaft = 0; ///< element of the body; moving jaws follow from 1 on

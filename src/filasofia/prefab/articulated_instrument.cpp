@@ -49,13 +49,19 @@ bool isBetween(const frame::Contact& contact, BodyId one, BodyId two)
     return (contact.first == one && contact.second == two) || (contact.first == two && contact.second == one);
 }
 
+/// Whether a contact is in front of the pivot. A thread that is wound around the shaft presses both of its sides, too.
+bool isInMouth(const frame::Contact& contact, const Pose& pivot)
+{
+    return dot(rotate(pivot.orientation, {0.0, 0.0, 1.0}), contact.point - pivot.position) < 0.0;
+}
+
 /// The forces of tissue on the two sides of the mouth [N]: across the shaft, along the direction in which a jaw opens
 /// and against it.
-std::array<double, 2> squeezed(const frame::Frame& frame, BodyId tool, BodyId target, Vec3 opens)
+std::array<double, 2> squeezed(const frame::Frame& frame, BodyId tool, BodyId target, const Pose& pivot, Vec3 opens)
 {
     std::array<double, 2> sides = {};
     for (const frame::Contact& contact : frame.contacts) {
-        if (!isBetween(contact, tool, target)) continue;
+        if (!isBetween(contact, tool, target) || !isInMouth(contact, pivot)) continue;
         const double along = dot(contact.first == tool ? contact.normal : -contact.normal, opens) * contact.normalForce;
         sides[along > 0.0 ? 0 : 1] += std::abs(along);
     }
@@ -195,12 +201,12 @@ struct ArticulatedInstrument::Impl {
     }
 
     /// [m], the mean of the contacts with the held body, by their forces.
-    [[nodiscard]] Vec3 middleOfContacts(const frame::Frame& frame) const
+    [[nodiscard]] Vec3 middleOfContacts(const frame::Frame& frame, const Pose& pivot) const
     {
         double all = 0.0;
         Vec3 middle;
         for (const frame::Contact& contact : frame.contacts) {
-            if (!isBetween(contact, body, held)) continue;
+            if (!isBetween(contact, body, held) || !isInMouth(contact, pivot)) continue;
             middle += contact.normalForce * contact.point;
             all += contact.normalForce;
         }
@@ -220,12 +226,12 @@ struct ArticulatedInstrument::Impl {
         const Pose& pivot = now.poses.front();
         double lever = 0.0, all = 0.0;
         for (const frame::Contact& contact : frame.contacts) {
-            if (!isBetween(contact, body, held)) continue;
+            if (!isBetween(contact, body, held) || !isInMouth(contact, pivot)) continue;
             lever += contact.normalForce * distance(contact.point, pivot.position);
             all += contact.normalForce;
         }
         const auto& poses = frame.rigidBody(held)->poses;
-        const auto near = nearest(poses, middleOfContacts(frame));
+        const auto near = nearest(poses, middleOfContacts(frame, pivot));
         const double other = std::get<physics::RigidBodyDef>(*simulation.physics().def(held)).friction;
         const double most = 2.0 * std::sqrt(def.friction * other) * torque * all / lever;
         return {.element = static_cast<int>(near - poses.begin()),
@@ -235,6 +241,33 @@ struct ArticulatedInstrument::Impl {
                 .breakForce = std::min(def.breakForce, most)};
     }
 
+    /// Holds what the jaws touch. A thread may lie on the shaft as well, where it has to go on sliding: then its nodes
+    /// between the jaws are held in place of all contacts.
+    [[nodiscard]] AttachmentId softGrip(const frame::Frame& frame, const Pose& pivot) const
+    {
+        const auto asked = simulation.physics().def(held);
+        const auto* rod = std::get_if<physics::RodBodyDef>(asked.get());
+        const auto touches = [&](const frame::Contact& each, bool inMouth) {
+            return isBetween(each, body, held) && isInMouth(each, pivot) == inMouth;
+        };
+        const auto onShaft = [&](const frame::Contact& each) { return touches(each, false); };
+        if (rod == nullptr || std::ranges::none_of(frame.contacts, onShaft))
+            return simulation.physics().grasp(body, held,
+                                              {.stiffness = def.gripStiffness, .breakForce = def.breakForce});
+        const std::vector<Vec3>& nodes = frame.softBody(held)->positions;
+        physics::AttachmentDef jaws{.stiffness = def.gripStiffness, .to = body, .breakForce = def.breakForce};
+        for (std::size_t i = 0; i < nodes.size(); ++i) {
+            const double edge = std::max(i > 0 ? distance(nodes[i], nodes[i - 1]) : 0.0,
+                                         i + 1 < nodes.size() ? distance(nodes[i], nodes[i + 1]) : 0.0);
+            const double near = rod->radius + def.proximity + 0.5 * edge; // so that each contact finds a node
+            if (std::ranges::any_of(frame.contacts, [&](const frame::Contact& each) {
+                    return touches(each, true) && distance(each.point, nodes[i]) <= near;
+                }))
+                jaws.nodes.push_back(static_cast<int>(i));
+        }
+        return simulation.physics().attach(held, jaws);
+    }
+
     /// The first of these bodies (their ids ascend) that both sides of the mouth press with `gripForce`; 0 if none.
     template <class Bodies> [[nodiscard]] BodyId between(const frame::Frame& frame, const frame::RigidBodyFrame& now,
                                                          const Bodies& bodies) const
@@ -242,7 +275,7 @@ struct ArticulatedInstrument::Impl {
         const Vec3 opens =
             rotate(now.poses.front().orientation, normalized(cross(def.jaws.front().axis, Vec3{0.0, 0.0, -1.0})));
         const auto isPressed = [&](const auto& each) {
-            const auto sides = squeezed(frame, body, each.id, opens);
+            const auto sides = squeezed(frame, body, each.id, now.poses.front(), opens);
             return sides[0] >= def.gripForce && sides[1] >= def.gripForce && canBeHeld(each.id);
         };
         const auto found = std::ranges::find_if(bodies, isPressed);
@@ -257,11 +290,9 @@ struct ArticulatedInstrument::Impl {
         if (!held) held = between(frame, now, frame.softBodies);
         if (!held) return;
         const frame::RigidBodyFrame* rigid = frame.rigidBody(held);
-        const Vec3 middle = middleOfContacts(frame);
+        const Vec3 middle = middleOfContacts(frame, now.poses.front());
         gripAt = transform(inverse(now.poses.front()), rigid ? nearest(rigid->poses, middle)->position : middle);
-        grip = rigid ? simulation.physics().attach(held, rigidGrip(frame, now))
-                     : simulation.physics().grasp(body, held,
-                                                  {.stiffness = def.gripStiffness, .breakForce = def.breakForce});
+        grip = rigid ? simulation.physics().attach(held, rigidGrip(frame, now)) : softGrip(frame, now.poses.front());
         // A spring that holds a rigid body and jaws that stand still would work against each other: the jaws give way.
         const bool springs = rigid != nullptr && std::isfinite(def.gripStiffness);
         const double relief = springs ? kRelief / std::max(kRelief, distance(middle, now.poses.front().position)) : 0.0;
