@@ -44,6 +44,7 @@ def begun(name, steps, **options):
         ("PatternCutting", 40),
         ("PegTransfer", 30),
         ("ClipAndCut", 30),
+        ("Cholecystectomy", 30),
     ],
 )
 def test_a_restored_environment_goes_on_with_the_same_bits_also_in_another_one(name, steps):

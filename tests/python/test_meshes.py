@@ -70,8 +70,15 @@ def test_shapes_and_files():
     assert len(fs.shapes.block((0.1, 0.1, 0.1), (2, 2, 2)).tetrahedra) == 48
     assert len(fs.shapes.sphere(0.01, quarter=2).triangles) == 32
     assert len(fs.shapes.sheet(0.1, 0.2, (2, 3)).triangles) == 12
+    assert fs.shapes.sheet(0.1, 0.2).uv.size == 0
+    assert fs.shapes.sheet(0.1, 0.2, (2, 3), printed=True).uv.shape == (12, 2)
+    ring = fs.shapes.revolved([(0.02, 0, 0), (0.03, 0, 0), (0.03, 0.01, 0), (0.02, 0.01, 0)], sides=12)
+    assert len(ring.vertices) == 48 and len(ring.triangles) == 96
+    assert np.hypot(*np.asarray(ring.vertices)[:, [0, 2]].T).max() == pytest.approx(0.03)
     with pytest.raises(fs.Error, match="radius"):
         fs.shapes.sphere(-1)
+    with pytest.raises(fs.Error, match=r"revolved: corners\[0\].x must be >= 0 m, got -1"):
+        fs.shapes.revolved([(-1, 0, 0), (1, 0, 0), (0, 1, 0)])
     mesh = fs.load_tet_mesh(fs.asset("meshes/bunny_756.msh"))
     assert len(mesh.tetrahedra) == 754
     assert np.allclose(fs.load_tet_mesh(fs.asset("meshes/bunny_756.msh"), scale=2).nodes, 2 * mesh.nodes)

@@ -21,6 +21,28 @@ def test_a_scene_has_the_hash_of_its_program():
     assert [loaded.definition(each).name for each in loaded.bodies] == ["bunny"]
 
 
+def test_physics_and_look_replace_those_of_a_scene():
+    physics = filasofia.PhysicsDef(rate=500, threads=1)
+    simulation = filasofia.load(SCENES / "bunny.json", physics=physics, look=filasofia.LookDef(quality="low"))
+    simulation.step(50)
+    assert simulation.time == pytest.approx(0.1)
+    with pytest.raises(TypeError, match="give threads or physics"):
+        filasofia.load(SCENES / "bunny.json", physics=physics, threads=1)
+
+
+def test_points_of_a_layer_are_told_as_long_as_they_hold():
+    simulation = filasofia.load(SCENES / "dissection.json")
+    simulation.step()
+    points, attachments = simulation.frame.attached_points, simulation.frame.attachments
+    layer = attachments["id"] == points["attachment"][0]
+    assert len(points) == attachments["points"][layer].sum() > 10
+    places = simulation.frame[int(attachments["body"][layer][0])].positions
+    assert points["place"] == pytest.approx(places[points["node"]])
+    assert points["to_place"] == pytest.approx(points["place"], abs=1e-3)
+    simulation.step(1500)
+    assert len(simulation.frame.attached_points) < len(points)
+
+
 def test_motions_of_a_scene_are_made():
     simulation = filasofia.load(str(SCENES / "poke.json"))
     ball = simulation.bodies[1]

@@ -170,6 +170,8 @@ def load(
     strict: bool = False,
     package: str | _os.PathLike[str] | None = None,
     measures: str | _os.PathLike[str] | None = None,
+    physics: _defs.PhysicsDef | None = None,
+    look: _defs.LookDef | None = None,
 ) -> Simulation:
     """A simulation of the scene in a file (docs/guide/scenes.md); `bodies` are in the order of the file.
 
@@ -178,13 +180,18 @@ def load(
 
     Files that the scene names must be in its folder, unless `any_folder`. `threads` replaces those of the scene, with
     the same bits. `measures` is a .jsonl or .csv file that close() completes: what the scene measures. A task that is
-    over does not stop step(). Raises Error "FILE:LINE:COLUMN: ...".
+    over does not stop step(). `physics` and `look` replace those of the scene as a whole; `threads` is then that of
+    `physics`. Raises Error "FILE:LINE:COLUMN: ...".
     """
     if file is None:
         raise TypeError("load: file must be a text, got None")
+    if physics is not None and threads is not None:
+        raise TypeError("load: give threads or physics, not both")
     simulation = Simulation.__new__(Simulation)
     _core.Simulation.__init__(
         simulation,
+        physics=physics,
+        look=look,
         scene=file,
         any_folder=any_folder,
         threads=threads,

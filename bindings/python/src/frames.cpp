@@ -10,6 +10,7 @@
 namespace filasofia::python {
 namespace {
 
+using frame::AttachedPoint;
 using frame::Attachment;
 using frame::Cavity;
 using frame::Channel;
@@ -61,6 +62,14 @@ nb::handle attachmentType()
         {"torque", "3f8", offsetof(Attachment, torque)}, {"points", "i4", offsetof(Attachment, points)},
         {"broken", "?", offsetof(Attachment, broken)},   {"parted", "i4", offsetof(Attachment, parted)}};
     return typeOf<Attachment>(columns);
+}
+nb::handle attachedPointType()
+{
+    static constexpr Column columns[] = {{"attachment", "u4", offsetof(AttachedPoint, attachment)},
+                                         {"node", "i4", offsetof(AttachedPoint, node)},
+                                         {"place", "3f8", offsetof(AttachedPoint, place)},
+                                         {"to_place", "3f8", offsetof(AttachedPoint, toPlace)}};
+    return typeOf<AttachedPoint>(columns);
 }
 nb::handle channelType()
 {
@@ -261,6 +270,14 @@ void bindFrame(nb::module_& module)
         },
         nb::for_getter(nb::sig("def attachments(self) -> numpy.typing.NDArray[numpy.void]")),
         "One row per attachment: id, body, to, force (on the body), points, broken, parted (points that let go).");
+    whole.def_prop_ro(
+        "attached_points",
+        [](nb::handle self) {
+            return recordsOf(nb::cast<const HeldFrame&>(self).get().attachedPoints, attachedPointType(), self);
+        },
+        nb::for_getter(nb::sig("def attached_points(self) -> numpy.typing.NDArray[numpy.void]")),
+        "One row per point that holds, of attachments with point_break_force or cut_distance: attachment, node, place "
+        "(on the body), to_place (on the other).");
     whole.def_prop_ro(
         "channels",
         [](nb::handle self) { return recordsOf(nb::cast<const HeldFrame&>(self).get().channels, channelType(), self); },

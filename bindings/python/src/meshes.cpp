@@ -238,6 +238,17 @@ void bindClosedShapes(nb::module_& module)
         "A round tube of `radius` [m] along a line through `points` [m]; with `sharp`, its first end is a point. It is "
         "closed: both ends have flat caps.");
     module.def(
+        "revolved",
+        [](nb::handle corners, int sides) {
+            return Triangles{
+                geometry::shapes::revolved(readArgument<std::vector<Vec3>>(corners, "revolved", "corners"), sides)};
+        },
+        nb::arg("corners").none(), nb::arg("sides") = 24,
+        nb::sig("def revolved(corners: collections.abc.Sequence[collections.abc.Sequence[float]], sides: int = 24) -> "
+                "TriangleMesh"),
+        "What a closed outline, corners [m] of the plane z = 0 with x >= 0, counter-clockwise, makes as it turns about "
+        "y: rings, pipes, caps.");
+    module.def(
         "arc",
         [](double radius, double from, double to, int edges) {
             nb::list points;
@@ -257,13 +268,14 @@ void bindFlatAndSolidShapes(nb::module_& module)
 {
     module.def(
         "sheet",
-        [](double width, double depth, std::array<int, 2> cells) {
-            return Triangles{geometry::shapes::sheet(width, depth, cells)};
+        [](double width, double depth, std::array<int, 2> cells, bool printed) {
+            return Triangles{geometry::shapes::sheet(width, depth, cells, printed)};
         },
-        nb::arg("width"), nb::arg("depth"), nb::arg("cells") = std::array<int, 2>{10, 10},
-        nb::sig("def sheet(width: float, depth: float, cells: collections.abc.Sequence[int] = (10, 10)) -> "
-                "TriangleMesh"),
-        "A flat sheet along x and z that faces up, two triangles per cell.");
+        nb::arg("width"), nb::arg("depth"), nb::arg("cells") = std::array<int, 2>{10, 10}, nb::arg("printed") = false,
+        nb::sig("def sheet(width: float, depth: float, cells: collections.abc.Sequence[int] = (10, 10), "
+                "printed: bool = False) -> TriangleMesh"),
+        "A flat sheet along x and z that faces up, two triangles per cell. A `printed` one has texture coordinates: a "
+        "picture lies on it once, its lower edge at +z.");
     module.def(
         "block",
         [](nb::handle size, std::array<int, 3> cells) {

@@ -1,4 +1,4 @@
-"""Environments for gymnasium (docs/guide/environments.md): importing this registers filasofia/Reach-v0 and 17 more."""
+"""Environments for gymnasium (docs/guide/environments.md): importing this registers filasofia/Reach-v0 and 19 more."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ except ImportError:
 from .cannulation import Cannulation
 from .cuts import PolypRemoval, PrecisionCutting
 from .environment import Judgement, SurgicalEnv
+from .gallbladder import Cholecystectomy, GallbladderDissection
 from .laparoscopy import ClipAndCut, PatternCutting, PegTransfer
 from .state import EnvState
 from .stitches import LigatingLoop, Suture
@@ -46,6 +47,8 @@ TASKS = (
     PatternCutting,
     ClipAndCut,
     Cannulation,
+    GallbladderDissection,
+    Cholecystectomy,
 )
 
 # Name by name, because type checkers read no more than that.
@@ -53,9 +56,11 @@ __all__ = [
     "TASKS",
     "BimanualTissueManipulation",
     "Cannulation",
+    "Cholecystectomy",
     "ClipAndCut",
     "DeflectSpheres",
     "EnvState",
+    "GallbladderDissection",
     "GraspLift",
     "Joint",
     "Judgement",

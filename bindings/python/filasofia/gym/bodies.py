@@ -24,6 +24,20 @@ def moved(mesh: fs.TriangleMesh, away: typing.Any) -> fs.TriangleMesh:
     return fs.TriangleMesh(vertices=np.asarray(mesh.vertices) + away, triangles=mesh.triangles)
 
 
+def pieces(triangles: Array, count: int) -> Array:
+    """For each of so many nodes the lowest one of its piece of a surface."""
+    piece = np.arange(count)
+    while True:
+        low = piece[triangles].min(axis=1)
+        new = piece.copy()
+        for k in range(3):
+            np.minimum.at(new, triangles[:, k], low)
+        new = new[new]
+        if np.array_equal(new, piece):
+            return piece
+        piece = new
+
+
 def revolved(profile: typing.Any, sides: int) -> fs.TriangleMesh:
     """The surface that a closed polygon (radius, height), counter-clockwise, makes as it turns about y."""
     corners = np.asarray(profile, dtype=float)

@@ -11,13 +11,15 @@ import numpy as np
 
 import filasofia as fs
 
+from . import bodies
 from .state import EnvState, restore, saved
-from .tool import Array, Tool
+from .tool import Array, Tool, aim, posed
 
 
 DRAPE = fs.TissueMaterial(
     base_color=(0.015, 0.13, 0.14), wetness=0, vessels=0, mottling=0.1, bump=0.2, subsurface_color=(0.01, 0.1, 0.1)
 )
+STEEL = fs.MetalMaterial(base_color=(0.85, 0.87, 0.9), roughness=0.55)
 FAR = 0.3  #: [m]
 
 
@@ -59,7 +61,10 @@ class SurgicalEnv(gymnasium.Env):
     rate = 500  #: [Hz], steps of physics
     least_rate = 50  #: [Hz], below which the task is not what it should be
     levels = 3  #: difficulties
+    longest = 300  #: actions of an episode, unless max_steps says how many
+    scene: str | None = None  #: a scene file of the assets, whose bodies self.sim has before build()
     eye, looks_at = (0.0, 0.1, 0.16), (0.0, 0.015, 0.0)  #: [m], of the camera
+    lit: fs.Box | None = None  #: [m], what the light is made for: all that is shown, if there is no box
     lens = fs.CameraDef(vertical_field_of_view=0.7, near=0.001, exposure=10.2)
 
     def __init__(
@@ -70,7 +75,7 @@ class SurgicalEnv(gymnasium.Env):
         difficulty: int = 0,
         image_size: tuple[int, int] = (128, 128),
         quality: typing.Literal["low", "medium", "high"] = "high",
-        max_steps: int = 300,
+        max_steps: int | None = None,
         frame_skip: int | None = None,
         threads: int = 1,
         render_mode: str | None = None,
@@ -80,6 +85,7 @@ class SurgicalEnv(gymnasium.Env):
         self._check("quality", quality, ("low", "medium", "high"))
         self._check("render_mode", render_mode, (None, "rgb_array"))
         self._bound("difficulty", difficulty, 0, self.levels - 1)
+        max_steps = self.longest if max_steps is None else max_steps
         self._bound("max_steps", max_steps, 1, 10**9)
         self._bound("rate", self.rate, self.least_rate, 100_000)
         frame_skip = self.rate // 50 if frame_skip is None else frame_skip  # actions of 20 ms
@@ -90,7 +96,9 @@ class SurgicalEnv(gymnasium.Env):
             raise fs.Error(f"{name}: image_size must be two whole numbers in [1, 8192], got {image_size!r}")
         self.observation, self.action, self.difficulty, self.render_mode = observation, action, difficulty, render_mode
         self.image_size, self.max_steps, self.frame_skip = tuple(image_size), max_steps, frame_skip
-        self.sim = fs.Simulation(rate=self.rate, threads=threads, look=fs.LookDef(quality=quality))
+        physics, look = fs.PhysicsDef(rate=self.rate, threads=threads), fs.LookDef(quality=quality, around=self.lit)
+        file = None if self.scene is None else fs.asset(self.scene)
+        self.sim = fs.Simulation(physics, look=look) if file is None else fs.load(file, physics=physics, look=look)
         self.cuts: list[fs.CutEvent] = []  #: what was cut in this episode
         self.tools = self.build()
         self._sizes = [tool.size for tool in self.tools]
@@ -202,14 +210,25 @@ class SurgicalEnv(gymnasium.Env):
             self._draw(body, surface=surface, material=fs.MetalMaterial(), cast_shadows=False)
         return body
 
+    def grasper(self, name: str, start: typing.Any, port: typing.Any) -> fs.BodyId:
+        """Adds an instrument with two jaws, whose middle is its tip; it collides with nothing."""
+        pose = posed(start, aim(start, port))
+        body = self.sim.add(fs.RigidBodyDef(name=name, elements=[pose], mesh=fs.shapes.sphere(0.002)))
+        shaft = bodies.moved(fs.shapes.cylinder(0.002, 0.16), (0, 0.09, 0))
+        jaw = fs.shapes.box((0.0008, 0.012, 0.002))
+        jaws = bodies.joined(*(bodies.moved(jaw, (x, 0.0045, 0)) for x in (-0.001, 0.001)))
+        for surface in (shaft, jaws):
+            self._draw(body, surface=surface, material=STEEL, cast_shadows=False)
+        return body
+
     def blade(
         self, name: str, start: typing.Any, corners: typing.Any, drawn: typing.Any, look: typing.Any
     ) -> fs.BodyId:
-        """Adds a rectangle [m] whose edges cut, drawn as a box of the size `drawn` [m]."""
+        """Adds a rectangle [m] whose edges cut, drawn as a surface or as a box of the size `drawn` [m]."""
         surface = fs.TriangleMesh(vertices=corners, triangles=[[0, 1, 2], [0, 2, 3]])
         cutting = [fs.CollisionDef(mesh=surface, cutting=True)]
         body = self.sim.add(fs.RigidBodyDef(name=name, elements=[start], mesh=surface, collision=cutting))
-        self._draw(body, surface=fs.shapes.box(drawn), material=look)
+        self._draw(body, surface=drawn if isinstance(drawn, fs.TriangleMesh) else fs.shapes.box(drawn), material=look)
         return body
 
     def marker(self, name: str, color: typing.Any, radius: float = 0.003) -> fs.BodyId:

@@ -21,6 +21,17 @@ def plain(color: typing.Any) -> fs.TissueMaterial:
     )
 
 
+def applier(env: SurgicalEnv, start: typing.Any) -> fs.BodyId:
+    """Adds a clip applier: a tube through the origin along x is between its legs; its shaft is along +z."""
+    body = env.sim.add(fs.RigidBodyDef(name="applier", elements=[start], mesh=fs.shapes.box((0.002,) * 3)))
+    for y in (-0.004, 0.004):
+        leg = bodies.moved(fs.shapes.box((0.002, 0.0012, 0.014)), (0, y, 0.003))
+        env.sim.show(body, surface=leg, material=fs.MetalMaterial(), cast_shadows=False)
+    shaft = bodies.moved(fs.shapes.box((0.005, 0.009, 0.05)), (0, 0, 0.035))
+    env.sim.show(body, surface=shaft, material=plain((0.05, 0.05, 0.06)), cast_shadows=False)
+    return body
+
+
 class PegTransfer(SurgicalEnv):
     """Take a ring from its peg with the left hand, give it to the right one in the air, put it onto a peg of its side.
 
@@ -288,16 +299,7 @@ class PatternCutting(SurgicalEnv):
 
     def _measure(self, flat: Array, triangles: Array) -> None:
         """Whether the disc is out, and by which area it deviates."""
-        piece = np.arange(len(flat))
-        while True:  # the lowest node of each piece
-            low = piece[triangles].min(axis=1)
-            new = piece.copy()
-            for k in range(3):
-                np.minimum.at(new, triangles[:, k], low)
-            new = new[new]
-            if np.array_equal(new, piece):
-                break
-            piece = new
+        piece = bodies.pieces(triangles, len(flat))
         used = np.unique(triangles)
         middle = used[np.hypot(*flat[used].T).argmin()]
         rim = used[np.abs(flat[used]).max(axis=1) > self.side / 2 - 1e-6]
@@ -401,21 +403,16 @@ class ClipAndCut(SurgicalEnv):
         )
         self.sim.show(drape, material=plain((0.35, 0.12, 0.10)))
         start = (-0.012, 0.0, 0.03)
-        applier = self.sim.add(fs.RigidBodyDef(name="applier", elements=[start], mesh=fs.shapes.box((0.002,) * 3)))
-        for y in (-0.004, 0.004):
-            leg = bodies.moved(fs.shapes.box((0.002, 0.0012, 0.014)), (0, y, 0.003))
-            self.sim.show(applier, surface=leg, material=fs.MetalMaterial(), cast_shadows=False)
-        shaft = bodies.moved(fs.shapes.box((0.005, 0.009, 0.05)), (0, 0, 0.035))
-        self.sim.show(applier, surface=shaft, material=plain((0.05, 0.05, 0.06)), cast_shadows=False)
+        held = applier(self, start)
         self.count = (5, 4, 3)[self.difficulty]
         clips = fs.ClipApplierDef(clips=self.count, targets=[self.vessel], place=(0, 0, 0), clip=fs.ClipDef(closing_force=10))
-        self.clips = fs.ClipApplier(self.sim, applier, clips)
+        self.clips = fs.ClipApplier(self.sim, held, clips)
         place = (self.cut_at, 0.03, 0.0)
         edges = [[0, 0, 0.008], [0, 0, -0.008], [0, 0.02, -0.008], [0, 0.02, 0.008]]
         scissors = self.blade("scissors", place, edges, (0.0008, 0.003, 0.012), fs.MetalMaterial())
         self.marked = [self.marker(f"mark {i}", GREEN if i < 3 else YELLOW, 0.0008) for i in range(4)]
         return [
-            Tool(applier, start, (-0.018, -0.006, -0.006), (0.018, 0.01, 0.035), 0.08, grips=self.vessel),
+            Tool(held, start, (-0.018, -0.006, -0.006), (0.018, 0.01, 0.035), 0.08, grips=self.vessel),
             Tool(scissors, place, (-0.015, -0.008, -0.01), (0.015, 0.03, 0.02), 0.08),
         ]
 

@@ -6,9 +6,9 @@ import typing
 
 import numpy as np
 
-from . import cannulation, cuts, laparoscopy, stitches, tasks, threads
+from . import cannulation, cuts, gallbladder, laparoscopy, stitches, tasks, threads
 from .environment import SurgicalEnv
-from .tool import Array, Tool, turned
+from .tool import Array, Tool, aim, turned
 
 
 def scripted(env: SurgicalEnv) -> typing.Callable[[], Array]:
@@ -21,6 +21,7 @@ def scripted(env: SurgicalEnv) -> typing.Callable[[], Array]:
 
 
 Moves = typing.Iterator[Array]
+AWAY = np.array([0.009, 0.009, 0.016])  # [m], along the shaft of the right hand in the abdomen
 
 
 def _towards(env: SurgicalEnv, tool: Tool, place: Array) -> Array:
@@ -403,6 +404,89 @@ def _cannulate(env: cannulation.Cannulation) -> Moves:
     yield from _stay(4, -1.0)
 
 
+def _dissect(env: gallbladder.GallbladderEnv, part: int) -> Moves:
+    """The hook passes over the points of a part of the bed that hold, always to the nearest one."""
+    hook = env.tools[1]
+    for back in (AWAY, 0 * AWAY):
+        yield from _to(env, hook, env.nearest(part) + back, -1.0)
+    for _ in range(200):
+        if not len(env.holding(part)):
+            break
+        yield _command(env, hook, env.nearest(part) + (0, 0, 0.0004), grip=1.0)
+    yield from _to(env, hook, hook.place + AWAY, -1.0)
+
+
+def _detach(env: gallbladder.GallbladderDissection) -> Moves:
+    for part in (0, 1):
+        yield from _both(env, 1, _dissect(env, part))
+    yield from _stay(8, -1.0)
+
+
+def _take_instrument(env: gallbladder.Cholecystectomy, which: int) -> Moves:
+    """Draws the right hand back, and gives it another instrument."""
+    tool = env.tools[1]
+    yield from _to(env, tool, (0.03, 0.015, 0.05), -1.0)
+    while env.chosen != which:
+        yield _command(env, tool, tool.place, [tool.values[0], which], -1.0)
+
+
+def _part_layer(env: gallbladder.Cholecystectomy) -> Moves:
+    """The hook passes through the layer between duct and artery, towards the gall bladder, until it is parted."""
+    hook = env.tools[1]
+    for off in (0.0, 0.001, -0.001):
+        yield from _to(env, hook, env.middle()[-1] + AWAY, -1.0)
+        yield from _to(env, hook, env.middle()[-1] + (0, off, -0.0005), -1.0)
+        for i in range(10, -1, -1):
+            yield from _to(env, hook, lambda i=i: env.middle()[i] + (0, off, -0.0005), 1.0, slow=0.5)
+        yield from _to(env, hook, hook.place + AWAY, -1.0)
+        if env.parted:
+            return
+
+
+def _close_on(env: gallbladder.Cholecystectomy, tube: gallbladder.Tube, part: float, times: int) -> Moves:
+    """Applier or scissors go across a tube, close for so many actions, and draw back."""
+    tool = env.tools[1]
+
+    def across() -> Array:
+        along = tube.at(part + 0.04) - tube.at(part - 0.04)
+        base = aim(tool.place, tool.port)
+        turn = np.arctan2(-along @ turned(base, (0, 0, 1)), along @ turned(base, (1, 0, 0)))
+        return np.array([turn - np.pi * round(turn / np.pi), tool.values[1]])
+
+    yield from _to(env, tool, tube.at(part) + AWAY, -1.0, across())
+    yield from _to(env, tool, tube.at(part), -1.0, across())
+    for _ in range(times):
+        yield _command(env, tool, tool.place, grip=1.0)
+    yield from _to(env, tool, tool.place + AWAY, -1.0)
+
+
+def _take_neck(env: gallbladder.Cholecystectomy) -> Moves:
+    """The left hand grasps the neck, and draws it aside."""
+    left = env.tools[0]
+    yield from _both(env, 0, _to(env, left, lambda: env.neck() + (-0.006, -0.003, 0.008)))
+    yield from _both(env, 0, _until(env, left, env.neck, lambda: env.holds(left)))
+    yield from _both(env, 0, _to(env, left, left.place + (-0.004, -0.003, 0.003), slow=0.3))
+
+
+def _take_out(env: gallbladder.Cholecystectomy) -> Moves:
+    if not env.holds(env.tools[0]):
+        yield from _take_neck(env)
+    yield from _both(env, 1, _part_layer(env))
+    yield from _both(env, 1, _dissect(env, 0))
+    yield from _both(env, 1, _take_instrument(env, gallbladder.APPLIER))
+    for tube in env.tubes:
+        for part in tube.wanted[::-1]:
+            yield from _both(env, 1, _close_on(env, tube, part, 16))
+    yield from _both(env, 1, _take_instrument(env, gallbladder.SCISSORS))
+    for tube in env.tubes:
+        for off in (0.0, 0.03, -0.03):  # a cut may leave a bridge
+            if not tube.is_cut():
+                yield from _both(env, 1, _close_on(env, tube, tube.cut_at + off, 6))
+    yield from _both(env, 1, _take_instrument(env, gallbladder.HOOK))
+    yield from _both(env, 1, _dissect(env, 1))
+    yield from _stay(10, -1.0)
+
+
 def _again(action: Array, times: int) -> Moves:
     for _ in range(times):
         yield action
@@ -427,4 +511,6 @@ POLICIES: dict[type[SurgicalEnv], typing.Callable[[typing.Any], Moves]] = {
     laparoscopy.PatternCutting: _pattern,
     laparoscopy.ClipAndCut: _clip_and_cut,
     cannulation.Cannulation: _cannulate,
+    gallbladder.GallbladderDissection: _detach,
+    gallbladder.Cholecystectomy: _take_out,
 }

@@ -9,8 +9,8 @@ import numpy as np
 import filasofia as fs
 
 from . import bodies
-from .environment import Judgement, distance
-from .threads import BLUE, GREEN, STEEL, ThreadEnv, plain
+from .environment import STEEL, Judgement, distance
+from .threads import BLUE, GREEN, ThreadEnv, plain
 from .tool import Array, Joint, Tool, aim, posed, times, turned
 
 

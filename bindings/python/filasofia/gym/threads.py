@@ -10,10 +10,9 @@ import filasofia as fs
 
 from . import bodies
 from .environment import Judgement, SurgicalEnv, distance
-from .tool import Array, Joint, Tool, aim, posed, turned
+from .tool import Array, Joint, Tool, posed, turned
 
 GREEN, BLUE = (0.0, 0.75, 0.1), (0.0, 0.1, 0.9)
-STEEL = fs.MetalMaterial(base_color=(0.85, 0.87, 0.9), roughness=0.55)
 
 
 def plain(color: typing.Any, wetness: float = 0.0) -> fs.TissueMaterial:
@@ -29,17 +28,6 @@ class ThreadEnv(SurgicalEnv):
     """
 
     reach = 0.003  #: [m]
-
-    def grasper(self, name: str, start: typing.Any, port: typing.Any) -> fs.BodyId:
-        """Adds an instrument with two jaws, whose middle is its tip; it collides with nothing."""
-        pose = posed(start, aim(start, port))
-        body = self.sim.add(fs.RigidBodyDef(name=name, elements=[pose], mesh=fs.shapes.sphere(0.002)))
-        shaft = bodies.moved(fs.shapes.cylinder(0.002, 0.16), (0, 0.09, 0))
-        jaw = fs.shapes.box((0.0008, 0.012, 0.002))
-        jaws = bodies.joined(*(bodies.moved(jaw, (x, 0.0045, 0)) for x in (-0.001, 0.001)))
-        for surface in (shaft, jaws):
-            self.sim.show(body, surface=surface, material=STEEL, cast_shadows=False)
-        return body
 
     def thread(self, name: str, points: typing.Any, color: typing.Any, **fields: typing.Any) -> fs.BodyId:
         """Adds a thread through these points [m]; `fields` are those of RodBodyDef."""
