@@ -20,6 +20,7 @@
 #include "filasofia/prefab/trainer_task.h"
 #include "filasofia/prefab/trocar_hands.h"
 #include "filasofia/prefab/trocar_plan.h"
+#include "filasofia/prefab/wire_loop.h"
 #include "filasofia/runtime/assets.h"
 #include "filasofia/runtime/options.h"
 #include "filasofia/runtime/simulation.h"
@@ -169,6 +170,8 @@ using prefab::TrocarPlan;
 using prefab::TrocarPose;
 using prefab::TrocarPoses;
 using prefab::TrocarReport;
+using prefab::WireLoop;
+using prefab::WireLoopDef;
 using prefab::withinLimits;
 using runtime::asset;
 using runtime::BleedingEvent;

@@ -175,6 +175,22 @@ TEST_CASE("a tip that moves gives its power for the time with its pedal pressed 
                                     Catch::Contains(" s of activation, 0.26 s of them in air"));
 }
 
+TEST_CASE("a bent tip heats where any part of it touches")
+{
+    ElectrodeDef def = kWeak;
+    def.tip = {.from = {-2_mm, 20_mm, 0}, .to = {2_mm, 20_mm, 0}}; // above the tissue
+    const auto after = [&] {
+        StillTheatre theatre(def);
+        theatre.sim.activate(theatre.stick, true);
+        return theatre.run(500).energy.at(0).balance;
+    };
+    CHECK(after().delivered == 0.0);
+    def.tip.through = {{-2_mm, 0, 0}, {2_mm, 0, 0}}; // a U
+    const EnergyBalance energy = after();
+    CHECK(energy.inAir == 0.0);
+    CHECK(energy.delivered == Approx(2.0).epsilon(1e-9));
+}
+
 TEST_CASE("without anything that burns an active electrode is in air")
 {
     Simulation sim;
@@ -460,6 +476,11 @@ TEST_CASE("wrong electrodes are one clear error")
     CHECK_THROWS_WITH(add({.tip = {.element = 1}}),
                       "electrode of rigid body 'hook': tip.element must be in [0, 1), got 1");
     CHECK_THROWS_WITH(add({.tip = {.body = theatre.hook}}), Catch::Contains("tip.body must not be given"));
+    CHECK_THROWS_WITH(add({.tip = {.through = std::vector<Vec3>(65)}}),
+                      "electrode of rigid body 'hook': tip.through must have at most 64 points, got 65");
+    CHECK_THROWS_WITH(add({.tip = {.through = {{0, std::nan(""), 0}}}}), Catch::Contains("tip.through"));
+    CHECK_THROWS_WITH(add({.mode = EnergyMode::Bipolar, .tip = {.through = {{}}}, .other = ElectrodeTip{}}),
+                      Catch::Contains("the tips of a bipolar one are straight"));
     CHECK_THROWS_WITH(add({.mode = EnergyMode::Bipolar}), Catch::Contains("other must be given if mode is bipolar"));
     CHECK_THROWS_WITH(add({.other = ElectrodeTip{}}), Catch::Contains("other needs the mode bipolar"));
     CHECK_THROWS_WITH(add({.mode = EnergyMode::Bipolar, .other = ElectrodeTip{.body = theatre.tissue}}),

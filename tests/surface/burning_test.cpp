@@ -245,7 +245,7 @@ TEST_CASE("a source is divided evenly over what it reaches, and one that touches
     const auto mesh = geometry::shapes::sheet(0.04, 0.04, {5, 5});
     std::vector<HeatShare> shares;
     for (const double radius : {0.1e-3, 1e-3, 5e-3, kEverywhere}) { // triangles of 8 mm
-        divideSource(mesh->triangles, mesh->vertices, {.corners = {{{3e-3, 0, 2e-3}}}, .radius = radius}, shares);
+        divideSource(mesh->triangles, mesh->vertices, {.points = {{3e-3, 0, 2e-3}}, .radius = radius}, shares);
         double sum = 0.0;
         Vec3 centre;
         for (const HeatShare& each : shares) {
@@ -255,7 +255,7 @@ TEST_CASE("a source is divided evenly over what it reaches, and one that touches
         CHECK(sum == Approx(1.0));
         if (radius < 1.0) CHECK(distance(centre, {3e-3, 0, 2e-3}) < 0.1 * radius + 1e-4);
     }
-    divideSource(mesh->triangles, mesh->vertices, {.corners = {{{0, 2e-3, 0}}}, .radius = 1e-3}, shares);
+    divideSource(mesh->triangles, mesh->vertices, {.points = {{0, 2e-3, 0}}, .radius = 1e-3}, shares);
     CHECK(shares.empty());
 
     Plate plate({}, 2e-3);
@@ -280,27 +280,34 @@ TEST_CASE("a source along a line or between two heats what is within its reach, 
     };
     constexpr double kRadius = 2e-3, kLength = 10e-3, kWidth = 6e-3;
     const Vec3 a{-3e-3, 0, 1e-3}, b = a + Vec3{kLength, 0, 0};
-    const HeatReach line{.corners = {{a, b}}, .count = 2, .radius = kRadius};
+    const HeatReach line{.points = {a, b}, .radius = kRadius};
     const double area = divideSource(mesh->triangles, mesh->vertices, line, shares);
     CHECK(area == Approx(2.0 * kRadius * kLength + pi * kRadius * kRadius).epsilon(0.02));
     CHECK(distance(centre(), 0.5 * (a + b)) < 0.1e-3);
 
     const Vec3 across{0, 0, kWidth};
-    const HeatReach band{.corners = {{a, b, b + across, a + across}}, .count = 4, .radius = kRadius};
+    const HeatReach band{.points = {a, b, b + across, a + across}, .filled = true, .radius = kRadius};
     const double wide = divideSource(mesh->triangles, mesh->vertices, band, shares);
     CHECK(wide ==
           Approx((kLength + 2 * kRadius) * (kWidth + 2 * kRadius) - (4 - pi) * kRadius * kRadius).epsilon(0.02));
     CHECK(distance(centre(), 0.5 * (a + b + across)) < 0.1e-3);
 
+    // Around a right angle: two lines, whose corner counts once, and is round outside.
+    const HeatReach bent{.points = {a, b, b + across}, .radius = kRadius};
+    CHECK(divideSource(mesh->triangles, mesh->vertices, bent, shares) ==
+          Approx(2.0 * kRadius * (kLength + kWidth) + (1.25 * pi - 1.0) * kRadius * kRadius).epsilon(0.02));
+    const Vec3 ends = (kLength * 0.5 * (a + b) + kWidth * (b + 0.5 * across)) / (kLength + kWidth);
+    CHECK(distance(centre(), ends) < 0.6e-3);
+
     // Above the surface it reaches less of it, and only grazes it in the end.
     HeatReach above = line;
-    for (Vec3& each : above.corners) each.y = 1.2e-3;
+    for (Vec3& each : above.points) each.y = 1.2e-3;
     CHECK(divideSource(mesh->triangles, mesh->vertices, above, shares) ==
           Approx(2.0 * 1.6e-3 * kLength + pi * 1.6e-3 * 1.6e-3).epsilon(0.05));
-    for (Vec3& each : above.corners) each.y = kRadius - 1e-9;
+    for (Vec3& each : above.points) each.y = kRadius - 1e-9;
     CHECK(divideSource(mesh->triangles, mesh->vertices, above, shares) == 0.0);
     CHECK(std::abs(centre().z - a.z) < 1e-3);
-    for (Vec3& each : above.corners) each.y = kRadius + 1e-9;
+    for (Vec3& each : above.points) each.y = kRadius + 1e-9;
     CHECK(divideSource(mesh->triangles, mesh->vertices, above, shares) == 0.0);
     CHECK(shares.empty());
 }

@@ -4,6 +4,7 @@
 #include "filasofia/prefab/articulated_instrument.h"
 #include "filasofia/prefab/endoscope.h"
 #include "filasofia/prefab/hand_move.h"
+#include "filasofia/prefab/wire_loop.h"
 
 #include <functional>
 
@@ -74,13 +75,17 @@ struct HandMove {
 
 /// Moves an endoscope and an instrument before every step, by a script, by a person or by a haptic device. A person
 /// drags with the right button to rotate the shaft; the wheel and the up and down keys move it in and out, left and
-/// right roll it; W and S move the instrument, G closes and opens it. A haptic device holds the handle: its first
-/// button opens and closes the jaws; while the second is pressed, in and out move the instrument instead of the scope.
+/// right roll it; W and S move the instrument, G closes and opens it. A loop cuts while G is pressed, and coagulates
+/// while B is. A haptic device holds the handle: its first button does what G does; while the second is pressed, in and
+/// out move the instrument instead of the scope.
 class ScopeHands {
 public:
     /// Construct it before a run; Error if the Def is wrong. Scope and instrument must live as long.
     ScopeHands(runtime::Simulation& simulation, Endoscope& scope, ArticulatedInstrument& instrument,
                const ScopeHandsDef& def = {});
+    /// The same with a loop, whose pivot is the middle between the ends of its arms: `reach` is that of its working
+    /// element.
+    ScopeHands(runtime::Simulation& simulation, Endoscope& scope, WireLoop& loop, const ScopeHandsDef& def = {});
     ~ScopeHands();
     ScopeHands(const ScopeHands&) = delete;
     ScopeHands& operator=(const ScopeHands&) = delete;

@@ -7,6 +7,7 @@
 #include <array>
 #include <optional>
 #include <string_view>
+#include <vector>
 
 namespace filasofia::surface {
 
@@ -19,12 +20,13 @@ enum class EnergyMode {
 /// The values' names in files, in order.
 constexpr std::array<std::string_view, 3> names(const EnergyMode*) { return {"cut", "coagulate", "bipolar"}; }
 
-/// The bare metal: a straight line on an element of a rigid body, in the element's coordinates.
+/// The bare metal: a line on an element of a rigid body, in the element's coordinates.
 struct ElectrodeTip {
     int element = 0;  ///< [-], >= 0, index in the body
     Vec3 from = {};   ///< [m], one end
-    Vec3 to = {};     ///< [m], the other end; equal to `from`: a point
+    Vec3 to = {};     ///< [m], the other end; equal to `from` and nothing between them: a point
     BodyId body = {}; ///< whose element it is; none: the electrode's. Only the other tip may be another body's
+    std::vector<Vec3> through = {}; ///< [m], at most 64: where a bent wire goes on its way; none: it is straight
 };
 constexpr auto fields(const ElectrodeTip*)
 {
@@ -32,7 +34,8 @@ constexpr auto fields(const ElectrodeTip*)
     return describe("ElectrodeTip", field("element", &T::element, "-", nonNegative(), "index in the body"),
                     field("from", &T::from, "m", finite(), "one end, in the element's coordinates"),
                     field("to", &T::to, "m", finite(), "the other end; the same: a point"),
-                    field("body", &T::body, "the other tip's body; none: the electrode's"));
+                    field("body", &T::body, "the other tip's body; none: the electrode's"),
+                    field("through", &T::through, "m", finite(), "where a bent wire goes on its way"));
 }
 
 /// Makes a rigid body, or a part of one, heat what its tip touches while its pedal is pressed. A body may have several:

@@ -18,11 +18,11 @@ struct HeatShare {
     int vertex = 0;     ///< by the numbers of the triangles
     double share = 0.0; ///< [-], in (0, 1]
 };
-/// What a source reaches: all within `radius` [m] of a point (count 1), a straight line (2), or a quadrilateral of two
-/// triangles (4, in order around it). Its corners are in the world [m], and may coincide.
+/// What a source reaches: all within `radius` [m] of a point, of a line that may bend, or of a quadrilateral of two
+/// triangles. Its points may coincide.
 struct HeatReach {
-    std::array<Vec3, 4> corners = {};
-    int count = 1; ///< [-], 1, 2 or 4
+    std::vector<Vec3> points = {Vec3{}}; ///< [m], in the world, at least one, in order along the line or around
+    bool filled = false;                 ///< a quadrilateral, of four points
     double radius = 0.0;
 };
 /// Divides a source evenly over the surface within its reach, whatever the size of the triangles. Returns the area

@@ -14,6 +14,15 @@
 #include <utility>
 
 namespace filasofia::prefab {
+
+/// What the hands move in the scope's channel, and what their fingers do.
+struct InChannel {
+    BodyId body = {};
+    std::function<void(const Pose&)> move;
+    std::function<void(bool)> first = [](bool) {};  ///< pressed, or released
+    std::function<void(bool)> second = [](bool) {}; ///< the same
+};
+
 namespace {
 
 ScopeHandsDef checked(ScopeHandsDef def)
@@ -26,6 +35,29 @@ ScopeHandsDef checked(ScopeHandsDef def)
         fail("scope hands: mostReach must be >= leastReach (", def.leastReach, " m), got ", def.mostReach, " m");
     def.start.aim = normalized(def.start.aim);
     return def;
+}
+
+InChannel inChannel(ArticulatedInstrument& jaws)
+{
+    // The thread that delivers events opens and closes them.
+    return {.body = jaws.body(),
+            .move = [&jaws](const Pose& pivot) { jaws.move(pivot); },
+            .first =
+                [&jaws, closed = true](bool pressed) mutable {
+                    if (!pressed) return;
+                    closed = !closed;
+                    if (closed)
+                        jaws.close();
+                    else
+                        jaws.open();
+                }};
+}
+InChannel inChannel(WireLoop& loop)
+{
+    return {.body = loop.body(),
+            .move = [&loop](const Pose& pose) { loop.move(pose); },
+            .first = [&loop](bool pressed) { loop.cut(pressed); },
+            .second = [&loop](bool pressed) { loop.dry(pressed); }};
 }
 
 } // namespace
@@ -45,9 +77,9 @@ Pose tipOf(const ScopeHandsDef& def, const ScopeHand& hand)
 }
 
 struct ScopeHands::Impl {
-    Impl(runtime::Simulation& sim, Endoscope& endoscope, ArticulatedInstrument& tool, const ScopeHandsDef& asked)
-        : simulation(sim), scope(endoscope), instrument(tool), def(checked(asked)), now(def.start), wanted(def.start),
-          script(def.start)
+    Impl(runtime::Simulation& sim, Endoscope& endoscope, InChannel tool, const ScopeHandsDef& asked)
+        : simulation(sim), scope(endoscope), instrument(std::move(tool)), def(checked(asked)), now(def.start),
+          wanted(def.start), script(def.start)
     {
         if (def.handle) handle.emplace(simulation, def);
         const Pose unrolled = tipOf(def, {.aim = def.start.aim});
@@ -82,7 +114,7 @@ struct ScopeHands::Impl {
             const auto forceOn = [&](BodyId tool) { // forces of contacts and of held tissue
                 return frame::forceOn(tool, frame->contacts) + frame::forceOn(tool, frame->attachments);
             };
-            const Vec3 onScope = forceOn(scope.body()), onInstrument = forceOn(instrument.body());
+            const Vec3 onScope = forceOn(scope.body()), onInstrument = forceOn(instrument.body);
             const bool against = dot(onScope, tip) + dot(onInstrument, pivot) < 0.0;
             if (against && length(onScope) + length(onInstrument) > def.strength) return;
         }
@@ -116,7 +148,7 @@ struct ScopeHands::Impl {
         ScopeHand hand = handle->hand(*frame);
         // The reach set by keys is added.
         hand.reach = std::clamp(hand.reach + wanted.reach - def.start.reach, def.leastReach, def.mostReach);
-        handle->feel(*frame, scope.body(), instrument.body());
+        handle->feel(*frame, scope.body(), instrument.body);
         return hand;
     }
 
@@ -141,6 +173,8 @@ struct ScopeHands::Impl {
     void press(const event::KeyEvent& key)
     {
         using event::KeyCode;
+        if (key.key == KeyCode::G && !key.repeat) instrument.first(key.pressed);
+        if (key.key == KeyCode::B && !key.repeat) instrument.second(key.pressed);
         if (!key.pressed) return;
         if (key.key == KeyCode::Up) shift(1_mm, 0.0, 0.0);
         if (key.key == KeyCode::Down) shift(-1_mm, 0.0, 0.0);
@@ -148,34 +182,44 @@ struct ScopeHands::Impl {
         if (key.key == KeyCode::Right) shift(0.0, -5_deg, 0.0);
         if (key.key == KeyCode::W) shift(0.0, 0.0, 0.7_mm);
         if (key.key == KeyCode::S) shift(0.0, 0.0, -0.7_mm);
-        if (key.key == KeyCode::G && !key.repeat) openOrClose();
     }
     void press(const runtime::DeviceEvent& device)
     {
         if (!handle || device.notice.kind != device::DeviceNotice::Kind::Button) return;
-        if (device.notice.button == 0 && device.notice.pressed) openOrClose();
+        if (device.notice.button == 0) instrument.first(device.notice.pressed);
         if (device.notice.button == 1) handle->clutch(device.notice.pressed);
     }
-    [[nodiscard]] bool mayWait() const { return !simulation.physics().stepsHere(); }
-    void openOrClose()
+    /// Acts before every step, and listens to a person and to a device. `self` is this one.
+    void follow(const std::shared_ptr<Impl>& self)
     {
-        closed = !closed;
-        if (closed)
-            instrument.close();
-        else
-            instrument.open();
+        const auto when = [weak = std::weak_ptr(self)](auto act) {
+            return [weak, act](const auto& what) {
+                if (const auto impl = weak.lock()) act(*impl, what);
+            };
+        };
+        simulation.everyStep(when([](Impl& impl, double time) { impl.step(time); }));
+        simulation.remember(
+            {.of = "hands",
+             .save = [weak = std::weak_ptr(self)] { return weak.expired() ? std::any() : std::any(0); },
+             .restore = [](const std::any&) {},
+             .check = [](const std::any&) { fail("restore: hands hold the scope, and do not go back"); }});
+        simulation.on<event::MouseMoveEvent>(when([](Impl& impl, const event::MouseMoveEvent& e) { impl.turn(e); }));
+        simulation.on<event::MouseWheelEvent>(
+            when([](Impl& impl, const event::MouseWheelEvent& e) { impl.shift(1.5_mm * e.dy, 0.0, 0.0); }));
+        simulation.on<event::KeyEvent>(when([](Impl& impl, const event::KeyEvent& e) { impl.press(e); }));
+        simulation.on<runtime::DeviceEvent>(when([](Impl& impl, const runtime::DeviceEvent& e) { impl.press(e); }));
     }
+    [[nodiscard]] bool mayWait() const { return !simulation.physics().stepsHere(); }
 
     runtime::Simulation& simulation;
     Endoscope& scope;
-    ArticulatedInstrument& instrument;
+    InChannel instrument;
     const ScopeHandsDef def;
     std::optional<ScopeHandle> handle;
     Pose channel = {}; ///< in the tip's coordinates
     Vec3 right = {};   ///< at the start
     Vec3 upwards = {};
-    bool closed = true; ///< used by the thread that delivers events
-    Turns turns;        // guards the members below
+    Turns turns; // guards the members below
     ScopeHand now;
     ScopeHand wanted;
     double sideways = 0.0; ///< [rad]
@@ -186,23 +230,14 @@ struct ScopeHands::Impl {
 
 ScopeHands::ScopeHands(runtime::Simulation& simulation, Endoscope& scope, ArticulatedInstrument& instrument,
                        const ScopeHandsDef& def)
-    : impl_(std::make_shared<Impl>(simulation, scope, instrument, def))
+    : impl_(std::make_shared<Impl>(simulation, scope, inChannel(instrument), def))
 {
-    const auto when = [weak = std::weak_ptr(impl_)](auto act) {
-        return [weak, act](const auto& what) {
-            if (const auto impl = weak.lock()) act(*impl, what);
-        };
-    };
-    simulation.everyStep(when([](Impl& impl, double time) { impl.step(time); }));
-    simulation.remember({.of = "hands",
-                         .save = [weak = std::weak_ptr(impl_)] { return weak.expired() ? std::any() : std::any(0); },
-                         .restore = [](const std::any&) {},
-                         .check = [](const std::any&) { fail("restore: hands hold the scope, and do not go back"); }});
-    simulation.on<event::MouseMoveEvent>(when([](Impl& impl, const event::MouseMoveEvent& e) { impl.turn(e); }));
-    simulation.on<event::MouseWheelEvent>(
-        when([](Impl& impl, const event::MouseWheelEvent& e) { impl.shift(1.5_mm * e.dy, 0.0, 0.0); }));
-    simulation.on<event::KeyEvent>(when([](Impl& impl, const event::KeyEvent& e) { impl.press(e); }));
-    simulation.on<runtime::DeviceEvent>(when([](Impl& impl, const runtime::DeviceEvent& e) { impl.press(e); }));
+    impl_->follow(impl_);
+}
+ScopeHands::ScopeHands(runtime::Simulation& simulation, Endoscope& scope, WireLoop& loop, const ScopeHandsDef& def)
+    : impl_(std::make_shared<Impl>(simulation, scope, inChannel(loop), def))
+{
+    impl_->follow(impl_);
 }
 ScopeHands::~ScopeHands() = default;
 

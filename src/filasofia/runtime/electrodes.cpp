@@ -26,6 +26,9 @@ void checkTip(const ElectrodeTip& tip, const physics::RigidBodyDef& rigid, const
 {
     const auto count = static_cast<int>(physics::elementCount(rigid));
     if (tip.element >= count) fail(path, ".element must be in [0, ", count, "), got ", tip.element);
+    constexpr std::size_t kMost = 64;
+    if (tip.through.size() > kMost)
+        fail(path, ".through must have at most ", kMost, " points, got ", tip.through.size());
 }
 
 void check(const ElectrodeDef& def, const physics::RigidBodyDef& rigid, const physics::PhysicsServer& physics,
@@ -41,24 +44,37 @@ void check(const ElectrodeDef& def, const physics::RigidBodyDef& rigid, const ph
         fail(object, ": mode cut needs a blade: none of its ", rigid.collision.size(),
              " collision models has cutting set");
     if (!bipolar) return;
+    if (!def.tip.through.empty() || !def.other->through.empty())
+        fail(object, ": through needs the mode cut or coagulate: the tips of a bipolar one are straight");
     const std::string path = object + ": other";
     if (!def.other->body) return checkTip(*def.other, rigid, path);
     const auto body = physics.def(def.other->body);
     checkTip(*def.other, rigidBody(*body, path + ".body"), path);
 }
 
-/// The ends of a tip now; nothing if its body is gone.
-std::optional<std::array<Vec3, 2>> endsOf(const ElectrodeTip& tip, BodyId owner, const frame::Frame& frame)
+/// The points of a tip now, from end to end; none if its body is gone.
+std::vector<Vec3> lineOf(const ElectrodeTip& tip, BodyId owner, const frame::Frame& frame)
 {
     const frame::RigidBodyFrame* body = frame.rigidBody(tip.body ? tip.body : owner);
-    if (body == nullptr || tip.element >= std::ssize(body->poses)) return std::nullopt;
-    const Pose& pose = body->poses[static_cast<std::size_t>(tip.element)];
-    return std::array{transform(pose, tip.from), transform(pose, tip.to)};
+    if (body == nullptr || tip.element >= std::ssize(body->poses)) return {};
+    std::vector<Vec3> line = {tip.from};
+    line.insert(line.end(), tip.through.begin(), tip.through.end());
+    if (line.size() > 1 || tip.to != tip.from) line.push_back(tip.to);
+    for (Vec3& each : line) each = transform(body->poses[static_cast<std::size_t>(tip.element)], each);
+    return line;
 }
 
-surface::HeatReach lineReach(const std::array<Vec3, 2>& ends, double radius)
+/// [m] The middle of a line, by its length.
+Vec3 middleOf(const std::vector<Vec3>& line)
 {
-    return {.corners = {ends[0], ends[1]}, .count = ends[0] == ends[1] ? 1 : 2, .radius = radius};
+    double left = 0.0;
+    for (std::size_t i = 1; i < line.size(); ++i) left += 0.5 * distance(line[i - 1], line[i]);
+    for (std::size_t i = 1; i < line.size(); ++i) {
+        const double length = distance(line[i - 1], line[i]);
+        if (left <= length && length > 0.0) return line[i - 1] + left / length * (line[i] - line[i - 1]);
+        left -= length;
+    }
+    return line.back();
 }
 
 /// What a tip reaches of one body.
@@ -124,18 +140,19 @@ std::vector<Reached> reached(const surface::HeatReach& reach, const frame::Frame
 std::vector<Reached> reached(const ElectrodeDef& def, BodyId owner, const frame::Frame& frame,
                              const std::vector<Burnings::Surface>& surfaces)
 {
-    const auto one = endsOf(def.tip, owner, frame);
-    if (!one) return {};
-    std::vector<Reached> at = reached(lineReach(*one, def.radius), frame, surfaces);
+    const std::vector<Vec3> one = lineOf(def.tip, owner, frame);
+    if (one.empty()) return {};
+    std::vector<Reached> at = reached({.points = one, .radius = def.radius}, frame, surfaces);
     if (def.mode != EnergyMode::Bipolar || at.empty()) return at;
-    const auto two = endsOf(*def.other, owner, frame);
-    if (!two || reached(lineReach(*two, def.radius), frame, surfaces).empty()) return {};
+    const std::vector<Vec3> two = lineOf(*def.other, owner, frame);
+    if (two.empty() || reached({.points = two, .radius = def.radius}, frame, surfaces).empty()) return {};
     // Around the four ends without crossing over: the second tip backwards, unless it points the other way.
-    const bool along = dot((*one)[1] - (*one)[0], (*two)[1] - (*two)[0]) >= 0.0;
-    return reached({.corners = {(*one)[0], (*one)[1], (*two)[along ? 1 : 0], (*two)[along ? 0 : 1]},
-                    .count = 4,
-                    .radius = def.radius},
-                   frame, surfaces);
+    const bool along = dot(one.back() - one.front(), two.back() - two.front()) >= 0.0;
+    return reached(
+        {.points = {one.front(), one.back(), along ? two.back() : two.front(), along ? two.front() : two.back()},
+         .filled = true,
+         .radius = def.radius},
+        frame, surfaces);
 }
 
 } // namespace
@@ -271,8 +288,8 @@ std::vector<Electrodes::Given> Electrodes::given(const frame::Frame& frame) cons
     std::vector<Given> out;
     for (std::size_t i = 0; i < state_.all.size(); ++i) {
         const Electrode& each = state_.all[i];
-        if (const auto ends = endsOf(each.def.tip, each.body, frame))
-            out.push_back({i, 0.5 * ((*ends)[0] + (*ends)[1]), each.def.power * each.balance.active});
+        if (const std::vector<Vec3> line = lineOf(each.def.tip, each.body, frame); !line.empty())
+            out.push_back({i, middleOf(line), each.def.power * each.balance.active});
     }
     return out;
 }

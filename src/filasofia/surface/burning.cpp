@@ -131,7 +131,7 @@ void Burning::takeSources(double dt)
     limit_.assign(surface_.vertices(), 0.0);
     std::vector<HeatShare> shares;
     for (const auto& [number, heat] : sources_) {
-        divideSource(surface_.topology().triangles, places_, {.corners = {heat.place}, .radius = heat.radius}, shares);
+        divideSource(surface_.topology().triangles, places_, {.points = {heat.place}, .radius = heat.radius}, shares);
         take(shares, heat.power, heat.limit);
     }
     for (TipHeat& tip : tips_) {

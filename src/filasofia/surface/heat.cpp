@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace filasofia::surface {
 namespace {
@@ -13,29 +14,43 @@ constexpr double kGasConstant = 8.314462618; ///< [J/(mol K)]
 
 double distanceTo(const HeatReach& reach, Vec3 p)
 {
-    const auto& [a, b, c, d] = reach.corners;
-    if (reach.count == 1) return distance(p, a);
-    if (reach.count == 2) return std::sqrt(geometry::nearestOnSegment(p, a, b).squaredDistance);
-    return std::sqrt(std::min(geometry::nearestOnTriangle(p, a, b, c).squaredDistance,
-                              geometry::nearestOnTriangle(p, a, c, d).squaredDistance));
+    const std::vector<Vec3>& at = reach.points;
+    if (reach.filled)
+        return std::sqrt(std::min(geometry::nearestOnTriangle(p, at[0], at[1], at[2]).squaredDistance,
+                                  geometry::nearestOnTriangle(p, at[0], at[2], at[3]).squaredDistance));
+    if (at.size() == 1) return distance(p, at[0]);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 1; i < at.size(); ++i)
+        nearest = std::min(nearest, geometry::nearestOnSegment(p, at[i - 1], at[i]).squaredDistance);
+    return std::sqrt(nearest);
 }
 
 /// Points of a reach without its radius, at most half of that apart, as far as the most points go.
 std::vector<Vec3> pointsOf(const HeatReach& reach)
 {
     constexpr int kMost = 16;
-    const auto& [a, b, c, d] = reach.corners;
-    if (reach.count == 1) return {a};
+    const std::vector<Vec3>& at = reach.points;
     const auto steps = [&](double length) {
         return std::clamp(static_cast<int>(std::ceil(std::min(1.0 * kMost, 2.0 * length / reach.radius))), 1, kMost);
     };
-    const bool line = reach.count == 2;
-    const int along = steps(line ? distance(a, b) : std::max(distance(a, b), distance(d, c)));
-    const int across = line ? 0 : steps(std::max(distance(a, d), distance(b, c)));
+    if (!reach.filled) {
+        std::vector<Vec3> points = {at[0]};
+        for (std::size_t i = 1; i < at.size(); ++i) {
+            const int along = steps(distance(at[i - 1], at[i]));
+            for (int k = 1; k <= along; ++k) {
+                const double u = 1.0 * k / along;
+                points.push_back((1.0 - u) * at[i - 1] + u * at[i]);
+            }
+        }
+        return points;
+    }
+    const Vec3 a = at[0], b = at[1], c = at[2], d = at[3];
+    const int along = steps(std::max(distance(a, b), distance(d, c)));
+    const int across = steps(std::max(distance(a, d), distance(b, c)));
     std::vector<Vec3> points;
     for (int j = 0; j <= across; ++j)
         for (int i = 0; i <= along; ++i) {
-            const double u = 1.0 * i / along, v = line ? 0.0 : 1.0 * j / across;
+            const double u = 1.0 * i / along, v = 1.0 * j / across;
             points.push_back((1.0 - v) * ((1.0 - u) * a + u * b) + v * ((1.0 - u) * d + u * c));
         }
     return points;

@@ -23,6 +23,39 @@ Vec3 normalNow(const MeshTopology& mesh, int node, Vec3 rest)
     return normalized(sum);
 }
 
+/// Whether a segment of a blade is within a mean edge of a node.
+bool isNear(const EditableMesh& mesh, int node, const BladeSegment& segment)
+{
+    const Vec3 place = mesh.data().current[node];
+    return distance(geometry::nearestOnSegment(place, segment.from, segment.to).point, place) <= mesh.meanEdge();
+}
+bool isInPlane(const BladeSegment& segment, Vec3 normal)
+{
+    constexpr double kInPlane = 0.5; // sine of 30 degrees
+    return std::abs(dot(normal, normalized(segment.to - segment.from))) <= kInPlane;
+}
+
+/// Whether a blade that bends lies in a surface: nearly all of it that is near tissue. A loop whose sides follow those
+/// of an older, shallower cut begins a new one.
+bool liesIn(int sheet, const EditableMesh& mesh, std::span<const BladeSegment> blade)
+{
+    constexpr double kNearlyAll = 0.9; // [-]
+    const std::vector<CutLabel>& labels = mesh.data().labels;
+    double inTissue = 0.0, inSheet = 0.0; // [m]
+    for (const BladeSegment& s : blade) {
+        bool near = false, in = false;
+        for (int node = 0; node < mesh.nodes() && !in; ++node) {
+            if (!isNear(mesh, node, s)) continue;
+            near = true;
+            in = labels[node].sheet == sheet && isInPlane(s, normalNow(mesh.data(), node, labels[node].normal));
+        }
+        const double length = distance(s.from, s.to);
+        if (near) inTissue += length;
+        if (in) inSheet += length;
+    }
+    return inSheet >= kNearlyAll * inTissue;
+}
+
 } // namespace
 
 RuptureReport BladeStroke::step(EditableMesh& mesh, std::span<const BladeSegment> blade,
@@ -45,20 +78,23 @@ RuptureReport BladeStroke::step(EditableMesh& mesh, std::span<const BladeSegment
 
 int sheetAt(const EditableMesh& mesh, std::span<const BladeSegment> blade)
 {
-    constexpr double kInPlane = 0.5; // sine of 30 degrees
     const MeshTopology& data = mesh.data();
     const CutLabel* newest = nullptr;
+    Vec3 normal;
     for (int node = 0; node < mesh.nodes(); ++node) {
         const CutLabel& label = data.labels[node];
         if (label.sheet == 0 || (newest && label.sequence <= newest->sequence)) continue;
         for (const BladeSegment& s : blade) {
-            const Vec3 at = geometry::nearestOnSegment(data.current[node], s.from, s.to).point;
-            if (distance(at, data.current[node]) > mesh.meanEdge()) continue;
-            const Vec3 normal = normalNow(data, node, label.normal);
-            if (std::abs(dot(normal, normalized(s.to - s.from))) <= kInPlane) newest = &label;
+            if (!isNear(mesh, node, s)) continue;
+            const Vec3 now = normalNow(data, node, label.normal);
+            if (!isInPlane(s, now)) continue;
+            newest = &label;
+            normal = now;
         }
     }
-    return newest ? newest->sheet : 0;
+    if (!newest) return 0;
+    const bool straight = std::ranges::all_of(blade, [&](const BladeSegment& s) { return isInPlane(s, normal); });
+    return straight || liesIn(newest->sheet, mesh, blade) ? newest->sheet : 0;
 }
 
 bool BladeStroke::finish(EditableMesh& mesh, const CutParameters& parameters, RuptureReport& report)

@@ -34,8 +34,9 @@ private:
 };
 
 /// Finds the surface that a returning blade should continue: the newest one whose labels lie within a mean edge of the
-/// blade, if the blade lies in its plane (within 30 degrees). Returns 0 if there is none, and a new surface should
-/// begin. It visits all nodes, so it is called only when a stroke begins.
+/// blade, if the blade lies in its plane (within 30 degrees), or nearly all of a blade that bends lies in the surface.
+/// Returns 0 if there is none, and a new surface should begin. It visits all nodes, so it is called only when a stroke
+/// begins.
 int sheetAt(const EditableMesh& mesh, std::span<const BladeSegment> blade);
 
 } // namespace filasofia::engine
