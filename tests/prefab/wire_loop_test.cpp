@@ -29,10 +29,10 @@ struct Theatre {
     Simulation sim;
     BodyId tissue;
     WireLoop loop;
-    double depth;         ///< [m], of the loop's bottom below the tissue's top
+    double depth;         ///< [m], the loop's bottom below the tissue's top
     double until = 10_mm; ///< [m]
     double begin = 0.0;   ///< [s]
-    double mass = 0.0;    ///< [kg] of all that came off
+    double mass = 0.0;    ///< [kg], all that came off
     int chips = 0;
 
     explicit Theatre(double deep, int threads = 1)
