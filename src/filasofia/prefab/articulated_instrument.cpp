@@ -27,6 +27,8 @@ std::shared_ptr<const geometry::TriangleMesh> blade(const JawDef& jaw)
         geometry::TriangleMesh{.vertices = {from, to, from - back}, .triangles = {{0, 1, 2}}, .uv = {}});
 }
 
+constexpr double kTooth = 0.3e-3; ///< [m], by which a jaw reaches over the plane between them, where that faces it
+constexpr double kAcross = 0.7;   ///< [-] of a thread's direction along that in which jaws open: it is not between them
 constexpr double kRelief = 0.2e-3; ///< [m], by which jaws give way at a rigid body that they hold by a spring
 
 /// A position-controlled joint that under the closing torque moves at `speed`, which it reaches in 20 ms.
@@ -49,21 +51,40 @@ bool isBetween(const frame::Contact& contact, BodyId one, BodyId two)
     return (contact.first == one && contact.second == two) || (contact.first == two && contact.second == one);
 }
 
-/// Whether a contact is in front of the pivot. A thread that is wound around the shaft presses both of its sides, too.
-bool isInMouth(const frame::Contact& contact, const Pose& pivot)
+/// The jaws in the world.
+struct Mouth {
+    BodyId tool = {};
+    Vec3 pivot = {}, forward = {};
+    Vec3 opens = {};    ///< [-] where the first jaw opens to
+    double slope = 0.0; ///< [-] of the plane between the jaws, towards `opens`
+};
+
+/// [-] The part of a contact's push on the tool along the direction in which the first jaw opens.
+double opening(const frame::Contact& contact, const Mouth& mouth)
 {
-    return dot(rotate(pivot.orientation, {0.0, 0.0, 1.0}), contact.point - pivot.position) < 0.0;
+    return dot(contact.first == mouth.tool ? contact.normal : -contact.normal, mouth.opens);
+}
+
+/// Whether a contact is in front of the pivot, and pushes the jaw on its side open. A thread that is wound around the
+/// shaft, or around the jaws, presses both of their sides, too.
+bool isInMouth(const frame::Contact& contact, const Mouth& mouth)
+{
+    const Vec3 from = contact.point - mouth.pivot;
+    const double ahead = dot(from, mouth.forward), aside = dot(from, mouth.opens) - ahead * mouth.slope;
+    const double push = opening(contact, mouth);
+    return ahead > 0.0 &&
+           push * aside > -kTooth * push * push; // teeth push obliquely: the less, the less they reach over
 }
 
 /// The forces of tissue on the two sides of the mouth [N]: across the shaft, along the direction in which a jaw opens
 /// and against it.
-std::array<double, 2> squeezed(const frame::Frame& frame, BodyId tool, BodyId target, const Pose& pivot, Vec3 opens)
+std::array<double, 2> squeezed(const frame::Frame& frame, const Mouth& mouth, BodyId target)
 {
     std::array<double, 2> sides = {};
     for (const frame::Contact& contact : frame.contacts) {
-        if (!isBetween(contact, tool, target) || !isInMouth(contact, pivot)) continue;
-        const double along = dot(contact.first == tool ? contact.normal : -contact.normal, opens) * contact.normalForce;
-        sides[along > 0.0 ? 0 : 1] += std::abs(along);
+        if (!isBetween(contact, mouth.tool, target) || !isInMouth(contact, mouth)) continue;
+        const double press = opening(contact, mouth) * contact.normalForce;
+        sides[press > 0.0 ? 0 : 1] += std::abs(press);
     }
     return sides;
 }
@@ -201,12 +222,12 @@ struct ArticulatedInstrument::Impl {
     }
 
     /// [m], the mean of the contacts with the held body, by their forces.
-    [[nodiscard]] Vec3 middleOfContacts(const frame::Frame& frame, const Pose& pivot) const
+    [[nodiscard]] Vec3 middleOfContacts(const frame::Frame& frame, const Mouth& mouth) const
     {
         double all = 0.0;
         Vec3 middle;
         for (const frame::Contact& contact : frame.contacts) {
-            if (!isBetween(contact, body, held) || !isInMouth(contact, pivot)) continue;
+            if (!isBetween(contact, body, held) || !isInMouth(contact, mouth)) continue;
             middle += contact.normalForce * contact.point;
             all += contact.normalForce;
         }
@@ -220,18 +241,16 @@ struct ArticulatedInstrument::Impl {
     /// Contacts are points, and a jaw on a needle is not: the needle is fixed to a jaw, in any orientation, as long as
     /// friction would bear the force. Both jaws press with the closing torque at the contacts' mean distance from the
     /// pivot.
-    [[nodiscard]] physics::RigidAttachmentDef rigidGrip(const frame::Frame& frame,
-                                                        const frame::RigidBodyFrame& now) const
+    [[nodiscard]] physics::RigidAttachmentDef rigidGrip(const frame::Frame& frame, const Mouth& mouth) const
     {
-        const Pose& pivot = now.poses.front();
         double lever = 0.0, all = 0.0;
         for (const frame::Contact& contact : frame.contacts) {
-            if (!isBetween(contact, body, held) || !isInMouth(contact, pivot)) continue;
-            lever += contact.normalForce * distance(contact.point, pivot.position);
+            if (!isBetween(contact, body, held) || !isInMouth(contact, mouth)) continue;
+            lever += contact.normalForce * distance(contact.point, mouth.pivot);
             all += contact.normalForce;
         }
         const auto& poses = frame.rigidBody(held)->poses;
-        const auto near = nearest(poses, middleOfContacts(frame, pivot));
+        const auto near = nearest(poses, middleOfContacts(frame, mouth));
         const double other = std::get<physics::RigidBodyDef>(*simulation.physics().def(held)).friction;
         const double most = 2.0 * std::sqrt(def.friction * other) * torque * all / lever;
         return {.element = static_cast<int>(near - poses.begin()),
@@ -241,41 +260,56 @@ struct ArticulatedInstrument::Impl {
                 .breakForce = std::min(def.breakForce, most)};
     }
 
-    /// Holds what the jaws touch. A thread may lie on the shaft as well, where it has to go on sliding: then its nodes
-    /// between the jaws are held in place of all contacts.
-    [[nodiscard]] AttachmentId softGrip(const frame::Frame& frame, const Pose& pivot) const
+    /// Holds what the jaws touch. A thread may be wound around shaft or jaws as well, where it has to go on sliding:
+    /// then its nodes between the jaws are held in place of all contacts.
+    [[nodiscard]] AttachmentId softGrip(const frame::Frame& frame, const Mouth& mouth) const
     {
         const auto asked = simulation.physics().def(held);
         const auto* rod = std::get_if<physics::RodBodyDef>(asked.get());
         const auto touches = [&](const frame::Contact& each, bool inMouth) {
-            return isBetween(each, body, held) && isInMouth(each, pivot) == inMouth;
+            return isBetween(each, body, held) && isInMouth(each, mouth) == inMouth;
         };
-        const auto onShaft = [&](const frame::Contact& each) { return touches(each, false); };
-        if (rod == nullptr || std::ranges::none_of(frame.contacts, onShaft))
+        const auto wound = [&](const frame::Contact& each) { return touches(each, false); };
+        if (rod == nullptr || std::ranges::none_of(frame.contacts, wound))
             return simulation.physics().grasp(body, held,
                                               {.stiffness = def.gripStiffness, .breakForce = def.breakForce});
         const std::vector<Vec3>& nodes = frame.softBody(held)->positions;
         physics::AttachmentDef jaws{.stiffness = def.gripStiffness, .to = body, .breakForce = def.breakForce};
         for (std::size_t i = 0; i < nodes.size(); ++i) {
-            const double edge = std::max(i > 0 ? distance(nodes[i], nodes[i - 1]) : 0.0,
-                                         i + 1 < nodes.size() ? distance(nodes[i], nodes[i + 1]) : 0.0);
+            const Vec3 before = nodes[i > 0 ? i - 1 : i], after = nodes[std::min(i + 1, nodes.size() - 1)];
+            const double edge = std::max(distance(nodes[i], before), distance(nodes[i], after));
             const double near = rod->radius + def.proximity + 0.5 * edge; // so that each contact finds a node
-            if (std::ranges::any_of(frame.contacts, [&](const frame::Contact& each) {
+            // A thread that lies around closed jaws touches the rims of their mouth, too, but it runs across it.
+            const bool across = std::abs(dot(normalized(after - before), mouth.opens)) > kAcross;
+            if (!across && std::ranges::any_of(frame.contacts, [&](const frame::Contact& each) {
                     return touches(each, true) && distance(each.point, nodes[i]) <= near;
                 }))
                 jaws.nodes.push_back(static_cast<int>(i));
         }
+        if (jaws.nodes.empty()) return {};
         return simulation.physics().attach(held, jaws);
     }
 
-    /// The first of these bodies (their ids ascend) that both sides of the mouth press with `gripForce`; 0 if none.
-    template <class Bodies> [[nodiscard]] BodyId between(const frame::Frame& frame, const frame::RigidBodyFrame& now,
-                                                         const Bodies& bodies) const
+    [[nodiscard]] Mouth mouthOf(const frame::RigidBodyFrame& now) const
     {
-        const Vec3 opens =
-            rotate(now.poses.front().orientation, normalized(cross(def.jaws.front().axis, Vec3{0.0, 0.0, -1.0})));
+        const auto turn = [&](Vec3 direction) { return rotate(now.poses.front().orientation, direction); };
+        std::array<double, 2> angles = {};
+        for (std::size_t i = 0; i < def.jaws.size(); ++i)
+            if (const int element = elementOf(i); element != kShaft)
+                angles[i] = now.joints[static_cast<std::size_t>(element - 1)].position;
+        return {.tool = body,
+                .pivot = now.poses.front().position,
+                .forward = turn({0.0, 0.0, -1.0}),
+                .opens = turn(normalized(cross(def.jaws.front().axis, Vec3{0.0, 0.0, -1.0}))),
+                .slope = std::tan(0.5 * (angles[0] - angles[1]))};
+    }
+
+    /// The first of these bodies (their ids ascend) that both sides of the mouth press with `gripForce`; 0 if none.
+    template <class Bodies>
+    [[nodiscard]] BodyId between(const frame::Frame& frame, const Mouth& mouth, const Bodies& bodies) const
+    {
         const auto isPressed = [&](const auto& each) {
-            const auto sides = squeezed(frame, body, each.id, now.poses.front(), opens);
+            const auto sides = squeezed(frame, mouth, each.id);
             return sides[0] >= def.gripForce && sides[1] >= def.gripForce && canBeHeld(each.id);
         };
         const auto found = std::ranges::find_if(bodies, isPressed);
@@ -286,16 +320,21 @@ struct ArticulatedInstrument::Impl {
     /// it.
     void seek(const frame::Frame& frame, const frame::RigidBodyFrame& now)
     {
-        held = between(frame, now, frame.rigidBodies);
-        if (!held) held = between(frame, now, frame.softBodies);
+        const Mouth mouth = mouthOf(now);
+        held = between(frame, mouth, frame.rigidBodies);
+        if (!held) held = between(frame, mouth, frame.softBodies);
         if (!held) return;
         const frame::RigidBodyFrame* rigid = frame.rigidBody(held);
-        const Vec3 middle = middleOfContacts(frame, now.poses.front());
+        const Vec3 middle = middleOfContacts(frame, mouth);
+        grip = rigid ? simulation.physics().attach(held, rigidGrip(frame, mouth)) : softGrip(frame, mouth);
+        if (!grip) {
+            held = {};
+            return;
+        }
         gripAt = transform(inverse(now.poses.front()), rigid ? nearest(rigid->poses, middle)->position : middle);
-        grip = rigid ? simulation.physics().attach(held, rigidGrip(frame, now)) : softGrip(frame, now.poses.front());
         // A spring that holds a rigid body and jaws that stand still would work against each other: the jaws give way.
         const bool springs = rigid != nullptr && std::isfinite(def.gripStiffness);
-        const double relief = springs ? kRelief / std::max(kRelief, distance(middle, now.poses.front().position)) : 0.0;
+        const double relief = springs ? kRelief / std::max(kRelief, distance(middle, mouth.pivot)) : 0.0;
         commandJaws([&](std::size_t joint, const JawDef& each) {
             const double position = std::clamp(now.joints[joint].position + relief, 0.0, each.opensBy);
             return physics::JointCommand(JointPosition{position});
