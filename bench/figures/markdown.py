@@ -49,5 +49,5 @@ def limits(data):
 def verdict(data, *words):
     """One limit in a few words, "0.2 ms: **missed**": the limit whose sentence holds all of `words`."""
     each = next(each for each in data["limits"] if all(word in each["limit"] for word in words))
-    bound = re.search(r"(?:at most|at least|within|<=|keeps) ([\d.]+)( ms| %|/s)?", each["limit"])
+    bound = re.search(r"(?:at most|at least|within|<=|keeps) (?:the step of )?([\d.]+)( ms| %|/s)?", each["limit"])
     return f'{bound.group(1)}{bound.group(2) or ""}: {VERDICTS[each["met"]]}'
