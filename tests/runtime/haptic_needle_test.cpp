@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kThick = 0.025, kLength = 0.03, kRadius = 0.4e-3; ///< [m]
 constexpr double kToTip = 0.5 * kLength + kRadius;
-constexpr int kStrokes = 3; ///< of a second each
+constexpr int kStrokes = 3; ///< each takes a second
 const physics::PunctureDef kSkin{.force = 0.6, .cutting = 0.2, .friction = 20.0};
 
 struct Scene {

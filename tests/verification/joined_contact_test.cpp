@@ -9,7 +9,7 @@ using namespace filasofia::engine;
 namespace {
 
 constexpr double kG = 9.81, kMu = 0.5;
-constexpr Vec3 kSize{0.04, 0.02, 0.04}; ///< [m] of a block
+constexpr Vec3 kSize{0.04, 0.02, 0.04}; ///< [m] size of a block
 
 physics::SoftBodyDef block(const std::string& name, std::array<int, 3> cells, Vec3 size, Vec3 corner)
 {

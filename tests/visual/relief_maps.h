@@ -58,7 +58,7 @@ public:
     [[nodiscard]] double height(double u, double v) const
     {
         const double x = cells_ * (u - std::floor(u)), y = cells_ * (v - std::floor(v));
-        constexpr double kSharp = 9.0; // of a furrow
+        constexpr double kSharp = 9.0; // a furrow's
         double sum = 0.0;
         for (int row = int(y) - 2; row <= int(y) + 2; ++row)
             for (int column = int(x) - 2; column <= int(x) + 2; ++column) {

@@ -186,7 +186,7 @@ std::shared_ptr<const TriangleMesh> revolved(const std::vector<Vec3>& corners, i
     checkCount("revolved", "sides", sides, 3, kMaxSurfaceCells);
     TriangleMesh mesh;
     const std::size_t count = corners.size();
-    std::vector<int> numbers; // of the vertices, side by side; a corner on the axis has one
+    std::vector<int> numbers; // vertices, side by side; a corner on the axis has one
     for (int side = 0; side < sides; ++side)
         for (std::size_t k = 0; k < count; ++k) {
             const auto [radius, y, z] = corners[k];

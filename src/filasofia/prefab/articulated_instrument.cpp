@@ -27,8 +27,8 @@ std::shared_ptr<const geometry::TriangleMesh> blade(const JawDef& jaw)
         geometry::TriangleMesh{.vertices = {from, to, from - back}, .triangles = {{0, 1, 2}}, .uv = {}});
 }
 
-constexpr double kTooth = 0.3e-3; ///< [m], by which a jaw reaches over the plane between them, where that faces it
-constexpr double kAcross = 0.7;   ///< [-] of a thread's direction along that in which jaws open: it is not between them
+constexpr double kTooth = 0.3e-3;  ///< [m], by which a jaw reaches over the plane between them, where that faces it
+constexpr double kAcross = 0.7;    ///< [-] cosine between a thread and the way jaws open: beyond it is not between them
 constexpr double kRelief = 0.2e-3; ///< [m], by which jaws give way at a rigid body that they hold by a spring
 
 /// A position-controlled joint that under the closing torque moves at `speed`, which it reaches in 20 ms.
@@ -56,7 +56,7 @@ struct Mouth {
     BodyId tool = {};
     Vec3 pivot = {}, forward = {};
     Vec3 opens = {};    ///< [-] where the first jaw opens to
-    double slope = 0.0; ///< [-] of the plane between the jaws, towards `opens`
+    double slope = 0.0; ///< [-] by which the plane between the jaws inclines towards `opens`
 };
 
 /// [-] The part of a contact's push on the tool along the direction in which the first jaw opens.

@@ -19,7 +19,7 @@ namespace {
 constexpr ImGuiWindowFlags kPanel = ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse |
                                     ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoSavedSettings;
 
-constexpr ImU32 kMainButton = IM_COL32(30, 120, 120, 255); ///< of what most people press
+constexpr ImU32 kMainButton = IM_COL32(30, 120, 120, 255); ///< what most people press
 
 /// In the middle of the picture. Typed text is never a title, because ImGui reads ids from titles.
 bool beginPanel(const char* id)

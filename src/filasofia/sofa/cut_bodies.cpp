@@ -142,7 +142,7 @@ bool takesNodes(const TieState& tie, BodyId id, const std::vector<char>& gone)
     });
 }
 
-/// [kg] of the nodes that elements which are left have.
+/// [kg] per node that elements which are left have.
 double heldMass(const SoftPlan& plan)
 {
     const std::vector<char> gone = goneNodes(plan);

@@ -221,7 +221,7 @@ TEST_CASE("a corner that was pressed through the face of its own tetrahedron is 
     def.collision = {{.self = true}};
     stage.add(def);
     stage.step(1e-3);
-    const auto place = [&](double height) { // of the corner above the face below it
+    const auto place = [&](double height) { // the corner above, or the face below it
         stage.soft().x = stage.model().rest;
         stage.soft().x[3].y = height;
         std::ranges::fill(stage.soft().v, Vec3{});

@@ -106,7 +106,7 @@ struct SoftState {
     std::vector<ElementRelaxation> relaxation; ///< the same; empty if the tissue does not relax
     double unrelaxed = 0.0;     ///< [s] duration of the last step, if the relaxation has not followed it yet
     std::vector<Vec3> residual; ///< [N s] the residual impulse of the last solve that the next step takes over
-    int iterations = 0;         ///< of the last step's solve: the next one prepares for as many
+    int iterations = 0;         ///< that the last step's solve took: the next one prepares for as many
     std::vector<Vec3> forces;   ///< [N] set by the user
     double pressure = 0.0;      ///< [Pa] set by the user
     std::vector<CavityState> cavities;

@@ -287,7 +287,7 @@ AttachedPairs paired(std::vector<AttachedPoint> first, std::vector<AttachedPoint
 /// nearest of them keeps its pair. The first wins a tie.
 void keepNearest(std::span<const Vec3> x, std::span<const Vec3> toX, AttachedPairs& pairs)
 {
-    std::map<int, std::pair<double, int>> nearest; // of each node that others are drawn to
+    std::map<int, std::pair<double, int>> nearest; // per node that others are drawn to
     const auto places = [](const std::array<AttachedPoint, 2>& pair) {
         return std::array{pair[0].nodes.front().node, pair[1].nodes.front().node};
     };

@@ -26,7 +26,7 @@ constexpr double kCutInterval = 0.1, kWholeInterval = 1.0;
 // Relative to the sum of the proximities: what passes right through a wall by less may be rounding.
 constexpr double kShallow = 0.05;
 
-constexpr int kHalvings = 6; // of a depth, until it is in a thin body
+constexpr int kHalvings = 6; // steps by which a depth is halved until it is in a thin body
 
 // [s] What a scraped rim loses for a step or two is pushed out again; what contacts do not know for this long is told.
 constexpr double kUnseenFor = 9e-3;

@@ -214,7 +214,7 @@ private:
     std::vector<float> strains_;                 ///< see strains()
     std::vector<linalg::NodeBlock> quaternions_; ///< rotations of the elements
 
-    double dt_ = 0.0;          ///< [s] of the last assemble()
+    double dt_ = 0.0;          ///< [s] given to the last assemble()
     double massWeight_ = 1.0;  ///< [-] factor on the masses in the step's matrix
     double massLoss_ = 0.0;    ///< [-] mass damping in the step's right-hand side, h a
     double elasticLoss_ = 0.5; ///< [-] (h^2 / 2 + h b) / (h^2 + h b)
