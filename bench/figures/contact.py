@@ -28,14 +28,4 @@ def counts(data):
                   "other load"], map(row, data["cells"]))
 
 
-def compare(before, after):
-    def row(cell):
-        other = find(after["cells"], body=cell["body"], scene=cell["scene"])
-        return [cell["body"], cell["scene"], *(f'{timed(each)["iterations_mean"]:.1f}' for each in (cell, other)),
-                *(f'{each["step_over_contact_free"]["median"]:.2f}' for each in (cell, other)),
-                *(ms(timed(each)["step_s"]["median"]) for each in (cell, other))]
-    return table(["body", "scene", "iterations", "with patches", "x contact-free", "with patches", "median [ms]",
-                  "with patches"], map(row, before["cells"]))
-
-
-TABLES = {"times": times, "counts": counts, "compare": compare}
+TABLES = {"times": times, "counts": counts}

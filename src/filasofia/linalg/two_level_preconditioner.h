@@ -28,7 +28,8 @@ struct ColumnEntry {
 /// blocks, and of single nodes elsewhere. In two halves, D is that of single nodes.
 ///
 /// Where neighbours have turned against each other, as in a crumpled sheet, A_rest says little about the matrix: M^-1
-/// is then made of the present blocks alone (usePresent).
+/// is then made of the present blocks alone (usePresent). Where elements are pressed or stretched far, D may be that of
+/// the present matrix (usePresentSmoother).
 class TwoLevelPreconditioner {
 public:
     TwoLevelPreconditioner() = default;
