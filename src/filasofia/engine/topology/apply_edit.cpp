@@ -85,15 +85,15 @@ void followState(const TopologyEdit& edit, const MeshTopology& mesh, SoftModel& 
 {
     frame::followNodes(edit, state.v);
     frame::followNodes(edit, state.dv);
+    const auto count = static_cast<std::size_t>(edit.nodes), known = model.rest.size();
+    model.rest.insert(model.rest.end(), mesh.rest.begin() + static_cast<std::ptrdiff_t>(known), mesh.rest.end());
+    state.x.insert(state.x.end(), mesh.current.begin() + static_cast<std::ptrdiff_t>(known), mesh.current.end());
     for (const frame::TopologyOp& op : edit.ops)
-        if (const auto* moved = std::get_if<frame::NodeMove>(&op)) {
+        if (const auto* moved = std::get_if<frame::NodeMove>(&op)) { // also of nodes that the edit has made
             const auto node = static_cast<std::size_t>(moved->node);
             model.rest[node] = mesh.rest[node];
             state.x[node] = mesh.current[node];
         }
-    const auto count = static_cast<std::size_t>(edit.nodes), known = model.rest.size();
-    model.rest.insert(model.rest.end(), mesh.rest.begin() + static_cast<std::ptrdiff_t>(known), mesh.rest.end());
-    state.x.insert(state.x.end(), mesh.current.begin() + static_cast<std::ptrdiff_t>(known), mesh.current.end());
     state.residual.resize(count); // residual impulses and forces stay with their nodes
     state.forces.resize(count);
     model.masses.resize(count);
