@@ -16,10 +16,12 @@
 #include "filasofia/prefab/scope_hands.h"
 #include "filasofia/prefab/screens.h"
 #include "filasofia/prefab/specimen_bag.h"
+#include "filasofia/prefab/suction_irrigator.h"
 #include "filasofia/prefab/trainer.h"
 #include "filasofia/prefab/trainer_task.h"
 #include "filasofia/prefab/trocar_hands.h"
 #include "filasofia/prefab/trocar_plan.h"
+#include "filasofia/prefab/ultrasonic_shears.h"
 #include "filasofia/prefab/wire_loop.h"
 #include "filasofia/runtime/assets.h"
 #include "filasofia/runtime/options.h"
@@ -134,6 +136,8 @@ using prefab::Laparoscope;
 using prefab::LaparoscopeDef;
 using prefab::LaparoscopicInstrument;
 using prefab::LaparoscopicInstrumentDef;
+using prefab::LensDef;
+using prefab::LensState;
 using prefab::MetricTracker;
 using prefab::MetricTrackerDef;
 using prefab::PerforationWatch;
@@ -151,6 +155,8 @@ using prefab::SpecimenBagDef;
 using prefab::StartChoice;
 using prefab::StartScreen;
 using prefab::StartScreenDef;
+using prefab::SuctionIrrigator;
+using prefab::SuctionIrrigatorDef;
 using prefab::Task;
 using prefab::TaskProgress;
 using prefab::TaskStep;
@@ -170,6 +176,8 @@ using prefab::TrocarPlan;
 using prefab::TrocarPose;
 using prefab::TrocarPoses;
 using prefab::TrocarReport;
+using prefab::UltrasonicShears;
+using prefab::UltrasonicShearsDef;
 using prefab::WireLoop;
 using prefab::WireLoopDef;
 using prefab::withinLimits;

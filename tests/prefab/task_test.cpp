@@ -173,7 +173,7 @@ TEST_CASE("a panel of fluid needs a fluid")
 {
     Simulation sim;
     CHECK_THROWS_WITH(FluidPanel(sim), Catch::Contains("distension: there is none"));
-    sim.addDistension({.room = Box{{-1, -1, -1}, {1, 1, 1}}});
+    sim.addDistension({.room = geometry::Box{{-1, -1, -1}, {1, 1, 1}}});
     CHECK_NOTHROW(FluidPanel(sim));
 }
 

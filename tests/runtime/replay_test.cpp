@@ -71,6 +71,9 @@ TEST_CASE("every event of a scene comes back from its recording")
     CHECK((bled.body == BodyId{4} && bled.def.flux == 3e-4 && bled.gravity.z == -9.81));
     CHECK(std::isinf(std::get<Rinse>(roundTrip(SceneTreated{BodyId{4}, Rinse{}}).command).radius));
     CHECK(std::get<Suck>(roundTrip(SceneTreated{BodyId{4}, Suck{.rate = 2e-7}}).command).rate == 2e-7);
+    const auto rinsed = std::get<Rinse>(
+        roundTrip(SceneTreated{BodyId{4}, Rinse{.rate = 0.0, .body = BodyId{7}, .element = 2}}).command);
+    CHECK((rinsed.rate == 0.0 && rinsed.body == BodyId{7} && rinsed.element == 2));
     const Heat heat{.place = {1, 2, 3}, .power = 30.0, .limit = 400.0, .source = 7};
     const auto heated = std::get<Heat>(roundTrip(SceneTreated{BodyId{4}, heat}).command);
     CHECK((heated.place == heat.place && heated.power == 30.0 && heated.limit == 400.0 && heated.source == 7));

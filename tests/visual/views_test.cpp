@@ -161,6 +161,57 @@ TEST_CASE("endoscope optics: black outside the mask, whatever its shape, the fir
     }
 }
 
+TEST_CASE(
+    "endoscope optics: a clean lens changes nothing, fog takes contrast, and a smear covers its share in its colour")
+{
+    if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;
+    LittleScene scene;
+    ViewDef def = scene.look.view->def();
+    const auto picture = [&](double mist, double smear) {
+        def.effects = Effects{};
+        def.effects->endoscope = EndoscopeOptics{.maskRadius = 2.0,
+                                                 .maskSoftness = 0,
+                                                 .distortion = 0,
+                                                 .vignette = 0,
+                                                 .rimBlur = 0,
+                                                 .mist = mist,
+                                                 .smear = smear,
+                                                 .smearColor = {0.5, 0, 0}};
+        scene.look.view->set(def);
+        return scene.server.capture();
+    };
+    const auto contrast = [](const Image& image) {
+        double sum = 0.0, squares = 0.0;
+        for (int y = 0; y < 240; ++y)
+            for (int x = 0; x < 320; ++x) {
+                const double bright = brightnessAt(image, x, y);
+                sum += bright;
+                squares += bright * bright;
+            }
+        const double mean = sum / (320 * 240);
+        return std::sqrt(squares / (320 * 240) - mean * mean);
+    };
+    const Image clean = picture(0.0, 0.0);
+    CHECK(contrast(picture(0.3, 0.0)) < 0.9 * contrast(clean));
+    CHECK(contrast(picture(1.0, 0.0)) < 0.4 * contrast(clean));
+    // Where something lies on the lens, green is gone; the more, the larger the share.
+    const auto covered = [&](double smear) {
+        const Image image = picture(0.0, smear);
+        int dark = 0, all = 0;
+        for (std::size_t i = 0; i + 3 < clean.rgba.size(); i += 4) {
+            if (clean.rgba[i + 1] < 40) continue;
+            ++all;
+            dark += image.rgba[i + 1] < clean.rgba[i + 1] / 2 ? 1 : 0;
+        }
+        return static_cast<double>(dark) / all;
+    };
+    CHECK(covered(0.0) == 0.0);
+    const double some = covered(0.4), more = covered(0.7);
+    CHECK(some > 0.02);
+    CHECK(more > some + 0.1);
+    CHECK(covered(1.0) > 0.9);
+}
+
 TEST_CASE("an unlit material shows the colour asked for, in spite of the tone mapping")
 {
     if (skipIf(!hasBackend(Backend::Headless), "this build draws nothing")) return;

@@ -33,6 +33,7 @@ struct Range {
 constexpr Range finite() { return {}; }
 constexpr Range positive() { return {.low = 0.0}; }
 constexpr Range nonNegative() { return {.low = 0.0, .lowOpen = false}; }
+constexpr Range nonNegativeOrInfinite() { return {.low = 0.0, .lowOpen = false, .highOpen = false}; }
 constexpr Range positiveOrInfinite() { return {.low = 0.0, .highOpen = false}; }
 constexpr Range closed(double low, double high) { return {low, high, false, false}; }    ///< [low, high]
 constexpr Range open(double low, double high) { return {low, high, true, true}; }        ///< (low, high)

@@ -27,9 +27,17 @@ enum class InstrumentKind {
     LaparoscopicScissors, ///< 5 mm: two long blades, which cut and hold nothing; 50 mN m
     ClipApplier,          ///< 5 mm: two bars between which a clip lies; they touch and hold nothing; 50 mN m
     SpecimenBag,          ///< 5 mm: two arms of wire that spread the mouth of a bag; they touch nothing; 50 mN m
+    UltrasonicShears,     ///< 5 mm: a pad that presses tissue onto a fixed blade; 0.1 N m
+    Hook,                 ///< 5 mm: an L of wire with a cutting edge; no jaws
+    SuctionIrrigator,     ///< 5 mm: a tube, open at its end; no jaws
 };
+/// Whether something moves that can close.
+constexpr bool hasJaws(InstrumentKind kind)
+{
+    return kind != InstrumentKind::Hook && kind != InstrumentKind::SuctionIrrigator;
+}
 /// The values' names in files, in order.
-constexpr std::array<std::string_view, 11> names(const InstrumentKind*)
+constexpr std::array<std::string_view, 14> names(const InstrumentKind*)
 {
     return {"forceps",
             "grasper",
@@ -41,7 +49,10 @@ constexpr std::array<std::string_view, 11> names(const InstrumentKind*)
             "dissector",
             "laparoscopicScissors",
             "clipApplier",
-            "specimenBag"};
+            "specimenBag",
+            "ultrasonicShears",
+            "hook",
+            "suctionIrrigator"};
 }
 
 /// One side of the instrument's mouth, closed, in the coordinates of the pivot.
@@ -72,13 +83,14 @@ struct ArticulatedInstrumentDef {
     Pose pose = {};                                  ///< pose of the pivot at the start, in the world
     runtime::SurfaceSource shaft = {};               ///< what is drawn of the shaft; empty: the kind's
     physics::TriangleMeshSource shaftCollision = {}; ///< the shaft's collision mesh; empty: the kind's
-    std::vector<JawDef> jaws = {};                   ///< at most two, at least one that moves; empty: the kind's
-    std::vector<int> groups = {0};                   ///< collision groups of its models; empty: it touches nothing
-    double opening = 0.0;                            ///< [-], in [0, 1], opening at the start
-    std::optional<double> closingTorque = {};        ///< [N m], > 0, of each jaw at close(); not given: the kind's
-    double speed = 1.5;                              ///< [rad/s], > 0, largest speed of a jaw
-    double proximity = 0.1e-3;                       ///< [m], >= 0, distance at which contacts are found
-    double friction = 0.8;                           ///< [-], >= 0, coefficient of friction
+    /// At most two; at least one moves, if the kind has jaws. Empty: the kind's.
+    std::vector<JawDef> jaws = {};
+    std::vector<int> groups = {0};            ///< collision groups of its models; empty: it touches nothing
+    double opening = 0.0;                     ///< [-], in [0, 1], opening at the start
+    std::optional<double> closingTorque = {}; ///< [N m], > 0, of each jaw at close(); not given: the kind's
+    double speed = 1.5;                       ///< [rad/s], > 0, largest speed of a jaw
+    double proximity = 0.1e-3;                ///< [m], >= 0, distance at which contacts are found
+    double friction = 0.8;                    ///< [-], >= 0, coefficient of friction
     bool grasps = true;      ///< whether its closed jaws can hold something; those of scissors never do
     double gripForce = 0.02; ///< [N], > 0, force on each side of the mouth at which tissue counts as grasped
     double gripStiffness = physics::kHard; ///< [N/m], in (0, inf], stiffness of each held point
@@ -121,8 +133,10 @@ constexpr auto fields(const ArticulatedInstrumentDef*)
 /// distance from the pivot. With a finite `gripStiffness` the jaws then open by 0.2 mm, so that a spring alone holds
 /// it, and two instruments can hold it. A thread that lies on the shaft, too, is held between the jaws only, and slides
 /// on the shaft. A reset of the simulation does not release what is held: call open() before. A saved state knows what
-/// it holds; onGrasp is not called when such a state is restored. Every function may be called from any thread and
-/// takes effect at the next step.
+/// it holds; onGrasp is not called when such a state is restored.
+///
+/// What has no jaws is closed by its trigger alone: close() and open() tell nothing but opening(), which says what the
+/// hand does. Every function may be called from any thread and takes effect at the next step.
 class ArticulatedInstrument {
 public:
     static constexpr int kShaft = 0; ///< element of the body; moving jaws follow from 1 on
@@ -152,7 +166,9 @@ public:
     /// Something is fixed to it for good, a bag for example: it pulls at this point [m] in the coordinates of the
     /// pivot. A trocar's lever begins there.
     void carries(Vec3 at);
-    [[nodiscard]] double opening() const; ///< [-], opening of the widest jaw in the last step
+    /// [-], opening of the widest jaw in the last step; without jaws 0 if it was told to close, and 1 if not.
+    [[nodiscard]] double opening() const;
+    [[nodiscard]] InstrumentKind kind() const;
 
 private:
     struct Impl;

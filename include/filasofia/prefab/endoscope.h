@@ -5,10 +5,36 @@
 
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace filasofia::prefab {
+
+/// How a lens becomes dirty. No constant is measured.
+struct LensDef {
+    double reach = 6e-3;    ///< [m], > 0, from the lens: soft bodies that the scope touches there smear it
+    double smearing = 0.4;  ///< [s], > 0, of touching in which 1 - 1/e of the lens is smeared
+    double cold = 0.0;      ///< [-], in [0, 1], how fogged it is at the start: a scope that was not warmed
+    double misting = 200.0; ///< [s/m], > 0, optical depth per length of smoke, times how long, that fogs it to 1 - 1/e
+    double clearing = 25.0; ///< [s], > 0, in which it becomes clear to 1/e, by its own warmth; may be infinite
+};
+constexpr auto fields(const LensDef*)
+{
+    using T = LensDef;
+    return describe("LensDef", field("reach", &T::reach, "m", positive(), "from the lens: what touches it smears it"),
+                    field("smearing", &T::smearing, "s", positive(), "of touching smears 1 - 1/e of the lens"),
+                    field("cold", &T::cold, "-", closed(0, 1), "how fogged it is at the start"),
+                    field("misting", &T::misting, "s/m", positive(), "smoke times time that fogs it to 1 - 1/e"),
+                    field("clearing", &T::clearing, "s", positiveOrInfinite(), "in which fog clears to 1/e"));
+}
+
+/// How dirty a lens is.
+struct LensState {
+    double mist = 0.0;  ///< [-], in [0, 1], how fogged it is
+    double smear = 0.0; ///< [-], in [0, 1], share of it that is smeared
+    friend bool operator==(const LensState&, const LensState&) = default;
+};
 
 /// A rigid endoscope. It points along -Z and its shaft lies at +Z of its tip; an inclined one looks down, towards -Y.
 struct EndoscopeDef {
@@ -38,6 +64,7 @@ struct EndoscopeDef {
                                            .background = {0.03, 0.006, 0.005}};
     /// Mouth of the working channel, in the tip's coordinates; instruments leave it along its -Z.
     Pose channel = {{0.0, -1.5e-3, 2.3e-3}, {}};
+    std::optional<LensDef> soiling = {}; ///< how its lens becomes dirty; not given: never by itself
 };
 constexpr auto fields(const EndoscopeDef*)
 {
@@ -59,7 +86,8 @@ constexpr auto fields(const EndoscopeDef*)
         field("quality", &T::quality, "quality of the effects"),
         field("focusDistance", &T::focusDistance, "m", positive(), "distance that is sharp"),
         field("surroundings", &T::surroundings, "light from all sides"),
-        field("channel", &T::channel, "mouth of the working channel"));
+        field("channel", &T::channel, "mouth of the working channel"),
+        field("soiling", &T::soiling, "how its lens becomes dirty; not given: never"));
 }
 
 /// The entities that dress() made.
@@ -101,13 +129,18 @@ public:
     [[nodiscard]] Pose camera() const;  ///< looks along -Z; +Y is up in the picture
     [[nodiscard]] Pose channel() const; ///< mouth of the working channel
 
+    /// Makes the lens as dirty as this, from the next step on; both in [0, 1] (Error otherwise).
+    void soil(const LensState& lens);
+    void wipe() { soil({}); }
+    [[nodiscard]] LensState lens() const; ///< as of the last step
+
     /// Makes the endoscope's picture in the whole window, in the surroundings of a cavity of tissue that its own walls
     /// light. Call it from inside the function given to Simulation::dress().
     EndoscopeView dress(visual::VisualServer& server);
 
 private:
     struct Impl;
-    std::shared_ptr<Impl> impl_; // shared with the simulation's memories
+    std::shared_ptr<Impl> impl_; // shared with the simulation's callbacks
 };
 
 } // namespace filasofia::prefab

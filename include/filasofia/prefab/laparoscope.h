@@ -23,6 +23,7 @@ struct LaparoscopeDef {
     TrocarDef trocar = {};
     TrocarHandleDef hand = {.length = 0.36};
     TrocarPose start = {.insertion = 0.05};
+    std::optional<LensDef> soiling = {}; ///< how its lens becomes dirty; not given: never by itself
 };
 constexpr auto fields(const LaparoscopeDef*)
 {
@@ -38,12 +39,13 @@ constexpr auto fields(const LaparoscopeDef*)
                     field("groups", &T::groups, "collision groups of its models"),
                     field("quality", &T::quality, "quality of the effects"),
                     field("trocar", &T::trocar, "where it goes through the wall"),
-                    field("hand", &T::hand, "how it is held"), field("start", &T::start, "its pose at the start"));
+                    field("hand", &T::hand, "how it is held"), field("start", &T::start, "its pose at the start"),
+                    field("soiling", &T::soiling, "how its lens becomes dirty; not given: never"));
 }
 
 /// An Endoscope whose shaft goes through a trocar. An inclined one looks down if it is not rolled; its roll, as the
-/// light post is turned, sweeps the view. Any thread may call all but dress(); poses take effect at the end of the next
-/// step.
+/// light post is turned, sweeps the view. A lens that was soiled is wiped when the scope is drawn back to within 5 mm
+/// of its trocar's least insertion. Any thread may call all but dress(); poses take effect at the end of the next step.
 class Laparoscope {
 public:
     /// Throws an Error if the Def is wrong. Construct it before a run and destroy it before the simulation.
@@ -58,6 +60,9 @@ public:
     void move(const TrocarPose& pose); ///< as LaparoscopicInstrument::move()
     void zoom(double times);           ///< [-], in [1, 4] (Error otherwise)
     void horizon(bool keep);           ///< whether the camera head keeps the picture upright
+    void soil(const LensState& lens);  ///< as Endoscope::soil()
+    void wipe() { soil({}); }
+    [[nodiscard]] LensState lens() const; ///< as of the last step
 
     [[nodiscard]] TrocarReport report() const; ///< as the last step left it
     [[nodiscard]] Pose camera() const;         ///< looks along -Z; +Y is up in the picture

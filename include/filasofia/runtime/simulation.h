@@ -140,6 +140,8 @@ public:
     /// Presses, injures, seals, sucks or rinses a body that bleeds, or heats one that burns, from the next step of its
     /// blood or heat on.
     void treat(BodyId id, const surface::Treatment& treatment);
+    /// The Error that treat() would throw, without its effect.
+    void checkTreat(BodyId id, const surface::Treatment& treatment) const;
     /// Makes a rigid body, or a part of it, an electrode; returns its index among those of the body. It is off. The
     /// blades of a body with an electrode that cuts no longer do unless it is active. Error if it is no rigid body, if
     /// there is no such element, if one that cuts has no blade, or if a field is wrong.
@@ -181,6 +183,12 @@ public:
     [[nodiscard]] surface::BloodBalance blood(BodyId id) const;
     /// What has become of its heat, and how much of it is burnt, up to the last step of the heat that has ended.
     [[nodiscard]] surface::HeatBalance heat(BodyId id) const;
+    [[nodiscard]] bool bleeds(BodyId id) const; ///< whether bleed() was called for it
+    [[nodiscard]] bool burns(BodyId id) const;  ///< whether burn() was called for it
+    [[nodiscard]] bool hasSmoke() const;        ///< whether there is a room for smoke
+    /// [-], Arrhenius' omega per node of a body that burns, negative where there is no surface: at 1 and beyond it is
+    /// burnt. Up to the last step of the heat that has ended; null before the first one. Error if it does not burn.
+    [[nodiscard]] std::shared_ptr<const std::vector<float>> damage(BodyId id) const;
 
     /// Makes a light, camera or other Transform of the visual server follow a body until unfollow(), its end, the
     /// body's end, or until it gets a parent; then it stays where it is. Main thread only, while there is a visual

@@ -8,7 +8,9 @@
 #include "filasofia/prefab/laparoscopic_instrument.h"
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/specimen_bag.h"
+#include "filasofia/prefab/suction_irrigator.h"
 #include "filasofia/prefab/task.h"
+#include "filasofia/prefab/ultrasonic_shears.h"
 #include "filasofia/surface/distension_def.h"
 #include "filasofia/surface/smoke_def.h"
 
@@ -67,11 +69,13 @@ using InstrumentDef = std::variant<prefab::ArticulatedInstrumentDef, prefab::End
 struct SceneInstrument {
     InstrumentDef def = prefab::ArticulatedInstrumentDef{}; ///< its name must be the only one in the scene
     std::vector<KeyPose> keys = {}; ///< poses of its pivot or tip; times ascend, and at 0 s in place of the Def's
-    std::vector<KeyTrocar> trocarKeys = {};             ///< in a trocar, in place of keys; times ascend
-    std::vector<KeyGrip> grip = {};                     ///< what its jaws do; times ascend
-    std::vector<surface::ElectrodeDef> electrodes = {}; ///< parts of it that heat what they touch
-    std::optional<prefab::ClipApplierDef> clips = {};   ///< what its jaws close; for one that has jaws
-    std::optional<prefab::SpecimenBagDef> bag = {};     ///< what its arms spread; for one that has arms
+    std::vector<KeyTrocar> trocarKeys = {};                  ///< in a trocar, in place of keys; times ascend
+    std::vector<KeyGrip> grip = {};                          ///< what its jaws do; times ascend
+    std::vector<surface::ElectrodeDef> electrodes = {};      ///< parts of it that heat what they touch
+    std::optional<prefab::ClipApplierDef> clips = {};        ///< what its jaws close; for one that has jaws
+    std::optional<prefab::SpecimenBagDef> bag = {};          ///< what its arms spread; for one that has arms
+    std::optional<prefab::SuctionIrrigatorDef> suction = {}; ///< sucks while it is closed; not for an endoscope
+    std::optional<prefab::UltrasonicShearsDef> shears = {};  ///< for one of kind ultrasonicShears: its electrode 0
 };
 constexpr auto fields(const SceneInstrument*)
 {
@@ -82,7 +86,9 @@ constexpr auto fields(const SceneInstrument*)
                     field("grip", &T::grip, "what its jaws do from which time on, ascending"),
                     field("electrodes", &T::electrodes, "parts that heat what they touch"),
                     field("clips", &T::clips, "clips that its jaws close"),
-                    field("bag", &T::bag, "a bag whose mouth its arms spread"));
+                    field("bag", &T::bag, "a bag whose mouth its arms spread"),
+                    field("suction", &T::suction, "what it sucks while it is closed, and how it rinses"),
+                    field("shears", &T::shears, "how it seals and parts what it holds"));
 }
 
 /// A knot that two hands tie with the ends of a thread of the scene. In a file, the fields of its Def stand beside the
@@ -100,12 +106,13 @@ constexpr auto fields(const SceneKnot*)
                     field("release", &T::release, "s", positive(), "when they let it go; not given: never"));
 }
 
-/// How a person activates an electrode, or opens suction of smoke: while a key of the window is held, or a button of
-/// the haptic interface that holds the body. At least one of both is given.
+/// How a person activates an electrode, opens suction of smoke, or lets an instrument rinse: while a key of the window
+/// is held, or a button of the haptic interface that holds the body. At least one of both is given.
 struct ScenePedal {
     BodyId body = {};                             ///< may be none if there is `extract` and no button
     int electrode = 0;                            ///< [-], >= 0, index among those of the body; without `extract`
     std::optional<surface::Extract> extract = {}; ///< in place of an electrode: what is sucked away while it is pressed
+    bool rinse = false;                           ///< in place of an electrode: an instrument with `suction` rinses
     std::string key = {};                         ///< a letter or a digit; empty: none
     std::optional<int> button = {}; ///< [-], >= 0, of a haptic interface; button 0 of an instrument closes its jaws
 };
@@ -115,6 +122,7 @@ constexpr auto fields(const ScenePedal*)
     return describe("ScenePedal", field("body", &T::body, "the rigid body"),
                     field("electrode", &T::electrode, "-", nonNegative(), "index among those of the body"),
                     field("extract", &T::extract, "in place of an electrode: smoke that is sucked away"),
+                    field("rinse", &T::rinse, "in place of an electrode: an instrument with suction rinses"),
                     field("key", &T::key, "a letter or a digit"),
                     field("button", &T::button, "-", nonNegative(), "of the haptic interface that holds the body"));
 }

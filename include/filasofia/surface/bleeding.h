@@ -47,7 +47,7 @@ private:
     void spread(const std::vector<int>& fresh);
     void measureWounds();
     void well(double dt);
-    void suck(double dt);
+    double takeAway(Vec3 place, double radius, double most);
     void pour(const Pour& what);
     [[nodiscard]] bool idle() const;
 
@@ -63,6 +63,7 @@ private:
     double perfusion_ = 1.0;
     double untilLandings_ = 0.0; ///< [s], until it looks again where drops land
     std::optional<Suck> suction_;
+    std::optional<Rinse> rinsing_;            ///< with a finite rate
     double poured_ = 0.0;                     ///< [m^3] since the last step
     double sincePour_ = 1.0, pourRate_ = 0.0; ///< [s] since something was poured; [m^3/s] lately
     FilmGeometry geometry_;                   ///< working memory, like those below

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/core/body_id.h"
 #include "filasofia/core/fields.h"
 #include "filasofia/math/vec3.h"
 
@@ -51,14 +52,21 @@ struct Seal {
 };
 /// Sucks blood up from around a place until the next Suck; a rate of 0 ends it.
 struct Suck {
-    Vec3 place = {};       ///< [m], in the world
+    Vec3 place = {};       ///< [m], in the world, or in the coordinates of the body's element
     double radius = 0.005; ///< [m], > 0
     double rate = 0.0;     ///< [m^3/s], >= 0
+    BodyId body = {};      ///< a rigid body that carries the opening; none: it stays where it is
+    int element = 0;       ///< [-], >= 0, index in that body
 };
-/// Washes the blood away around a place, at once; clots too. Wounds go on bleeding.
+/// Washes the blood away around a place; clots too. Wounds go on bleeding. With an infinite rate it does so at once.
+/// Otherwise liquid flows until the next such Rinse, and takes along as much blood as its own volume; a rate of 0 ends
+/// it.
 struct Rinse {
-    Vec3 place = {};                                         ///< [m], in the world
+    Vec3 place = {}; ///< [m], in the world, or in the coordinates of the body's element
     double radius = std::numeric_limits<double>::infinity(); ///< [m], > 0; infinite: everywhere
+    double rate = std::numeric_limits<double>::infinity();   ///< [m^3/s], >= 0, of liquid
+    BodyId body = {}; ///< a rigid body that carries the nozzle; none: it stays where it is
+    int element = 0;  ///< [-], >= 0, index in that body
 };
 /// Blood that a vessel pours onto the surface around a place, or, if nothing of it is so near, onto its nearest point.
 struct Pour {
@@ -84,14 +92,19 @@ constexpr auto fields(const Seal*)
 }
 constexpr auto fields(const Suck*)
 {
-    return describe("Suck", field("place", &Suck::place, "m", finite(), "where, in the world"),
+    return describe("Suck", field("place", &Suck::place, "m", finite(), "in the world, or on the body's element"),
                     field("radius", &Suck::radius, "m", positive(), "reach"),
-                    field("rate", &Suck::rate, "m^3/s", nonNegative(), "0 ends it"));
+                    field("rate", &Suck::rate, "m^3/s", nonNegative(), "0 ends it"),
+                    field("body", &Suck::body, "a rigid body that carries the opening"),
+                    field("element", &Suck::element, "-", nonNegative(), "index in that body"));
 }
 constexpr auto fields(const Rinse*)
 {
-    return describe("Rinse", field("place", &Rinse::place, "m", finite(), "where, in the world"),
-                    field("radius", &Rinse::radius, "m", positiveOrInfinite(), "reach"));
+    return describe("Rinse", field("place", &Rinse::place, "m", finite(), "in the world, or on the body's element"),
+                    field("radius", &Rinse::radius, "m", positiveOrInfinite(), "reach"),
+                    field("rate", &Rinse::rate, "m^3/s", nonNegativeOrInfinite(), "of liquid; infinite: at once"),
+                    field("body", &Rinse::body, "a rigid body that carries the nozzle"),
+                    field("element", &Rinse::element, "-", nonNegative(), "index in that body"));
 }
 constexpr auto fields(const Pour*)
 {

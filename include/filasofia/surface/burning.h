@@ -68,6 +68,8 @@ public:
     [[nodiscard]] std::vector<HeatedPart> takeParts() { return std::exchange(parts_, {}); }
     /// Per node of the body, 1 where it is damaged: omega >= 1.
     [[nodiscard]] std::vector<std::uint8_t> burnt() const;
+    /// [-], Arrhenius' omega per node of the body, negative where there is no surface.
+    [[nodiscard]] std::vector<float> damage() const;
     [[nodiscard]] const BurningDef& def() const { return def_; }
     [[nodiscard]] int nodesNeeded() const { return surface_.nodesNeeded(); }
 

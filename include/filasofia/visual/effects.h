@@ -95,6 +95,9 @@ struct EndoscopeOptics {
     double distortion = 0.25;   ///< [-], in [0, 1], barrel distortion: how much larger the middle is than the rim
     double vignette = 0.45;     ///< [-], in [0, 1], darkness of the rim
     double rimBlur = 0.008;     ///< [-], in [0, 0.05], radius of the blur at the rim
+    double mist = 0.0;          ///< [-], in [0, 1], how fogged its lens is: it blurs, and light veils the picture
+    double smear = 0.0;         ///< [-], in [0, 1], share of its lens that is smeared, from its rim inwards
+    Color smearColor = {0.55, 0.09, 0.05}; ///< of what it is smeared with
 
     friend constexpr bool operator==(const EndoscopeOptics&, const EndoscopeOptics&) = default;
 };
@@ -107,7 +110,10 @@ constexpr auto fields(const EndoscopeOptics*)
                     field("maskSoftness", &E::maskSoftness, "-", closed(0, 0.5), "width of its edge"),
                     field("distortion", &E::distortion, "-", closed(0, 1), "how much larger the middle is"),
                     field("vignette", &E::vignette, "-", closed(0, 1), "how dark the rim is"),
-                    field("rimBlur", &E::rimBlur, "-", closed(0, 0.05), "radius of the blur at the rim"));
+                    field("rimBlur", &E::rimBlur, "-", closed(0, 0.05), "radius of the blur at the rim"),
+                    field("mist", &E::mist, "-", closed(0, 1), "how fogged the lens is"),
+                    field("smear", &E::smear, "-", closed(0, 1), "share of the lens that is smeared"),
+                    field("smearColor", &E::smearColor, "of what it is smeared with"));
 }
 
 enum class Antialiasing {

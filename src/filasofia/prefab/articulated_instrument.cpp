@@ -101,7 +101,8 @@ struct ArticulatedInstrument::Impl {
     };
 
     Impl(runtime::Simulation& sim, const ArticulatedInstrumentDef& asked)
-        : simulation(sim), def(completed(asked)), lastPose(def.pose), newest({.pose = lastPose}), body(addBody())
+        : simulation(sim), def(completed(asked)), lastPose(def.pose), newest({.pose = lastPose, .widest = widest}),
+          body(addBody())
     {
         simulation.show(
             body, {.surface = def.shaft, .element = kShaft, .material = def.shaftMaterial.value_or(def.material)});
@@ -208,6 +209,7 @@ struct ArticulatedInstrument::Impl {
     {
         double widestFraction = 0.0;
         std::size_t joint = 0;
+        if (now.joints.empty()) return state == State::Open ? 1.0 : 0.0;
         for (const JawDef& jaw : def.jaws)
             if (jaw.opensBy > 0.0)
                 widestFraction = std::max(widestFraction, now.joints[joint++].position / jaw.opensBy);
@@ -374,7 +376,7 @@ struct ArticulatedInstrument::Impl {
     BodyId held = {};
     std::uint64_t requestedAt = 0;
     double force = 0.0;
-    double widest = 0.0;
+    double widest = def.opening;
     Vec3 gripAt = {};  ///< [m], where the held body pulls, in the coordinates of the pivot
     Vec3 carried = {}; ///< [m], the same of what is fixed to it
     struct Snapshot {
@@ -450,5 +452,6 @@ void ArticulatedInstrument::carries(Vec3 at)
     });
 }
 double ArticulatedInstrument::opening() const { return impl_->newest.read().widest; }
+InstrumentKind ArticulatedInstrument::kind() const { return impl_->def.kind; }
 
 } // namespace filasofia::prefab

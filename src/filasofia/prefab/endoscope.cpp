@@ -4,6 +4,7 @@
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/math/rounded.h"
+#include "filasofia/prefab/lens_soiling.h"
 #include "filasofia/prefab/remember.h"
 #include "filasofia/prefab/turns.h"
 #include "filasofia/runtime/assets.h"
@@ -46,7 +47,8 @@ Pose mounted(const EndoscopeDef& def, double cameraRoll)
 
 struct Endoscope::Impl {
     Impl(runtime::Simulation& sim, const EndoscopeDef& asked)
-        : simulation(sim), def(completed(asked)), aim{def.pose}, newest(aim), body(addBody())
+        : simulation(sim), def(completed(asked)), aim{def.pose}, newest(aim), body(addBody()),
+          soiling(std::make_shared<LensSoiling>(sim, body, kCamera, def.soiling))
     {
         // The scope's surfaces cast no shadow, because its own light is inside them.
         for (const runtime::SurfaceSource& surface : def.surfaces)
@@ -100,12 +102,22 @@ struct Endoscope::Impl {
     Aim aim;
     Published<Aim> newest; // for all threads
     const BodyId body;     // built from the members above
+    const std::shared_ptr<LensSoiling> soiling;
+    visual::View* view = nullptr; ///< used by the main thread only
 };
 
 Endoscope::Endoscope(runtime::Simulation& simulation, const EndoscopeDef& def)
     : impl_(std::make_shared<Impl>(simulation, def))
 {
-    remember(simulation, text("endoscope '", impl_->def.name, "'"), impl_);
+    const std::string object = text("endoscope '", impl_->def.name, "'");
+    remember(simulation, object, impl_);
+    simulation.everyStep([lens = impl_->soiling](double time) { lens->step(time); });
+    remember(simulation, object + ": its lens", impl_->soiling);
+    simulation.show(visual::GuiDef{.name = text(def.name, " dirt"), .renderCallback = [weak = std::weak_ptr(impl_)] {
+                                       const auto impl = weak.lock();
+                                       if (impl && impl->view != nullptr)
+                                           impl->soiling->draw(*impl->view, impl->def.optics);
+                                   }});
 }
 Endoscope::~Endoscope() = default;
 
@@ -133,6 +145,9 @@ Pose Endoscope::tip() const { return Impl::tip(impl_->newest.read()); }
 Pose Endoscope::camera() const { return impl_->camera(impl_->newest.read()); }
 
 Pose Endoscope::channel() const { return tip() * impl_->def.channel; }
+
+void Endoscope::soil(const LensState& lens) { impl_->soiling->set(lens); }
+LensState Endoscope::lens() const { return impl_->soiling->now(); }
 
 EndoscopeView Endoscope::dress(visual::VisualServer& server)
 {
@@ -162,6 +177,7 @@ EndoscopeView Endoscope::dress(visual::VisualServer& server)
     effects.vignette = {}; // the optics have their own
     out.view = &server.add(visual::ViewDef{.name = text(def.name, " view"), .quality = def.quality, .effects = effects},
                            *out.camera);
+    impl_->view = out.view;
     return out;
 }
 

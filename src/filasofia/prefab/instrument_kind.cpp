@@ -46,6 +46,12 @@ Kind kindOf(InstrumentKind kind)
         return {"laparoscopy", "clip_applier", "shaft", 12.0 * degree, 50e-3};
     case InstrumentKind::SpecimenBag:
         return {"laparoscopy", "specimen_bag", "shaft", 30.0 * degree, 50e-3};
+    case InstrumentKind::UltrasonicShears:
+        return {"laparoscopy", "ultrasonic_shears", "shaft", 35.0 * degree, 0.1};
+    case InstrumentKind::Hook:
+        return {"laparoscopy", "hook", "shaft", 0.0, 1.0};
+    case InstrumentKind::SuctionIrrigator:
+        return {"laparoscopy", "suction_irrigator", "shaft", 0.0, 1.0};
     case InstrumentKind::LaparoscopicScissors:
         break;
     }
@@ -60,8 +66,55 @@ std::string part(std::string_view folder, std::string_view name)
 /// All instruments of 5 mm have the shaft of suturing.
 std::string_view shaftFolder(const Kind& kind) { return kind.folder == "laparoscopy" ? "suturing" : kind.folder; }
 
+/// A box from -z to the pivot; its flat face lies in the plane between the jaws, above it or below.
+std::shared_ptr<const geometry::TriangleMesh> bar(double width, double height, double length, bool above)
+{
+    geometry::TriangleMesh mesh = *geometry::shapes::box({width, height, length});
+    for (Vec3& each : mesh.vertices) each += Vec3{0.0, (above ? 0.5 : -0.5) * height, -0.5 * length};
+    return std::make_shared<const geometry::TriangleMesh>(std::move(mesh));
+}
+
+/// A pad that moves, and a blade that does not.
+std::vector<JawDef> shears()
+{
+    const auto pad = bar(2.4e-3, 1.3e-3, 14.5e-3, true), blade = bar(1.5e-3, 1.5e-3, 15e-3, false);
+    return {{.surface = pad, .collision = pad, .axis = {1.0, 0.0, 0.0}, .opensBy = 35.0 * std::numbers::pi / 180.0},
+            {.surface = blade, .collision = blade, .axis = {-1.0, 0.0, 0.0}, .opensBy = 0.0}};
+}
+
+/// An L of wire, whose upright cuts.
+JawDef hook()
+{
+    using geometry::shapes::tube;
+    return {.surface = tube({{}, {0, 0, -14e-3}, {0, -1.2e-3, -15e-3}, {0, -3e-3, -15e-3}}, 0.7e-3, 12),
+            .opensBy = 0.0,
+            .edge = std::array{Vec3{0, 0, -8e-3}, Vec3{0, 0, -15e-3}}};
+}
+
+/// A tube whose mouth and side holes are dark rings.
+JawDef suctionTube()
+{
+    constexpr double outer = 2.6e-3, inner = 1.9e-3, back = 12e-3;        // over the shaft's fork
+    std::vector<Vec3> outline = {{inner, -29e-3, 0}, {outer, -30e-3, 0}}; // along y: from the mouth to the pivot
+    for (const double hole : {-27e-3, -25e-3, -23e-3}) {
+        outline.push_back({outer, hole - 0.5e-3, 0});
+        outline.push_back({inner, hole, 0});
+        outline.push_back({outer, hole + 0.5e-3, 0});
+    }
+    outline.push_back({outer, back, 0});
+    outline.push_back({inner, back, 0});
+    geometry::TriangleMesh mesh = *geometry::shapes::revolved(outline, 24);
+    for (Vec3& each : mesh.vertices) each = {each.x, -each.z, each.y};
+    return {.surface = std::make_shared<const geometry::TriangleMesh>(std::move(mesh)),
+            .collision = geometry::shapes::tube({{0, 0, 1e-3}, {0, 0, -30e-3}}, outer, 12),
+            .opensBy = 0.0};
+}
+
 std::vector<JawDef> jawsOf(const Kind& kind)
 {
+    if (kind.name == "ultrasonic_shears") return shears();
+    if (kind.name == "hook") return {hook()};
+    if (kind.name == "suction_irrigator") return {suctionTube()};
     std::vector<JawDef> jaws;
     const bool drawnHere = kind.name == "clip_applier" || kind.name == "specimen_bag";
     for (const bool upper : {true, false}) {
@@ -112,8 +165,8 @@ ArticulatedInstrumentDef completed(ArticulatedInstrumentDef def)
     const Kind kind = kindOf(def.kind);
     if (def.jaws.empty()) def.jaws = jawsOf(kind);
     if (def.jaws.size() > 2) fail(object, ": jaws must have one or two entries, got ", def.jaws.size());
-    if (std::ranges::none_of(def.jaws, [](const JawDef& jaw) { return jaw.opensBy > 0.0; }))
-        fail(object, ": jaws: at least one must have opensBy > 0 rad, got none");
+    const bool moves = std::ranges::any_of(def.jaws, [](const JawDef& jaw) { return jaw.opensBy > 0.0; });
+    if (!moves && hasJaws(def.kind)) fail(object, ": jaws: at least one must have opensBy > 0 rad, got none");
     for (std::size_t i = 0; i < def.jaws.size(); ++i) {
         if (length(def.jaws[i].axis) == 0.0) fail(object, ": jaws[", i, "].axis must have a length > 0, got 0 0 0");
         if (const auto& edge = def.jaws[i].edge; edge && distance((*edge)[0], (*edge)[1]) == 0.0)
@@ -122,7 +175,7 @@ ArticulatedInstrumentDef completed(ArticulatedInstrumentDef def)
     if (isEmpty(def.shaft)) def.shaft = part(shaftFolder(kind), kind.shaft);
     if (isEmpty(def.shaftCollision)) def.shaftCollision = part(shaftFolder(kind), text(kind.shaft, "_collision"));
     if (!def.closingTorque) def.closingTorque = kind.closingTorque;
-    if (kind.edge || def.kind == InstrumentKind::ClipApplier || def.kind == InstrumentKind::SpecimenBag)
+    if (kind.edge || def.kind == InstrumentKind::ClipApplier || def.kind == InstrumentKind::SpecimenBag || !moves)
         def.grasps = false;
     return def;
 }

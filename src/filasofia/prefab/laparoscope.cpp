@@ -13,6 +13,7 @@ namespace filasofia::prefab {
 namespace {
 
 constexpr double kMostZoom = 4.0;
+constexpr double kWithdrawn = 5e-3; ///< [m], insertion beyond the least at which a lens is wiped
 
 std::string objectOf(const LaparoscopeDef& def) { return text("laparoscope '", def.name, "'"); }
 
@@ -37,7 +38,8 @@ EndoscopeDef endoscopeOf(const LaparoscopeDef& def)
             .optics = def.optics,
             .quality = def.quality,
             .focusDistance = 0.1,
-            .surroundings = def.surroundings};
+            .surroundings = def.surroundings,
+            .soiling = def.soiling};
 }
 
 } // namespace
@@ -53,6 +55,7 @@ struct Laparoscope::Impl {
     [[nodiscard]] static Vec3 grip() { return {}; } // it holds nothing
     void go(const Pose& tip)
     {
+        if (def.soiling && drive.report().pose.insertion < def.trocar.leastInsertion + kWithdrawn) scope.wipe();
         scope.move(tip);
         level(tip);
     }
@@ -107,6 +110,8 @@ void Laparoscope::zoom(double times)
         fail(objectOf(impl_->def), ": zoom must be in [1, ", kMostZoom, "], got ", times);
     impl_->times = times;
 }
+void Laparoscope::soil(const LensState& lens) { impl_->scope.soil(lens); }
+LensState Laparoscope::lens() const { return impl_->scope.lens(); }
 void Laparoscope::horizon(bool keep) { impl_->upright = keep; }
 TrocarReport Laparoscope::report() const { return impl_->drive.report(); }
 Pose Laparoscope::camera() const { return impl_->scope.camera(); }

@@ -131,6 +131,10 @@ void Simulation::treat(BodyId id, const surface::Treatment& treatment)
     impl_->treat(id, treatment);
     impl_->recordScene(SceneTreated{id, treatment});
 }
+void Simulation::checkTreat(BodyId id, const surface::Treatment& treatment) const
+{
+    impl_->ofLayer(treatment, [&](auto& layers, const auto& command) { layers.check(id, command, impl_->physics); });
+}
 int Simulation::addElectrode(BodyId id, const surface::ElectrodeDef& def)
 {
     const int index = impl_->electrodes.add(id, def, impl_->physics);
@@ -188,6 +192,10 @@ void Simulation::checkDistend(const surface::Distend& command) const { impl_->di
 surface::DistensionBalance Simulation::distension() const { return impl_->distension.balance(); }
 surface::BloodBalance Simulation::blood(BodyId id) const { return impl_->bleedings.balance(id); }
 surface::HeatBalance Simulation::heat(BodyId id) const { return impl_->burnings.balance(id); }
+bool Simulation::bleeds(BodyId id) const { return impl_->bleedings.has(id); }
+bool Simulation::burns(BodyId id) const { return impl_->burnings.has(id); }
+bool Simulation::hasSmoke() const { return impl_->smoke.any(); }
+std::shared_ptr<const std::vector<float>> Simulation::damage(BodyId id) const { return impl_->burnings.damage(id); }
 void Simulation::follow(visual::Transform& transform, BodyId id, const FollowDef& def)
 {
     impl_->bindings.follow(transform, id, def, impl_->physics);

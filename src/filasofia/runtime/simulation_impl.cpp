@@ -253,14 +253,7 @@ void Simulation::Impl::cleanSurfaces()
 
 void Simulation::Impl::treat(BodyId id, const surface::Treatment& treatment)
 {
-    std::visit(
-        [&](const auto& each) {
-            if constexpr (std::is_same_v<std::decay_t<decltype(each)>, surface::Heat>)
-                burnings.treat(id, each);
-            else
-                bleedings.treat(id, each);
-        },
-        treatment);
+    ofLayer(treatment, [&](auto& layers, const auto& command) { layers.treat(id, command, physics); });
 }
 
 geometry::Box Simulation::Impl::boundsNow(visual::VisualServer& visual)

@@ -112,6 +112,18 @@ struct Simulation::Impl {
     /// if some were lost.
     std::uint32_t stepDucts(const physics::StepReport& report);
     void treat(BodyId id, const surface::Treatment& treatment);
+    /// Calls act(layers, command) with the blood or the heat of all bodies.
+    template <class Act> void ofLayer(const surface::Treatment& treatment, const Act& act)
+    {
+        std::visit(
+            [&](const auto& each) {
+                if constexpr (std::is_same_v<std::decay_t<decltype(each)>, surface::Heat>)
+                    act(burnings, each);
+                else
+                    act(bleedings, each);
+            },
+            treatment);
+    }
     /// Removes all paint, blood, heat, burns and smoke, and releases all pedals.
     void cleanSurfaces();
     /// The box around all that is shown, where it is now; before the first step, where it starts.

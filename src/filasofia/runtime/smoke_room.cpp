@@ -2,6 +2,7 @@
 
 #include "filasofia/core/validate.h"
 #include "filasofia/physics/physics_server.h"
+#include "filasofia/runtime/carried.h"
 #include "filasofia/runtime/told_and_kept.h"
 
 #include <algorithm>
@@ -14,15 +15,6 @@ namespace {
 using surface::Extract;
 
 std::string shown(Vec3 at) { return text("(", at.x, " ", at.y, " ", at.z, ") m"); }
-
-/// Where an opening is now; nothing if the body that carries it is gone.
-std::optional<Vec3> placeOf(const Extract& opening, const frame::Frame& frame)
-{
-    if (!opening.body) return opening.place;
-    const frame::RigidBodyFrame* body = frame.rigidBody(opening.body);
-    if (body == nullptr || opening.element >= std::ssize(body->poses)) return std::nullopt;
-    return transform(body->poses[static_cast<std::size_t>(opening.element)], opening.place);
-}
 
 } // namespace
 
@@ -44,13 +36,7 @@ const SmokeRoom::Room& SmokeRoom::room() const
 void SmokeRoom::check(const Extract& command, const physics::PhysicsServer& physics) const
 {
     validate(command, "extract");
-    if (command.body) {
-        const auto body = physics.def(command.body);
-        const auto* rigid = std::get_if<physics::RigidBodyDef>(&*body);
-        if (rigid == nullptr) fail("extract: body must be a rigid one, got ", physics::describeBody(*body));
-        if (const auto count = static_cast<int>(physics::elementCount(*rigid)); command.element >= count)
-            fail("extract: element must be in [0, ", count, "), got ", command.element);
-    }
+    checkCarrier(command.body, command.element, physics, "extract");
     const std::lock_guard lock(mutex_);
     const geometry::Box& within = room().smoke.def().room;
     if (!command.body && command.flow > 0.0 && !geometry::contains(within, command.place))
@@ -104,7 +90,7 @@ void SmokeRoom::afterStep(std::uint64_t step, double time, physics::PhysicsServe
         const frame::FrameRef frame = physics.latest();
         if (!frame || frame->step != step) return; // readers hold all frames: the next step has one
         for (const auto& [source, opening] : room.openings)
-            if (const auto place = placeOf(opening, *frame)) room.smoke.extract(*place, opening.flow);
+            if (const auto place = placeNow(opening, *frame)) room.smoke.extract(*place, opening.flow);
     }
     room.smoke.step(room.gravity, room.last < 0.0 ? 0.0 : time - room.last);
     room.last = time;

@@ -108,7 +108,10 @@ template <class Layer> void SurfaceLayers<Layer>::Turn::run()
         layer.step(positions, gravity, dt);
     }
     film = std::make_shared<const std::vector<float>>(Kind<Layer>::film(layer));
-    if constexpr (requires { layer.burnt(); }) burnt = std::make_shared<const std::vector<std::uint8_t>>(layer.burnt());
+    if constexpr (requires { layer.burnt(); }) {
+        burnt = std::make_shared<const std::vector<std::uint8_t>>(layer.burnt());
+        damage = std::make_shared<const std::vector<float>>(layer.damage());
+    }
 }
 
 template <class Layer>
@@ -138,14 +141,27 @@ template <class Layer> auto SurfaceLayers<Layer>::patient(BodyId id) const -> co
     return found->second;
 }
 
-template <class Layer> void SurfaceLayers<Layer>::treat(BodyId id, const Command& command)
+template <class Layer>
+void SurfaceLayers<Layer>::check(BodyId id, const Command& command, const physics::PhysicsServer& physics) const
 {
     const std::lock_guard lock(mutex_);
     const std::string object = text(Kind<Layer>::kOf, " of '", patient(id).name, "'");
     if constexpr (requires { std::visit([](const auto&) {}, command); })
-        std::visit([&](const auto& each) { validate(each, object); }, command);
+        std::visit(
+            [&](const auto& each) {
+                validate(each, object);
+                if constexpr (requires { each.body; }) checkCarrier(each.body, each.element, physics, object);
+            },
+            command);
     else
         validate(command, object);
+}
+
+template <class Layer>
+void SurfaceLayers<Layer>::treat(BodyId id, const Command& command, const physics::PhysicsServer& physics)
+{
+    check(id, command, physics);
+    const std::lock_guard lock(mutex_);
     patients_.at(id).waiting.push_back(command);
 }
 
@@ -168,6 +184,12 @@ template <class Layer> bool SurfaceLayers<Layer>::has(BodyId id) const
 {
     const std::lock_guard lock(mutex_);
     return patients_.contains(id);
+}
+
+template <class Layer> NodeFilm SurfaceLayers<Layer>::damage(BodyId id) const
+{
+    const std::lock_guard lock(mutex_);
+    return patient(id).damage;
 }
 
 template <class Layer> void SurfaceLayers<Layer>::restart()
@@ -201,7 +223,8 @@ template <class Layer> void SurfaceLayers<Layer>::warnOfMisses(const frame::Soft
         }
 }
 
-template <class Layer> void SurfaceLayers<Layer>::begin(Patient& patient, const frame::SoftBodyFrame& body, double time)
+template <class Layer> void SurfaceLayers<Layer>::begin(Patient& patient, const frame::Frame& frame,
+                                                        const frame::SoftBodyFrame& body, double time)
 {
     Turn& turn = *patient.turn;
     if (std::exchange(patient.restart, false)) {
@@ -209,9 +232,11 @@ template <class Layer> void SurfaceLayers<Layer>::begin(Patient& patient, const 
         patient.told.reset(); // the next event says from where it counts again
         patient.tellFrom = 0.0;
         patient.closed = nullptr;
+        patient.carried = {};
     }
     warnOfMisses(body, patient);
     turn.commands = std::exchange(patient.waiting, {});
+    if constexpr (std::is_same_v<Layer, surface::Bleeding>) patient.carried.follow(frame, turn.commands);
     turn.positions = body.positions;
     turn.boundary = body.boundary;
     turn.gravity = patient.gravity;
@@ -253,6 +278,7 @@ bool SurfaceLayers<Layer>::takeResults(BodyId id, double time, Patient& patient,
             if (!patient.restart) patient.tissue.push_back(changeOf(id, *patient.start->def().tissue, std::move(each)));
     }
     patient.burnt = patient.restart ? nullptr : patient.turn->burnt; // a reset heals
+    patient.damage = patient.restart ? nullptr : patient.turn->damage;
     return tell(id, time, patient, post);
 }
 
@@ -269,7 +295,7 @@ bool SurfaceLayers<Layer>::afterStep(std::uint64_t step, double time, physics::P
         const frame::SoftBodyFrame* body = frame->softBody(id);
         if (body == nullptr) continue; // not there yet, or removed
         all = takeResults(id, time, each, post) && all;
-        begin(each, *body, time);
+        begin(each, *frame, *body, time);
         const double rate = each.start->def().rate;
         each.next = (std::floor(time * rate + 1e-6) + 1.0) / rate;
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/runtime/carried.h"
 #include "filasofia/runtime/film_marks.h"
 #include "filasofia/runtime/memory.h"
 #include "filasofia/runtime/run.h"
@@ -31,13 +32,17 @@ public:
     /// Any thread. Error if the body is no soft body or has this layer already, or if the Def is wrong.
     void add(BodyId id, const Def& def, Vec3 gravity, const physics::PhysicsServer& physics);
     /// Takes effect at the layer's next step. Any thread. Error if the body has no layer, or a field is wrong.
-    void treat(BodyId id, const Command& command);
+    void treat(BodyId id, const Command& command, const physics::PhysicsServer& physics);
+    /// The Error that treat() would throw. Any thread.
+    void check(BodyId id, const Command& command, const physics::PhysicsServer& physics) const;
     /// After the last step of the layer that has ended. Any thread. Error if the body has none.
     [[nodiscard]] Balance balance(BodyId id) const;
     /// Summed over all bodies: what is told of them, for blood what has welled [m^3]. Any thread.
     [[nodiscard]] double told() const;
     /// Whether a body has this layer. Any thread.
     [[nodiscard]] bool has(BodyId id) const;
+    /// After the last step of the layer that has ended; null before. Any thread. Error if the body has none.
+    [[nodiscard]] NodeFilm damage(BodyId id) const;
     /// All bodies are as they were added. Any thread.
     void restart();
 
@@ -93,6 +98,7 @@ private:
         std::vector<surface::TipHeat> tips = {};
         NodeFlags burnt = {}; ///< found by the step
         NodeFilm film = {};   ///< the same
+        NodeFilm damage = {}; ///< the same
         void run();
     };
     struct Patient {
@@ -102,6 +108,7 @@ private:
         std::shared_ptr<Turn> turn = {};
         std::shared_ptr<BackgroundJob> job = {}; ///< null: the turn is done
         std::vector<Command> waiting = {};
+        CarriedTreatments carried = {}; ///< blood's
         bool restart = false;
         double last = -1.0; ///< [s], time of the newest positions; < 0: it had none yet
         double next = 0.0;  ///< [s]
@@ -112,6 +119,7 @@ private:
         std::vector<surface::TipHeat> tips = {};     ///< for the step that begins
         std::map<int, double> taken = {};            ///< [J], by electrodes
         NodeFlags burnt = {};                        ///< takeBurnt() does not have it yet
+        NodeFilm damage = {};                        ///< heat's, null before the first step and after a reset
         std::vector<surface::Fume> fumes = {};       ///< takeFumes() does not have them yet
         std::vector<physics::SetTissue> tissue = {}; ///< takeTissue() does not have them yet
         NodeFilm film = {};
@@ -123,7 +131,7 @@ private:
     static void warnOfMisses(const frame::SoftBodyFrame& body, Patient& patient);
     static bool tell(BodyId id, double time, Patient& patient, const Post& post);
     static bool takeResults(BodyId id, double time, Patient& patient, const Post& post);
-    void begin(Patient& patient, const frame::SoftBodyFrame& body, double time);
+    void begin(Patient& patient, const frame::Frame& frame, const frame::SoftBodyFrame& body, double time);
     [[nodiscard]] const Patient& patient(BodyId id) const;
     [[nodiscard]] Patients copy() const;
 

@@ -111,7 +111,7 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
             const std::string path = text("haptics[", i, "]");
             failAtPlace(scene.places, path, text(path, ": ", error.what()));
         }
-    followPedals(simulation, scene, ids, hands);
+    followPedals(simulation, scene, ids, instruments, hands);
     try {
         added.tracker = addTracker(simulation, scene, ids, std::move(tracker));
         const bool dressed = !scene.cameras.empty() || std::ranges::any_of(instruments, &Instrument::isScope);

@@ -128,9 +128,12 @@ private:
         SceneNumbers(ids_, &attachments_).replaceIn(command);
         if constexpr (std::is_same_v<Command, SetMaterial>)
             trial_.give(physics::SetMaterial{command.id, std::move(command.material), {}});
-        else if constexpr (std::is_same_v<Command, Treat> || std::is_same_v<Command, Activate>)
+        else if constexpr (std::is_same_v<Command, Activate>)
             trial_.mustBeThere(command.id);
-        else if constexpr (std::is_same_v<Command, surface::Extract>) {
+        else if constexpr (std::is_same_v<Command, Treat>) {
+            trial_.mustBeThere(command.id);
+            simulation_.checkTreat(command.id, command.treatment);
+        } else if constexpr (std::is_same_v<Command, surface::Extract>) {
             if (command.body) trial_.mustBeThere(command.body);
             simulation_.checkExtract(command);
         } else if constexpr (std::is_same_v<Command, surface::Distend>) {

@@ -174,6 +174,19 @@ void addClips(runtime::Simulation& simulation, const SceneInstrument& def, const
     simulation.everyStep([applier, jaws = added.jaws](double) {}); // they live as long as the simulation's callbacks
 }
 
+/// Gives an instrument what works while it is closed, or while its pedal is pressed.
+void addFunctions(runtime::Simulation& simulation, const SceneInstrument& def, Instrument& added)
+{
+    if ((def.suction || def.shears) && !added.jaws) fail(def.suction ? "suction" : "shears", " needs no endoscope");
+    if (def.shears && !isOf(prefab::InstrumentKind::UltrasonicShears, def))
+        fail("shears need an instrument of kind ultrasonicShears");
+    if (def.suction) added.suction = std::make_shared<prefab::SuctionIrrigator>(simulation, *added.jaws, *def.suction);
+    std::shared_ptr<prefab::UltrasonicShears> shears;
+    if (def.shears) shears = std::make_shared<prefab::UltrasonicShears>(simulation, *added.jaws, *def.shears);
+    if (def.suction || def.shears) // they live as long as the simulation's callbacks
+        simulation.everyStep([shears, suction = added.suction, jaws = added.jaws](double) {});
+}
+
 /// Lets a person move two instruments and a scope in trocars that nothing else moves.
 void addTrocarHands(runtime::Simulation& simulation, const Instruments& instruments)
 {
@@ -198,6 +211,7 @@ Instruments addInstruments(runtime::Simulation& simulation, const SceneDef& scen
         const std::string path = text("instruments[", i, "]");
         try {
             added.push_back(addInstrument(simulation, scene.instruments[i], path, scene.places));
+            addFunctions(simulation, scene.instruments[i], added.back());
             addElectrodes(simulation, added.back().body, scene.instruments[i].electrodes, ids);
             addClips(simulation, scene.instruments[i], added.back(), ids);
             addBag(simulation, scene.instruments[i], added.back());

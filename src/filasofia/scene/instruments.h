@@ -12,7 +12,8 @@ struct Instrument {
     std::shared_ptr<prefab::Laparoscope> laparoscope = {};
     std::shared_ptr<prefab::ArticulatedInstrument> jaws = {};
     std::shared_ptr<prefab::Endoscope> scope = {};
-    bool keyed = false; ///< its own keys move it
+    std::shared_ptr<prefab::SuctionIrrigator> suction = {}; ///< of its jaws
+    bool keyed = false;                                     ///< its own keys move it
 
     [[nodiscard]] bool isScope() const { return scope || laparoscope; }
     [[nodiscard]] BodyId handle() const ///< 0 if it has none

@@ -39,9 +39,11 @@ void check(const ScenePedal& pedal, const SceneDef& scene, const Hands& hands, c
         fail(path, ".button needs a haptic interface that holds the body");
 }
 
-void follow(runtime::Simulation& simulation, const ScenePedal& pedal, const Hands& hands)
+void follow(runtime::Simulation& simulation, const ScenePedal& pedal, const Hands& hands,
+            const std::shared_ptr<prefab::SuctionIrrigator>& suction)
 {
-    const auto set = [&simulation, pedal](bool on) {
+    const auto set = [&simulation, pedal, suction](bool on) {
+        if (suction) return suction->rinse(on);
         if (!pedal.extract) return simulation.activate(pedal.body, on, pedal.electrode);
         surface::Extract now = *pedal.extract;
         if (!on) now.flow = 0.0;
@@ -64,6 +66,18 @@ void follow(runtime::Simulation& simulation, const ScenePedal& pedal, const Hand
         if (e.interface == hand && e.notice.kind == device::DeviceNotice::Kind::Button && e.notice.button == button)
             set(e.notice.pressed);
     });
+}
+
+/// What rinses while a pedal is pressed; null if the pedal does something else.
+std::shared_ptr<prefab::SuctionIrrigator> rinsedBy(const ScenePedal& pedal, const Instruments& instruments,
+                                                   const std::string& path)
+{
+    if (!pedal.rinse) return nullptr;
+    if (pedal.extract) fail(path, ".rinse must be false: the pedal has extract");
+    const auto found = std::ranges::find(instruments, pedal.body, &Instrument::body);
+    if (!pedal.body || found == instruments.end() || !found->suction)
+        fail(path, ".body must be an instrument with suction, if it rinses");
+    return found->suction;
 }
 
 void checkExtract(const runtime::Simulation& simulation, const surface::Extract& extract, const std::string& path)
@@ -94,22 +108,23 @@ void checkElectrode(const runtime::Simulation& simulation, BodyId id, int electr
 }
 
 void followPedals(runtime::Simulation& simulation, const SceneDef& scene, const std::vector<BodyId>& ids,
-                  const Hands& hands)
+                  const Instruments& instruments, const Hands& hands)
 {
     for (std::size_t i = 0; i < scene.pedals.size(); ++i) try {
             ScenePedal pedal = scene.pedals[i];
             const std::string path = text("pedals[", i, "]");
             const bool instrument = pedal.body.value > scene.bodies.size();
             SceneNumbers(ids).replaceIn(pedal);
+            const auto suction = rinsedBy(pedal, instruments, path);
             if (pedal.extract)
                 checkExtract(simulation, *pedal.extract, path);
             else if (!pedal.body)
                 fail(path, ": needs a body");
-            else
+            else if (!suction)
                 checkElectrode(simulation, pedal.body, pedal.electrode, path);
             if (instrument && pedal.button == 0) fail(path, ".button must not be 0: it closes the jaws");
             check(pedal, scene, hands, path);
-            follow(simulation, pedal, hands);
+            follow(simulation, pedal, hands, suction);
         } catch (const Error& error) {
             failAtPlace(scene.places, error.what());
         }

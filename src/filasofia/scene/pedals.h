@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/scene/scene_def.h"
+#include "filasofia/scene/instruments.h"
 
 namespace filasofia::scene {
 
@@ -14,8 +14,8 @@ void addElectrodes(runtime::Simulation& simulation, BodyId id, const std::vector
 /// Throws an Error that begins with `place` if a body has no such electrode.
 void checkElectrode(const runtime::Simulation& simulation, BodyId id, int electrode, const std::string& place);
 
-/// Lets keys and buttons activate electrodes, and open suction of smoke.
+/// Lets keys and buttons activate electrodes, open suction of smoke, and let instruments rinse.
 void followPedals(runtime::Simulation& simulation, const SceneDef& scene, const std::vector<BodyId>& ids,
-                  const Hands& hands);
+                  const Instruments& instruments, const Hands& hands);
 
 } // namespace filasofia::scene

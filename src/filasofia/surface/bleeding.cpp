@@ -155,11 +155,12 @@ void Bleeding::apply(const BloodCommand& command, std::span<const Vec3> position
     if (const auto* seal = std::get_if<Seal>(&command))
         forEachNear(places_, seal->place, seal->radius, [&](std::size_t v) { vessels_[v] = 0.0; });
     if (const auto* poured = std::get_if<Pour>(&command)) pour(*poured);
-    if (const auto* rinse = std::get_if<Rinse>(&command))
-        forEachNear(places_, rinse->place, rinse->radius, [&](std::size_t v) {
-            balance_.rinsed += content_.volume[v];
-            content_.volume[v] = content_.aged[v] = 0.0;
-        });
+    if (const auto* rinse = std::get_if<Rinse>(&command)) {
+        if (std::isinf(rinse->rate)) // at once
+            balance_.rinsed += takeAway(rinse->place, rinse->radius, rinse->rate);
+        else
+            rinsing_ = rinse->rate > 0.0 ? std::optional(*rinse) : std::nullopt;
+    }
 }
 
 void Bleeding::pour(const Pour& what)
@@ -193,7 +194,8 @@ void Bleeding::step(std::span<const Vec3> positions, Vec3 gravity, double dt)
     }
     untilLandings_ -= dt;
     well(dt);
-    if (suction_) suck(dt);
+    if (rinsing_) balance_.rinsed += takeAway(rinsing_->place, rinsing_->radius, rinsing_->rate * dt);
+    if (suction_) balance_.sucked += takeAway(suction_->place, suction_->radius, suction_->rate * dt);
     const FilmLiquid liquid{.viscosity = def_.viscosity,
                             .hardening = def_.clottingTime,
                             .density = def_.density,
@@ -235,19 +237,20 @@ void Bleeding::well(double dt)
     }
 }
 
-void Bleeding::suck(double dt)
+/// Takes at most `most` [m^3] of what lies around a place, evenly; returns how much it took.
+double Bleeding::takeAway(Vec3 place, double radius, double most)
 {
-    double there = 0.0;
-    const auto forEach = [&](const auto& visit) { forEachNear(places_, suction_->place, suction_->radius, visit); };
-    forEach([&](std::size_t v) { there += content_.volume[v]; });
-    if (there <= 0.0) return;
-    const double share = std::min(suction_->rate * dt / there, 1.0);
-    forEach([&](std::size_t v) {
+    double there = 0.0, taken = 0.0;
+    forEachNear(places_, place, radius, [&](std::size_t v) { there += content_.volume[v]; });
+    if (there <= 0.0) return 0.0;
+    const double share = std::min(most / there, 1.0);
+    forEachNear(places_, place, radius, [&](std::size_t v) {
         const double left = share < 1.0 ? content_.volume[v] * (1.0 - share) : 0.0;
-        balance_.sucked += content_.volume[v] - left;
+        taken += content_.volume[v] - left;
         content_.volume[v] = left;
         content_.aged[v] *= 1.0 - share;
     });
+    return taken;
 }
 
 bool Bleeding::idle() const

@@ -267,4 +267,6 @@ std::vector<std::uint8_t> Burning::burnt() const
     return out;
 }
 
+std::vector<float> Burning::damage() const { return surface_.byNode(damage_); }
+
 } // namespace filasofia::surface

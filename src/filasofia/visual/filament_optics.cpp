@@ -117,6 +117,11 @@ void OpticsPass::prepare(int width, int height, const EndoscopeOptics& optics)
     setParameter(*instance_, "distortion", float(optics.distortion));
     setParameter(*instance_, "vignette", float(optics.vignette));
     setParameter(*instance_, "rimBlur", float(optics.rimBlur));
+    setParameter(*instance_, "mist", float(optics.mist));
+    setParameter(*instance_, "smear", float(optics.smear));
+    setParameter(*instance_, "smearColor",
+                 filament::math::float3{float(optics.smearColor.red), float(optics.smearColor.green),
+                                        float(optics.smearColor.blue)});
 }
 
 } // namespace filasofia::visual
