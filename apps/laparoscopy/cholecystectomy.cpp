@@ -224,7 +224,8 @@ int cholecystectomy(const Training& training)
     GallbladderTools tools(sim, patient);
     Surgery surgery(sim, patient, tools);
     sim.on<KeyEvent>([&](const KeyEvent& e) {
-        for (const InHand each : {Hook, Applier, Scissors, Bag})
+        if (e.key == KeyCode::Digit9) tools.suction.rinse(e.pressed && tools.chosen() == Tube);
+        for (const InHand each : {Hook, Applier, Scissors, Bag, Tube})
             if (e.pressed && e.key == static_cast<KeyCode>(static_cast<int>(KeyCode::Digit4) + each))
                 tools.choose(each);
     });

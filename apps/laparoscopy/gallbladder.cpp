@@ -51,16 +51,8 @@ LaparoscopicInstrumentDef grasper()
     return inTrocar("left grasper", kLeftPort, tool);
 }
 
-/// A hook has no jaws: that which it has here hardly moves, and closes as its pedal is pressed.
-LaparoscopicInstrumentDef hook()
-{
-    const prefab::JawDef bare{
-        .surface = shapes::tube({{}, {0, 0, -14_mm}, {0, -1.2_mm, -15_mm}, {0, -3_mm, -15_mm}}, 0.7_mm, 12),
-        .opensBy = 0.01,
-        .edge = std::array{Vec3{0, 0, -8_mm}, Vec3{0, 0, -15_mm}}};
-    return inTrocar("hook", kRightPort,
-                    {.kind = InstrumentKind::LaparoscopicScissors, .jaws = {bare}, .opening = 1.0, .grasps = false});
-}
+LaparoscopicInstrumentDef hook() { return inTrocar("hook", kRightPort, {.kind = InstrumentKind::Hook}); }
+LaparoscopicInstrumentDef tube() { return inTrocar("tube", kRightPort, {.kind = InstrumentKind::SuctionIrrigator}); }
 
 /// It waits, open, where nobody looks.
 LaparoscopicInstrumentDef holder()
@@ -135,15 +127,17 @@ GallbladderTools::GallbladderTools(Simulation& sim, const GallbladderPatient& pa
                               {.kind = InstrumentKind::ClipApplier, .groups = {}, .opening = 1.0})),
             std::make_unique<LaparoscopicInstrument>(
                 sim, inTrocar("scissors", kRightPort, {.kind = InstrumentKind::LaparoscopicScissors, .opening = 0.6})),
-            std::make_unique<LaparoscopicInstrument>(sim, holder())},
+            std::make_unique<LaparoscopicInstrument>(sim, holder()),
+            std::make_unique<LaparoscopicInstrument>(sim, tube())},
       clips(sim, right[Applier]->tool(),
             {.clip = {.gap = 0.5_mm},
              .clips = 8,
              .targets = {patient.duct.body, patient.artery.body},
              .onClip = [this](BodyId tissue) { return onClip ? onClip(tissue) : void(); }}),
-      bag(sim, right[Bag]->tool(), {.cells = 6, .groups = {InBag}}), hands(sim, left, *right[Hook], scope), sim_(sim)
+      bag(sim, right[Bag]->tool(), {.cells = 6, .groups = {InBag}}), suction(sim, right[Tube]->tool()),
+      hands(sim, left, *right[Hook], scope), sim_(sim)
 {
-    const ElectrodeTip tip{.element = 1, .from = {0, 0, -10_mm}, .to = {0, 0, -15_mm}};
+    const ElectrodeTip tip{.from = {0, 0, -10_mm}, .to = {0, 0, -15_mm}};
     sim.addElectrode(right[Hook]->body(), {.mode = EnergyMode::Cut, .power = 30.0, .radius = 1.5_mm, .tip = tip});
     sim.everyStep([this](double) { step(); });
 }
@@ -153,7 +147,7 @@ void GallbladderTools::step()
 {
     const InHand now = chosen_;
     const TrocarPose wanted = hands.wanted().right;
-    for (const InHand each : {Hook, Applier, Scissors, Bag}) {
+    for (const InHand each : {Hook, Applier, Scissors, Bag, Tube}) {
         TrocarPose pose = wanted;
         if (each == Bag) pose.roll += kLevel;
         if (each != now) pose.insertion = right[each]->def().trocar.leastInsertion;

@@ -28,17 +28,18 @@ struct GallbladderPatient {
 };
 GallbladderPatient addGallbladder(filasofia::Simulation& sim, std::uint64_t seed);
 
-enum InHand { Hook, Applier, Scissors, Bag };
-/// The instruments. The right hand has one of four; the others wait in their cannula.
+enum InHand { Hook, Applier, Scissors, Bag, Tube };
+/// The instruments. The right hand has one of five; the others wait in their cannula.
 class GallbladderTools {
 public:
     GallbladderTools(filasofia::Simulation& sim, const GallbladderPatient& patient);
 
     filasofia::LaparoscopicInstrument left;
     filasofia::Laparoscope scope;
-    std::array<std::unique_ptr<filasofia::LaparoscopicInstrument>, 4> right;
+    std::array<std::unique_ptr<filasofia::LaparoscopicInstrument>, 5> right;
     filasofia::ClipApplier clips;
-    filasofia::SpecimenBag bag;   ///< at a roll of 0 its mouth lies level
+    filasofia::SpecimenBag bag; ///< at a roll of 0 its mouth lies level
+    filasofia::SuctionIrrigator suction;
     filasofia::TrocarHands hands; ///< its right hand is the hook's: closed jaws are a pressed pedal
 
     void choose(InHand tool) { chosen_ = tool; } ///< any thread

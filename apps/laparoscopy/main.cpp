@@ -198,8 +198,8 @@ int main(int argc, char** argv)
              "1, 2 and 3 choose the left hand, the right hand and the laparoscope. Drag with the right button to\n"
              "turn the chosen shaft; the wheel, W and S move it in and out, A and D roll it. The left button closes\n"
              "its jaws while it is held down, G closes and opens them. Page up and page down zoom.\n"
-             "Cholecystectomy: 4, 5, 6 and 7 give the right hand the hook (closing is its pedal), clips, scissors or "
-             "the bag.\n"
+             "Cholecystectomy: 4, 5, 6, 7 and 8 give the right hand the hook (closing is its pedal), clips, scissors, "
+             "the bag\nor suction (closing opens it; 9 rinses).\n"
              "Ligating loop: closing the right hand draws the thread, 4 lets the knot go.\n"
              "A haptic device (--device) holds the right handle; its first button closes the jaws.\n",
          .cases = cases,
