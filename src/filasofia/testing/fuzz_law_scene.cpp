@@ -242,9 +242,10 @@ private:
             ShellMaterial material = randomShell(size_, random_);
             material.validStrain = scene_.validStrain;
             material.thickness = std::get<ShellMaterial>(before).thickness; // the mass stays
-            scene_.events.push_back({time, [=](PhysicsServer& server, const Bodies& bodies) {
-                                         server.setMaterial(bodies[kTissue], material);
-                                     }});
+            scene_.events.push_back(
+                {time,
+                 [=](PhysicsServer& server, const Bodies& bodies) { server.setMaterial(bodies[kTissue], material); },
+                 true});
         } else if (!fem->fibres.empty() && random_.chance(0.5)) {
             const double stress = fem->youngModulus * random_.uniform(0.0, 1.0);
             scene_.events.push_back({time, [=](PhysicsServer& server, const Bodies& bodies) {
@@ -255,14 +256,16 @@ private:
                                     .youngModulus = fem->youngModulus * random_.logarithmic(0.3, 10.0),
                                     .restScale = random_.uniform(0.7, 1.1)};
             scene_.events.push_back(
-                {time, [=](PhysicsServer& server, const Bodies& bodies) { server.setTissue(bodies[kTissue], burn); }});
+                {time, [=](PhysicsServer& server, const Bodies& bodies) { server.setTissue(bodies[kTissue], burn); },
+                 true});
         } else {
             FemMaterial material = *fem; // another law
             const auto laws = static_cast<int>(std::variant_size_v<ElasticLaw>);
             material.law = randomLaw(static_cast<std::size_t>(random_.below(laws)), random_);
-            scene_.events.push_back({time, [=](PhysicsServer& server, const Bodies& bodies) {
-                                         server.setMaterial(bodies[kTissue], material);
-                                     }});
+            scene_.events.push_back(
+                {time,
+                 [=](PhysicsServer& server, const Bodies& bodies) { server.setMaterial(bodies[kTissue], material); },
+                 true});
         }
     }
 

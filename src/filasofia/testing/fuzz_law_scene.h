@@ -18,6 +18,7 @@ std::string nameOfLawKind(std::size_t kind);
 struct LawEvent {
     double time = 0.0; ///< [s]
     std::function<void(physics::PhysicsServer& server, const std::vector<BodyId>& bodies)> happen = {};
+    bool changesRest = false; ///< what was strained before it need not be so in the step that it begins
 };
 
 /// A scene of small soft bodies and of tools that act on them.

@@ -98,8 +98,10 @@ private:
                 if (isRigid(scene_.bodies[b])) server_->remove(bodies_[b]);
         if (step_ >= scene_.acting) return;
         for (const ToldBody& each : scene_.told) server_->setPose(bodies_[each.body], each.at(time() + scene_.period));
-        while (event_ < scene_.events.size() && scene_.events[event_].time <= time() + 1e-9)
-            scene_.events[event_++].happen(*server_, bodies_);
+        for (; event_ < scene_.events.size() && scene_.events[event_].time <= time() + 1e-9; ++event_) {
+            scene_.events[event_].happen(*server_, bodies_);
+            if (scene_.events[event_].changesRest) mustTellStrain_ = false;
+        }
     }
 
     void follow(const StepReport& step, IterationCount& iterations)
