@@ -11,6 +11,7 @@ from .cannulation import Cannulation
 from .cuts import PolypRemoval, PrecisionCutting
 from .environment import Judgement, SurgicalEnv
 from .gallbladder import Cholecystectomy, GallbladderDissection
+from .hysteroscopy import HysteroscopicPolypectomy
 from .laparoscopy import ClipAndCut, PatternCutting, PegTransfer
 from .state import EnvState
 from .stitches import LigatingLoop, Suture
@@ -49,6 +50,7 @@ TASKS = (
     Cannulation,
     GallbladderDissection,
     Cholecystectomy,
+    HysteroscopicPolypectomy,
 )
 
 # Name by name, because type checkers read no more than that.
@@ -62,6 +64,7 @@ __all__ = [
     "EnvState",
     "GallbladderDissection",
     "GraspLift",
+    "HysteroscopicPolypectomy",
     "Joint",
     "Judgement",
     "LigatingLoop",

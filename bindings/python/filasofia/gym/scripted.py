@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
 import typing
 
 import numpy as np
 
-from . import cannulation, cuts, gallbladder, laparoscopy, stitches, tasks, threads
+from . import cannulation, cuts, gallbladder, hysteroscopy, laparoscopy, stitches, tasks, threads
 from .environment import SurgicalEnv
 from .tool import Array, Tool, aim, turned
 
@@ -487,6 +488,27 @@ def _take_out(env: gallbladder.Cholecystectomy) -> Moves:
     yield from _stay(10, -1.0)
 
 
+def _pluck(env: hysteroscopy.HysteroscopicPolypectomy) -> Moves:
+    """Takes a bite of the polyp and draws; if only the bite comes, takes a deeper one."""
+    tool, os = env.tools[0], np.asarray(env.os)
+
+    def before(back: float) -> Array:
+        way = os - env.middle()
+        return env.middle() + back * way / np.linalg.norm(way)
+
+    for near in (0.003, 0.002, 0.001, 0.0, -0.001, -0.002):
+        yield from _go(env, lambda: before(0.012), -1.0)
+        yield from itertools.islice(_go(env, lambda: before(near), -1.0), 60)
+        yield from _again(np.append(np.zeros(3), 1.0), 2)
+        if not env.holds(tool):
+            continue
+        yield from _go(env, os - (0, 0.006, 0), 1.0)
+        if np.linalg.norm(env.middle() - tool.place) < 0.012:
+            break
+    yield from _go(env, os + (0, 0.018, 0), 1.0)
+    yield from _stay(4, 1.0)
+
+
 def _again(action: Array, times: int) -> Moves:
     for _ in range(times):
         yield action
@@ -513,4 +535,5 @@ POLICIES: dict[type[SurgicalEnv], typing.Callable[[typing.Any], Moves]] = {
     cannulation.Cannulation: _cannulate,
     gallbladder.GallbladderDissection: _detach,
     gallbladder.Cholecystectomy: _take_out,
+    hysteroscopy.HysteroscopicPolypectomy: _pluck,
 }
