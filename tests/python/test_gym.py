@@ -417,3 +417,68 @@ def test_the_guide_is_true():
         exec(compile(block.split("```")[0], "environments.md", "exec"), {})
     for name in NAMES:
         assert f"`{name}`" in text
+
+
+class Press(gym.SurgicalEnv):
+    """A task of a user, whose answers a test replaces."""
+
+    start, low, high = (0.0, 0.025, 0.0), (-0.02, 0.005, -0.02), (0.02, 0.04, 0.02)
+    joints = ()
+    answer = gym.Judgement({"force": 0.0}, False, {})
+    seen = (0.5,)
+
+    def build(self):
+        tip = self.tip("tip", (0.0, 0.025, 0.0))
+        return [gym.Tool(tip, self.start, low=self.low, high=self.high, joints=self.joints)]
+
+    def features(self):
+        return self.seen
+
+    def judge(self):
+        return self.answer
+
+
+@pytest.mark.parametrize(
+    "fields, message",
+    [
+        ({"low": (1, 1, 1)}, r"tools\[0\].low must be <= high along each axis, \(0.02, 0.04, 0.02\), got \(1, 1, 1\)"),
+        ({"low": (0, 0)}, r"tools\[0\].low must be three finite numbers \[m\], got \(0, 0\)"),
+        ({"high": (np.inf, 1, 1)}, r"tools\[0\].high must be three finite numbers \[m\], got \(inf, 1, 1\)"),
+        ({"start": (5, 5, 5)}, r"tools\[0\].start must be between low, .*, got \(5, 5, 5\)"),
+        ({"joints": (gym.Joint(1, 1, 1),)}, r"tools\[0\].joints\[0\].low must be < high, 1, got 1"),
+        ({"joints": (gym.Joint(1, 2, 1),)}, r"tools\[0\].joints\[0\].start must be in \[1, 2\], got 0.0"),
+        ({"answer": 5}, r"judge\(\) must return a Judgement, got 5"),
+        ({"answer": gym.Judgement({"force": np.nan}, False, {})}, r"reward\['force'\] must be a finite number, got nan"),
+        ({"answer": gym.Judgement({"force": "x"}, False, {})}, r"reward\['force'\] must be a finite number, got 'x'"),
+        ({"answer": gym.Judgement([0.0], False, {})}, r"judge\(\): reward must be a dict, got \[0.0\]"),
+        ({"answer": gym.Judgement({}, "yes", {})}, r"judge\(\): success must be True or False, got 'yes'"),
+        ({"answer": gym.Judgement({}, False, None)}, r"judge\(\): measures must be a dict, got None"),
+        ({"seen": (np.nan,)}, r"features\(\) must be numbers, got \(nan,\)"),
+        ({"seen": None}, r"features\(\) must be numbers, got None"),
+    ],
+)
+def test_what_a_task_of_a_user_returns_is_checked(fields, message):
+    with pytest.raises(fs.Error, match=f"^Wrong: .*{message}"):
+        type("Wrong", (Press,), fields)().reset(seed=0)
+
+
+def test_a_task_of_a_user_returns_tools_and_always_as_many_features():
+    for tools, words in ((None, "None"), ([5], r"\[5\]")):
+        with pytest.raises(fs.Error, match=rf"^Wrong: build\(\) must return a list of tools, got {words}"):
+            type("Wrong", (Press,), {"build": lambda self: tools})()
+    env = Press()
+    env.reset(seed=0)
+    env.seen = (0.5, 0.5)
+    with pytest.raises(fs.Error, match=r"^Press: features\(\) must return as many numbers as at first, got 1 more"):
+        env.step([0, 0, 0])
+    env.seen = ()
+    with pytest.raises(fs.Error, match="at first, got 1 fewer"):
+        env.step([0, 0, 0])
+    env.close()
+
+
+def test_a_task_without_its_methods_names_them():
+    with pytest.raises(NotImplementedError, match=r"^Empty must override build\(\)"):
+        type("Empty", (gym.SurgicalEnv,), {})()
+    with pytest.raises(NotImplementedError, match=r"^Mute must override judge\(\)"):
+        type("Mute", (Press,), {"judge": gym.SurgicalEnv.judge})().reset()

@@ -9,9 +9,10 @@ except ImportError:
 
 from .cannulation import Cannulation
 from .cuts import PolypRemoval, PrecisionCutting
-from .environment import Judgement, SurgicalEnv
+from .environment import SurgicalEnv
 from .gallbladder import Cholecystectomy, GallbladderDissection
 from .hysteroscopy import HysteroscopicPolypectomy
+from .judgement import Judgement
 from .laparoscopy import ClipAndCut, PatternCutting, PegTransfer
 from .state import EnvState
 from .stitches import LigatingLoop, Suture

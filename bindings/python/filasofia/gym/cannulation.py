@@ -9,7 +9,8 @@ import numpy as np
 import filasofia as fs
 
 from . import bodies
-from .environment import Judgement, distance
+from .environment import distance
+from .judgement import Judgement
 from .threads import ThreadEnv, plain
 from .tool import Array, Tool, posed
 

@@ -6,7 +6,8 @@ import numpy as np
 
 import filasofia as fs
 
-from .environment import Judgement, SurgicalEnv, distance
+from .environment import SurgicalEnv, distance
+from .judgement import Judgement
 from .tasks import GREEN, YELLOW
 from .tool import Array, Tool
 

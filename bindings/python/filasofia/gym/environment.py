@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import dataclasses
 import typing
 
 import gymnasium
@@ -12,6 +11,8 @@ import numpy as np
 import filasofia as fs
 
 from . import bodies
+from .checks import check_features, check_judgement, check_tools, missing
+from .judgement import Judgement
 from .state import EnvState, restore, saved
 from .tool import Array, Tool, aim, posed
 
@@ -26,15 +27,6 @@ FAR = 0.3  #: [m]
 def distance(a: Array, b: Array) -> float:
     """Between two places [m]; at most FAR, so that what has left the field costs a bounded reward."""
     return min(float(np.linalg.norm(np.asarray(a) - np.asarray(b))), FAR)
-
-
-@dataclasses.dataclass
-class Judgement:
-    """How a state is judged."""
-
-    reward: dict[str, float]  #: terms whose sum is the reward
-    success: bool
-    measures: dict[str, float]  #: what is measured, in SI units
 
 
 class SurgicalEnv(gymnasium.Env):
@@ -100,7 +92,7 @@ class SurgicalEnv(gymnasium.Env):
         file = None if self.scene is None else fs.asset(self.scene)
         self.sim = fs.Simulation(physics, look=look) if file is None else fs.load(file, physics=physics, look=look)
         self.cuts: list[fs.CutEvent] = []  #: what was cut in this episode
-        self.tools = self.build()
+        self.tools = check_tools(type(self).__name__, self.build())
         self._sizes = [tool.size for tool in self.tools]
         self.sim.on(fs.CutEvent, self.cuts.append)
         self._began = self._closed = False
@@ -128,7 +120,7 @@ class SurgicalEnv(gymnasium.Env):
 
     def build(self) -> list[Tool]:
         """Adds bodies to self.sim; returns the instruments."""
-        raise NotImplementedError
+        raise missing(self, "build(), which adds bodies and returns the tools")
 
     def prepare(self) -> None:
         """What is done once, after the first step: look up nodes, attach, let tissue settle."""
@@ -142,7 +134,7 @@ class SurgicalEnv(gymnasium.Env):
 
     def judge(self) -> Judgement:
         """Judges the present state."""
-        raise NotImplementedError
+        raise missing(self, "judge(), which returns a Judgement")
 
     def view(self) -> fs.Pose:
         """Where the camera is."""
@@ -326,7 +318,7 @@ class SurgicalEnv(gymnasium.Env):
             tool.reset()
         self.arrange()
         self.sim.step()
-        return self.judge()
+        return self._judged()
 
     def _advance(self, action: typing.Any) -> tuple[bool, Judgement]:
         """One action; whether the simulation broke, and how the state is judged."""
@@ -339,7 +331,7 @@ class SurgicalEnv(gymnasium.Env):
                 self._grip(tool, move[-1])
         report = self.sim.step(self.frame_skip, self.moves())
         self.steps += 1
-        judgement = self.judge()
+        judgement = self._judged()
         return fs.StepFlag.UNDONE in report.flags, judgement
 
     def render(self) -> Array | None:
@@ -389,8 +381,11 @@ class SurgicalEnv(gymnasium.Env):
                 values[(choice - 1) // 2] = -1.0 if choice % 2 else 1.0
         return list(np.split(values, np.cumsum(self._sizes)[:-1]))
 
+    def _judged(self) -> Judgement:
+        return check_judgement(type(self).__name__, self.judge())
+
     def _state(self) -> Array:
-        parts: list[Array] = [np.ravel(self.features())]
+        parts: list[Array] = [check_features(type(self).__name__, self.features())]
         for tool in self.tools:
             parts += [self.unit(tool.place), tool.units()]
             if tool.grips is not None:
@@ -399,7 +394,12 @@ class SurgicalEnv(gymnasium.Env):
 
     def _observe(self) -> Array:
         if self.observation == "state":
-            return self._state()
+            state = self._state()
+            if state.shape != self.observation_space.shape:
+                more = state.size - int(np.prod(self.observation_space.shape))
+                words = f"got {abs(more)} {'more' if more > 0 else 'fewer'}"
+                raise fs.Error(f"{type(self).__name__}: features() must return as many numbers as at first, {words}")
+            return state
         if self.observation == "rgb":
             return self._picture()
         depth = self.sim.render_depth(*self.image_size, pose=self.view(), camera=self.lens).depth

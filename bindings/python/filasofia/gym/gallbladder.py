@@ -9,7 +9,8 @@ import numpy as np
 import filasofia as fs
 
 from . import bodies
-from .environment import STEEL, Judgement, SurgicalEnv, distance
+from .environment import STEEL, SurgicalEnv, distance
+from .judgement import Judgement
 from .laparoscopy import applier
 from .tool import Array, Joint, Tool, aim, posed, times, turned
 

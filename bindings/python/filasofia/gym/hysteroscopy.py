@@ -10,7 +10,8 @@ import numpy as np
 
 import filasofia as fs
 
-from .environment import STEEL, Judgement, SurgicalEnv, distance
+from .environment import STEEL, SurgicalEnv, distance
+from .judgement import Judgement
 from .tool import Array, Tool, posed, times, turned
 
 MESHES = "meshes/hysteroscopy/"

@@ -9,7 +9,8 @@ import numpy as np
 import filasofia as fs
 
 from . import bodies
-from .environment import FAR, Judgement, SurgicalEnv, distance
+from .environment import FAR, SurgicalEnv, distance
+from .judgement import Judgement
 from .tasks import GREEN, YELLOW
 from .tool import Array, Joint, Tool
 

@@ -9,7 +9,8 @@ import numpy as np
 import filasofia as fs
 
 from . import bodies
-from .environment import STEEL, Judgement, distance
+from .environment import STEEL, distance
+from .judgement import Judgement
 from .threads import BLUE, GREEN, ThreadEnv, plain
 from .tool import Array, Joint, Tool, aim, posed, times, turned
 

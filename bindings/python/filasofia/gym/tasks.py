@@ -11,7 +11,8 @@ import numpy as np
 
 import filasofia as fs
 
-from .environment import Judgement, SurgicalEnv, distance
+from .environment import SurgicalEnv, distance
+from .judgement import Judgement
 from .tool import Array, Tool
 
 GREEN, BLUE, YELLOW = (0.1, 1.0, 0.2), (0.1, 0.4, 1.0), (1.0, 0.8, 0.1)

@@ -9,7 +9,8 @@ import numpy as np
 import filasofia as fs
 
 from . import bodies
-from .environment import Judgement, SurgicalEnv, distance
+from .environment import SurgicalEnv, distance
+from .judgement import Judgement
 from .tool import Array, Joint, Tool, posed, turned
 
 GREEN, BLUE = (0.0, 0.75, 0.1), (0.0, 0.1, 0.9)

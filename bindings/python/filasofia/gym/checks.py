@@ -1,0 +1,82 @@
+"""What a task of one's own returns must be usable: an Error names the task, its method, the bound and the value.
+
+A not-a-number in an observation or a reward would end in the weights of a policy, many steps later.
+"""
+
+from __future__ import annotations
+
+import typing
+
+import numpy as np
+
+import filasofia as fs
+
+from .judgement import Judgement
+from .tool import Array, Joint, Tool
+
+
+def missing(task: object, what: str) -> NotImplementedError:
+    """The error of a method that a task has to override."""
+    return NotImplementedError(f"{type(task).__name__} must override {what}")
+
+
+def check_tools(task: str, tools: typing.Any) -> list[Tool]:
+    """What build() returned, if it is a list of tools whose workspaces hold their starts."""
+    if not isinstance(tools, (list, tuple)) or not all(isinstance(each, Tool) for each in tools):
+        raise fs.Error(f"{task}: build() must return a list of tools, got {tools!r}")
+    for number, tool in enumerate(tools):
+        _check_tool(f"{task}: tools[{number}]", tool)
+    return list(tools)
+
+
+def check_judgement(task: str, judgement: typing.Any) -> Judgement:
+    """What judge() returned, if it is a Judgement whose terms are finite."""
+    if not isinstance(judgement, Judgement):
+        raise fs.Error(f"{task}: judge() must return a Judgement, got {judgement!r}")
+    for name in ("reward", "measures"):
+        if not isinstance(getattr(judgement, name), dict):
+            raise fs.Error(f"{task}: judge(): {name} must be a dict, got {getattr(judgement, name)!r}")
+    for name, term in judgement.reward.items():
+        if not _finite(term, ()):
+            raise fs.Error(f"{task}: judge(): reward[{name!r}] must be a finite number, got {term!r}")
+    if not isinstance(judgement.success, (bool, np.bool_)):
+        raise fs.Error(f"{task}: judge(): success must be True or False, got {judgement.success!r}")
+    return judgement
+
+
+def check_features(task: str, features: typing.Any) -> Array:
+    """What features() returned, as one row, if it is numbers."""
+    try:
+        row = np.ravel(np.asarray(features, dtype=float))
+    except (TypeError, ValueError):
+        row = np.array([np.nan])
+    if np.isnan(row).any():
+        raise fs.Error(f"{task}: features() must be numbers, got {features!r}")
+    return row
+
+
+def _finite(value: typing.Any, shape: tuple[int, ...]) -> bool:
+    try:
+        numbers = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        return False
+    return numbers.shape == shape and bool(np.isfinite(numbers).all())
+
+
+def _check_tool(name: str, tool: Tool) -> None:
+    for field in ("start", "low", "high"):
+        if not _finite(getattr(tool, field), (3,)):
+            raise fs.Error(f"{name}.{field} must be three finite numbers [m], got {getattr(tool, field)!r}")
+    if not np.all(np.asarray(tool.low) <= np.asarray(tool.high)):
+        raise fs.Error(f"{name}.low must be <= high along each axis, {tool.high!r}, got {tool.low!r}")
+    if not np.all((np.asarray(tool.low) <= tool.start) & (tool.start <= np.asarray(tool.high))):
+        raise fs.Error(f"{name}.start must be between low, {tool.low!r}, and high, {tool.high!r}, got {tool.start!r}")
+    for number, joint in enumerate(tool.joints):
+        _check_joint(f"{name}.joints[{number}]", joint)
+
+
+def _check_joint(name: str, joint: Joint) -> None:
+    if not joint.low < joint.high:
+        raise fs.Error(f"{name}.low must be < high, {joint.high!r}, got {joint.low!r}")
+    if not joint.low <= joint.start <= joint.high:
+        raise fs.Error(f"{name}.start must be in [{joint.low!r}, {joint.high!r}], got {joint.start!r}")
