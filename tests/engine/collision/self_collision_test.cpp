@@ -194,6 +194,47 @@ TEST_CASE("a body that moves as a whole comes no nearer to itself")
     CHECK_FALSE(found.empty());
 }
 
+TEST_CASE("a piece that has come off and flies away comes no nearer to itself, but to the other one")
+{
+    std::mt19937 random(17);
+    geometry::TriangleMesh lumps = lumpMesh(0.8, 10, 0.1, random);
+    const std::size_t half = lumps.vertices.size(), faces = lumps.triangles.size();
+    for (std::size_t i = 0; i < half; ++i) lumps.vertices.push_back(lumps.vertices[i] + Vec3{0, 4, 0});
+    for (std::size_t t = 0; t < faces; ++t) {
+        geometry::Triangle each = lumps.triangles[t];
+        for (int& vertex : each) vertex += static_cast<int>(half);
+        lumps.triangles.push_back(each);
+    }
+    Scene scene;
+    scene.dt = 0.02;
+    scene.add(lumps, {.proximity = 0.02, .depth = 0.03, .self = true});
+    CollisionSurface& surface = scene.surfaces[0];
+    for (Vec3& x : surface.x) { // each bent over itself
+        const double turn = 2.2 * x.x;
+        x = Vec3{std::sin(turn) * (0.4 + x.z), x.y, std::cos(turn) * (0.4 + x.z)};
+    }
+    surface.pieceOf.assign(2 * half, 0);
+    std::fill(surface.pieceOf.begin() + static_cast<std::ptrdiff_t>(half), surface.pieceOf.end(), 3);
+    scene.find();
+    const std::vector<std::array<int, 2>> atRest = scene.scratch.elementPairs;
+    const std::size_t found = scene.found.size();
+    CHECK_FALSE(atRest.empty());
+    CHECK(found > 0);
+    const auto fly = [&](Vec3 velocity) {
+        std::fill(surface.v.begin() + static_cast<std::ptrdiff_t>(half), surface.v.end(), velocity);
+        scene.find();
+    };
+    fly({3.0, 40.0, 7.0}); // away, by 1.2 m in the time of the look-ahead
+    const auto within = [&](std::array<int, 2> pair) {
+        const auto piece = [&](int e) { return surface.pieceOf[surface.shape->elements[e].vertices[0]]; };
+        return piece(pair[0]) == piece(pair[1]);
+    };
+    CHECK(std::ranges::count_if(scene.scratch.elementPairs, within) == static_cast<std::ptrdiff_t>(atRest.size()));
+    CHECK(scene.found.size() == found);
+    fly({0, -80.0, 0}); // towards the other piece, 2.4 m away
+    CHECK(scene.found.size() > found);
+}
+
 TEST_CASE("pairs of a surface's own elements that do not face each other have nothing to find")
 {
     std::mt19937 random(17);

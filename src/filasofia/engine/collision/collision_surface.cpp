@@ -1,37 +1,11 @@
 #include "filasofia/engine/collision/collision_surface.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/engine/collision/vertex_bounds.h"
 
 #include <cmath>
 
 namespace filasofia::engine {
-namespace {
-
-constexpr float kFarthest = 1e9f; // [m] no larger coordinate is used, so that fourth powers stay finite
-
-// A box of this radius around a place.
-Bounds boxAround(Vec3 x, float r)
-{
-    const FourFloats at{static_cast<float>(x.x), static_cast<float>(x.y), static_cast<float>(x.z), 0.0f};
-    const FourFloats size = at < FourFloats{} ? -at : at;
-    // A comparison with a NaN is false, so NaNs are rejected too.
-    const auto near = reinterpret_cast<TwoWords>((size < kFarthest) & (FourFloats{r, r, r, r} < kFarthest));
-    if ((near[0] & near[1]) != -1) return damagedBounds();
-    // A few roundings, each by 2^-24 of the rounded value.
-    const FourFloats grown = r * (1.0f + 0x1p-20f) + 1e-30f + size * 0x1p-22f;
-    return {at - grown, -at - grown};
-}
-
-// A vertex's box. It reaches as far in every direction as the speed allows, so that anything that approaches along its
-// normal is found even if the vertex moves sideways. A box around the path alone would be smaller, but would miss that.
-Bounds boundsOf(Vec3 x, Vec3 v, float depth, float reach)
-{
-    const float vx = static_cast<float>(v.x), vy = static_cast<float>(v.y), vz = static_cast<float>(v.z);
-    return boxAround(x, depth + reach * std::sqrt(vx * vx + vy * vy + vz * vz));
-}
-
-} // namespace
-
 void boundVertices(CollisionSurface& surface, double reach, double margin, Vec3 drift)
 {
     const std::size_t count = surface.shape->rest.size();

@@ -1,5 +1,7 @@
 #include "filasofia/engine/collision/element_pairs.h"
 
+#include "filasofia/engine/collision/vertex_bounds.h"
+
 #include <algorithm>
 
 namespace filasofia::engine {
@@ -11,9 +13,33 @@ constexpr float kWallPressed = 0.25f;
 // [-] Walls thinner than this at rest, relative to the proximity, are always tested: they may be the lips of a cut.
 constexpr float kThinnestWall = 0.5f;
 
-bool isFragment(const CollisionSurface& surface, int element)
+int pieceOfElement(const CollisionSurface& surface, int element)
 {
-    return surface.pieceOf[static_cast<std::size_t>(surface.shape->elements[element].vertices[0])] < 0;
+    return surface.pieceOf[static_cast<std::size_t>(surface.shape->elements[element].vertices[0])];
+}
+
+bool isFragment(const CollisionSurface& surface, int element) { return pieceOfElement(surface, element) < 0; }
+
+// Whether two elements belong to one piece, and come no nearer to each other by its motion as a whole.
+bool apartInPiece(const CollisionSurface& surface, int i, int k, std::span<const Bounds> ownPiece)
+{
+    return !ownPiece.empty() && pieceOfElement(surface, i) == pieceOfElement(surface, k) &&
+           !meet(ownPiece[static_cast<std::size_t>(i)], ownPiece[static_cast<std::size_t>(k)]);
+}
+
+// [m/s] The mean velocity of each piece's vertices that are finite; zero for one that has none.
+std::vector<Vec3> driftsOfPieces(const CollisionSurface& surface)
+{
+    std::vector<Vec3> drifts(static_cast<std::size_t>(std::ranges::max(surface.pieceOf)) + 1);
+    std::vector<int> sizes(drifts.size());
+    for (std::size_t i = 0; i < surface.v.size(); ++i)
+        if (const int piece = surface.pieceOf[i]; piece >= 0 && isFinite(surface.v[i])) {
+            drifts[static_cast<std::size_t>(piece)] += surface.v[i];
+            ++sizes[static_cast<std::size_t>(piece)];
+        }
+    for (std::size_t p = 0; p < drifts.size(); ++p)
+        if (sizes[p] > 0) drifts[p] *= 1.0 / sizes[p];
+    return drifts;
 }
 
 /// Whether an edge joins two triangles, or they share a vertex.
@@ -52,20 +78,40 @@ bool mayTouch(const CollisionSurface& surface, int i, int k, const NormalBounds&
 }
 
 void collectLeafPairs(const CollisionSurface& a, const CollisionSurface& b, CollisionShape::Node na,
-                      CollisionShape::Node nb, const NormalBounds* normals, std::vector<std::array<int, 2>>& pairs)
+                      CollisionShape::Node nb, const NormalBounds* normals, std::span<const Bounds> ownPiece,
+                      std::vector<std::array<int, 2>>& pairs)
 {
     const bool same = &a == &b && na.first == nb.first, pieces = &a == &b && !a.pieceOf.empty();
     for (int i = na.first; i < na.first + na.count; ++i)
         for (int k = same ? i + 1 : nb.first; k < nb.first + nb.count; ++k)
-            if (meet(a.elementBounds[i], b.elementBounds[k]) && (normals == nullptr || mayTouch(a, i, k, *normals)) &&
+            if (meet(a.elementBounds[i], b.elementBounds[k]) && !apartInPiece(a, i, k, ownPiece) &&
+                (normals == nullptr || mayTouch(a, i, k, *normals)) &&
                 !(pieces && (isFragment(a, i) || isFragment(b, k))))
                 pairs.push_back({i, k});
 }
 
 } // namespace
 
+std::vector<Bounds> boundPieces(const CollisionSurface& surface, double reach, double margin, Vec3 drift, double least)
+{
+    if (surface.pieceOf.empty()) return {};
+    const std::vector<Vec3> drifts = driftsOfPieces(surface);
+    if (std::ranges::none_of(drifts, [&](Vec3 each) { return length(each - drift) * reach > least; })) return {};
+    std::vector<Bounds> out(surface.shape->elements.size(), emptyBounds());
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const std::array<int, 3>& corners = surface.shape->elements[i].vertices;
+        const int piece = pieceOfElement(surface, static_cast<int>(i));
+        if (piece < 0) continue;
+        for (const int v : corners)
+            if (v >= 0)
+                out[i] = merged(out[i], boundsOf(surface.x[v], surface.v[v] - drifts[static_cast<std::size_t>(piece)],
+                                                 static_cast<float>(margin), static_cast<float>(reach)));
+    }
+    return out;
+}
+
 void collectElementPairs(const CollisionSurface& a, const CollisionSurface& b, const NormalBounds* normals,
-                         ProximityScratch& scratch)
+                         ProximityScratch& scratch, std::span<const Bounds> ownPiece)
 {
     const bool self = &a == &b;
     scratch.elementPairs.clear();
@@ -78,7 +124,7 @@ void collectElementPairs(const CollisionSurface& a, const CollisionSurface& b, c
         if (normals != nullptr && a.shape->closed && !mayFace(normals->nodes[i], normals->nodes[k])) continue;
         const CollisionShape::Node &na = a.shape->nodes[i], &nb = b.shape->nodes[k];
         if (na.count > 0 && nb.count > 0) {
-            collectLeafPairs(a, b, na, nb, normals, scratch.elementPairs);
+            collectLeafPairs(a, b, na, nb, normals, ownPiece, scratch.elementPairs);
         } else if (self && i == k) {
             scratch.open.push_back({i + 1, na.first});
             scratch.open.push_back({na.first, na.first});
