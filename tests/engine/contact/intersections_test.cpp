@@ -274,6 +274,33 @@ TEST_CASE("a hollow body that is pressed flat is told to pass through itself, un
     }
 }
 
+TEST_CASE("a body that collides with itself passes through itself because contacts have lost it")
+{
+    // Two blocks of one body, side by side; one is put into the other in no time.
+    geometry::TetMesh mesh = *geometry::shapes::block({0.02, 0.02, 0.02}, {3, 3, 3});
+    const std::size_t half = mesh.nodes.size();
+    for (std::size_t i = 0; i < half; ++i) mesh.nodes.push_back(mesh.nodes[i] + Vec3{0.03, 0, 0});
+    for (std::size_t t = mesh.tetrahedra.size(), i = 0; i < t; ++i) {
+        geometry::Tetrahedron each = mesh.tetrahedra[i];
+        for (int& node : each) node += static_cast<int>(half);
+        mesh.tetrahedra.push_back(each);
+    }
+    for (const bool self : {false, true}) {
+        CAPTURE(self);
+        Stage stage;
+        stage.add(physics::SoftBodyDef{
+            .mesh = std::make_shared<const geometry::TetMesh>(mesh), .gravity = false, .collision = {{.self = self}}});
+        REQUIRE(!flagged(stage.run(20, 1e-3)));
+        for (std::size_t i = half; i < mesh.nodes.size(); ++i) stage.soft().x[i] -= Vec3{0.022, 3e-3, 2e-3};
+        physics::StepReport report;
+        for (int i = 0; i < 1000 && report.intersections.empty(); ++i) report = stage.step(1e-3);
+        REQUIRE(report.intersections.size() == 1);
+        CHECK(report.intersections[0].first == report.intersections[0].second);
+        CHECK(report.intersections[0].cause ==
+              (self ? physics::IntersectionCause::Lost : physics::IntersectionCause::Own));
+    }
+}
+
 TEST_CASE("cubes at one place are told as long as they are there, and take few iterations")
 {
     // No edge passes through a face, and no corner is inside: they pressed with kilonewtons, and no step said so.

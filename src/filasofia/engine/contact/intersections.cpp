@@ -150,11 +150,19 @@ private:
         }
     }
 
+    /// Whether all surfaces of a body collide with it, so that contacts should have held it apart.
+    [[nodiscard]] bool meetsItself(BodyId body) const
+    {
+        for (std::size_t s = 0; s < owners_.size(); ++s)
+            if (owners_[s].name.body == body && !detection_.surfaces[s].self) return false;
+        return true;
+    }
+
     [[nodiscard]] physics::IntersectionCause causeOf(const physics::Intersection& found,
                                                      const std::vector<bool>& added) const
     {
         using enum physics::IntersectionCause;
-        if (found.first == found.second) return Own;
+        if (found.first == found.second && !meetsItself(found.first)) return Own;
         const auto isOne = [&](BodyId id) { return id == found.first || id == found.second; };
         for (std::size_t s = 0; s < added.size(); ++s)
             if (added[s] && isOne(owners_[s].name.body)) return Start;
