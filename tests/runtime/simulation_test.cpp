@@ -140,6 +140,23 @@ TEST_CASE("Ctrl-C ends a run cleanly")
     }
 }
 
+TEST_CASE("the end of the terminal ends a run cleanly, unless nohup has told it to go on")
+{
+    for (const bool ignored : {false, true}) {
+        CAPTURE(ignored);
+        const auto before = std::signal(SIGHUP, ignored ? SIG_IGN : SIG_DFL);
+        Simulation sim;
+        sim.add(bunny());
+        int steps = 0;
+        sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent&) {
+            if (++steps == 2) std::raise(SIGHUP);
+        });
+        const RunReport report = sim.run(headless(10));
+        CHECK(report.finished == (ignored ? "made 10 steps" : "interrupted"));
+        CHECK(std::signal(SIGHUP, before) == (ignored ? SIG_IGN : SIG_DFL));
+    }
+}
+
 TEST_CASE("bodies are added and removed while a simulation runs")
 {
     Simulation sim;

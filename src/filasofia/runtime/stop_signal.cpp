@@ -20,12 +20,15 @@ StopSignal::StopSignal()
     action.sa_flags = SA_RESETHAND; // the next signal has its default effect again
     sigaction(SIGINT, &action, &interrupt_);
     sigaction(SIGTERM, &action, &terminate_);
+    sigaction(SIGHUP, nullptr, &hangUp_);
+    if (hangUp_.sa_handler != SIG_IGN) sigaction(SIGHUP, &action, nullptr); // nohup wants the run to go on
 }
 
 StopSignal::~StopSignal()
 {
     sigaction(SIGINT, &interrupt_, nullptr);
     sigaction(SIGTERM, &terminate_, nullptr);
+    sigaction(SIGHUP, &hangUp_, nullptr);
 }
 
 bool StopSignal::received() { return stopReceived.load(std::memory_order_relaxed); }

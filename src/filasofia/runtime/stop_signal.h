@@ -4,7 +4,8 @@
 
 namespace filasofia::runtime {
 
-/// While it lives, Ctrl-C and SIGTERM ask for a clean end; a second one ends the program at once.
+/// While it lives, Ctrl-C, SIGTERM and SIGHUP, the end of the terminal, ask for a clean end; a second one ends the
+/// program at once. A SIGHUP that is ignored, as after nohup, stays so.
 class StopSignal {
 public:
     StopSignal();
@@ -16,6 +17,7 @@ public:
 private:
     struct sigaction interrupt_ {};
     struct sigaction terminate_ {};
+    struct sigaction hangUp_ {};
 };
 
 } // namespace filasofia::runtime
