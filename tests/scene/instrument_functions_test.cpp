@@ -31,6 +31,29 @@ TEST_CASE("scenes: shears seal and part a band, and a tube sucks blood away, als
     CHECK(hashes[0] == hashes[1]);
 }
 
+TEST_CASE("scenes: a wire loop shaves chips off while its pedal is pressed, also after saving")
+{
+    const SceneFolder folder;
+    const SceneDef scene = loadScene(text(FILASOFIA_SOURCE_DIR, "/examples/scenes/loop.json"));
+    saveScene(scene, folder.file("again.json"));
+    std::vector<std::uint64_t> hashes;
+    for (const SceneDef& each : {scene, loadScene(folder.file("again.json"))}) {
+        Simulation sim(simulationDef(each));
+        static_cast<void>(addScene(sim, each));
+        double removed = 0.0; // [kg], of 1000 kg/m^3
+        sim.on<CutEvent>([&](const CutEvent& cut) {
+            for (const auto& chip : cut.rupture.detached) removed += chip.mass;
+        });
+        const RunReport report = sim.run({.headless = true, .backend = visual::Backend::Null, .steps = 950});
+        CHECK(report.callbackProblems.empty());
+        CHECK(removed > 150e-6);
+        CHECK(removed < 260e-6); // 16.5 mm^2 below the surface, 14 mm long
+        CHECK(report.energy.at(0).balance.delivered > 5.0);
+        hashes.push_back(report.hash);
+    }
+    CHECK(hashes[0] == hashes[1]);
+}
+
 TEST_CASE("scenes: a key lets an instrument rinse while it is held")
 {
     const SceneFolder folder;
@@ -94,7 +117,10 @@ TEST_CASE("scenes: what an instrument cannot do is refused with its place")
     };
     CHECK_THAT(says(R"("kind": "grasper", "shears": {})"),
                Contains("shears need an instrument of kind ultrasonicShears"));
-    CHECK_THAT(says(R"("type": "EndoscopeDef", "suction": {})"), Contains("suction needs no endoscope"));
+    CHECK_THAT(says(R"("type": "EndoscopeDef", "suction": {})"), Contains("suction needs an instrument with a shaft"));
+    CHECK_THAT(says(R"("type": "WireLoopDef", "suction": {})"), Contains("suction needs an instrument with a shaft"));
+    CHECK_THAT(says(R"("type": "WireLoopDef", "grip": [{"time": 0}])"), Contains("a loop has no jaws"));
+    CHECK_THAT(says(R"("type": "WireLoopDef", "depth": "1 mm")"), Contains("depth must be >= width / 2"));
     CHECK_THAT(says(R"("kind": "ultrasonicShears", "shears": {"to": "1 mm"})"), Contains("to must be > from"));
     CHECK_THAT(says(R"("kind": "suctionIrrigator")", R"(, "pedals": [{"body": "tool", "rinse": true, "key": "3"}])"),
                Contains("pedals[0].body must be an instrument with suction, if it rinses"));

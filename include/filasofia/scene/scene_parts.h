@@ -11,6 +11,7 @@
 #include "filasofia/prefab/suction_irrigator.h"
 #include "filasofia/prefab/task.h"
 #include "filasofia/prefab/ultrasonic_shears.h"
+#include "filasofia/prefab/wire_loop.h"
 #include "filasofia/surface/distension_def.h"
 #include "filasofia/surface/smoke_def.h"
 
@@ -59,7 +60,7 @@ constexpr auto fields(const KeyTrocar*)
 }
 
 using InstrumentDef = std::variant<prefab::ArticulatedInstrumentDef, prefab::EndoscopeDef,
-                                   prefab::LaparoscopicInstrumentDef, prefab::LaparoscopeDef>;
+                                   prefab::LaparoscopicInstrumentDef, prefab::LaparoscopeDef, prefab::WireLoopDef>;
 
 /// An instrument, moved by keys or by the haptic interface that names it; its first button then closes the jaws. In
 /// commands, cameras and haptic interfaces its name is that of its body. The first endoscope gives the picture, unless

@@ -93,6 +93,8 @@ void checkKeys(const SceneInstrument& def, const std::string& path)
     if (trocar && !def.keys.empty()) fail(path, ".keys must be empty: what is in a trocar has trocarKeys");
     if (!trocar && !def.trocarKeys.empty()) fail(path, ".trocarKeys must be empty: it is in no trocar");
     if (scope && !def.grip.empty()) fail(path, ".grip must be empty: an endoscope has no jaws");
+    if (std::holds_alternative<prefab::WireLoopDef>(def.def) && !def.grip.empty())
+        fail(path, ".grip must be empty: a loop has no jaws");
     if (!def.keys.empty()) checkTimes(def.keys, path + ".keys");
     for (std::size_t i = 0; i < def.keys.size(); ++i)
         static_cast<void>(physics::unitPose(def.keys[i].pose, text(path, ".keys[", i, "].pose")));
@@ -120,6 +122,14 @@ struct InstrumentAdder {
         added.scope = std::make_shared<prefab::Endoscope>(simulation, scope);
         added.body = added.scope->body();
         if (added.keyed) followKeys(simulation, added.scope, withFirstKey({.keys = def.keys}, scope.pose));
+    }
+    void operator()(prefab::WireLoopDef loop)
+    {
+        loop.pose = firstPose(loop.pose, def.keys, path, places);
+        added.loop = std::make_shared<prefab::WireLoop>(simulation, loop);
+        added.body = added.loop->body();
+        if (added.keyed) followKeys(simulation, added.loop, withFirstKey({.keys = def.keys}, loop.pose));
+        simulation.everyStep([loop = added.loop](double) {}); // it lives as long as the simulation's callbacks
     }
     void operator()(const prefab::LaparoscopicInstrumentDef& tool)
     {
@@ -177,7 +187,8 @@ void addClips(runtime::Simulation& simulation, const SceneInstrument& def, const
 /// Gives an instrument what works while it is closed, or while its pedal is pressed.
 void addFunctions(runtime::Simulation& simulation, const SceneInstrument& def, Instrument& added)
 {
-    if ((def.suction || def.shears) && !added.jaws) fail(def.suction ? "suction" : "shears", " needs no endoscope");
+    if ((def.suction || def.shears) && !added.jaws)
+        fail(def.suction ? "suction" : "shears", " needs an instrument with a shaft");
     if (def.shears && !isOf(prefab::InstrumentKind::UltrasonicShears, def))
         fail("shears need an instrument of kind ultrasonicShears");
     if (def.suction) added.suction = std::make_shared<prefab::SuctionIrrigator>(simulation, *added.jaws, *def.suction);
@@ -243,7 +254,7 @@ void giveToHand(runtime::Simulation& simulation, const Instruments& instruments,
     const auto found = std::ranges::find(instruments, held, &Instrument::body);
     if (!held || found == instruments.end()) return;
     if (found->scope) fail("body must not be an endoscope: its camera would stay behind");
-    if (found->laparoscope) return; // it has no jaws
+    if (!found->jaws) return; // a laparoscope, or a loop, whose pedals are its electrodes
     if (found->keyed) fail("body must be an instrument without keys of its own");
     simulation.on<runtime::DeviceEvent>([jaws = found->jaws, hand](const runtime::DeviceEvent& event) {
         if (event.interface != hand || event.notice.kind != device::DeviceNotice::Kind::Button) return;

@@ -5,13 +5,14 @@
 
 namespace filasofia::scene {
 
-/// An instrument of a scene: jaws or a scope, alone or in a trocar.
+/// An instrument of a scene: jaws or a scope, alone or in a trocar, or a loop.
 struct Instrument {
     BodyId body = {};
     std::shared_ptr<prefab::LaparoscopicInstrument> inTrocar = {}; ///< it owns the jaws
     std::shared_ptr<prefab::Laparoscope> laparoscope = {};
     std::shared_ptr<prefab::ArticulatedInstrument> jaws = {};
     std::shared_ptr<prefab::Endoscope> scope = {};
+    std::shared_ptr<prefab::WireLoop> loop = {};
     std::shared_ptr<prefab::SuctionIrrigator> suction = {}; ///< of its jaws
     bool keyed = false;                                     ///< its own keys move it
 

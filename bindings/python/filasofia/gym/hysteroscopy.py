@@ -174,7 +174,7 @@ class HysteroscopicPolypectomy(SurgicalEnv):
         )
 
     def middle(self) -> Array:
-        """Of what is to come out: the median of its nodes, which crumbs do not move [m]."""
+        """The median of the nodes that are to come out: crumbs do not move it [m]."""
         return np.median(self.sim.frame[self.polyp].positions[self.head], axis=0)
 
     def root(self) -> Array:
