@@ -36,6 +36,20 @@ def test_an_injury_bleeds_until_it_is_sealed():
     assert sim.blood(tissue).rinsed > 0
 
 
+def test_suction_goes_where_its_body_goes():
+    sim, tissue = bleeding()
+    tube = sim.add(fs.RigidBodyDef(name="tube", elements=[(0, 0.05, 0)]))
+    sim.treat(tissue, fs.Injure(place=(0, 0.006, 0), radius=0.01))
+    sim.treat(tissue, fs.Suck(rate=1e-6, radius=0.008, body=tube))
+    sim.step(100)
+    assert sim.blood(tissue).sucked == 0
+    sim.set_pose(tube, (0, 0.006, 0))
+    sim.step(100)
+    assert sim.blood(tissue).sucked > 0
+    with pytest.raises(fs.Error, match="body must be a rigid one, got soft body"):
+        sim.treat(tissue, fs.Suck(rate=1e-6, body=tissue))
+
+
 def test_wrong_blood_is_an_error():
     sim, tissue = bleeding()
     with pytest.raises(fs.Error, match="bleeds already"):
