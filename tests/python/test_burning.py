@@ -1,5 +1,6 @@
 """Heat and burns."""
 
+import numpy as np
 import pytest
 
 import filasofia as fs
@@ -16,12 +17,18 @@ def burning(**fields):
 
 def test_a_source_burns_and_its_heat_is_accounted_for():
     sim, tissue = burning(target=False)
+    assert sim.damage(tissue) is None
     told = []
     sim.on(fs.BurnEvent, told.append)
     sim.treat(tissue, fs.Heat(place=(0, 0.006, 0), radius=0.003, power=60.0))
     sim.step(600)
     heat = sim.heat(tissue)
     assert heat.burnt > 5e-6 and heat.peak > 340
+    damage = sim.damage(tissue)
+    places = sim.frame[tissue].positions
+    assert damage.shape == (len(places),)
+    burnt = damage >= 1
+    assert burnt.any() and (np.linalg.norm(places[burnt] - (0, 0.006, 0), axis=1) < 0.01).all()
     spent = heat.stored + heat.perfused + heat.lost + heat.boiled + heat.carried_off
     assert heat.delivered == pytest.approx(spent, rel=1e-6)
     assert told[0].body == tissue and told[0].balance.burnt == 0 and not told[0].injury

@@ -172,6 +172,19 @@ void addPictures(nb::class_<HeldSimulation>& sim)
         nb::arg("body").none(), nb::sig("def heat(self, body: filasofia.BodyId) -> filasofia.HeatBalance"),
         "What has become of its heat, and how much of it is burnt.");
     sim.def(
+        "damage",
+        [](HeldSimulation& self, nb::handle body) -> nb::object {
+            const auto damage =
+                usable(self, "damage").simulation().damage(readArgument<BodyId>(body, "damage", "body"));
+            if (!damage) return nb::none();
+            return arrayOf(std::vector<float>(*damage), {damage->size()});
+        },
+        nb::arg("body").none(),
+        nb::sig("def damage(self, body: filasofia.BodyId) -> numpy.typing.NDArray[numpy.float32] | None"),
+        "(n,) Arrhenius' omega at each node, negative where there is no surface: from 1 on it is burnt. None before "
+        "the "
+        "first step of the heat.");
+    sim.def(
         "add_electrode",
         [](HeldSimulation& self, nb::handle body, nb::handle def) {
             const auto read =

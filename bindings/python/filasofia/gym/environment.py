@@ -396,7 +396,7 @@ class SurgicalEnv(gymnasium.Env):
         if self.observation == "state":
             state = self._state()
             if state.shape != self.observation_space.shape:
-                more = state.size - int(np.prod(self.observation_space.shape))
+                more = state.size - int(np.prod(self.observation_space.shape or ()))
                 words = f"got {abs(more)} {'more' if more > 0 else 'fewer'}"
                 raise fs.Error(f"{type(self).__name__}: features() must return as many numbers as at first, {words}")
             return state
