@@ -11,13 +11,14 @@ import suturing
 import uterus
 from implicit import gradient, project
 from output import metre, metres, write_json, write_msh, write_obj
-from polyps import POLYPS, ROOT
+from polyps import MYOMAS, POLYPS, ROOT
 from surface_mesh import Patch, closed, edges_of, march, remesh, volume
 from tet_mesh import dihedral_angles, quality, surface_of, to_count, volumes
 
 HERE = Path(__file__).resolve().parent
 SIZES = {1702: 1.055, 5000: 0.69, 12000: 0.485}  # tetrahedra and where the search for them starts
 CLEAR = (0.35, 0.8)  # a polyp fits where all of it but that part of its height is further from the wall than so many mm
+CLEAR_BROAD = (0.5, 0.5)  # the same of a myoma, whose foot is as broad as itself
 FORNIX = 10.0  # [mm] up to here the outside of the cervix is lining, seen from the vagina; above it is serosa
 
 
@@ -233,13 +234,13 @@ def canal(meshes, gaps, report):
     return entries
 
 
-def fitting(v, sites):
+def fitting(v, sites, clear=CLEAR):
     """The sites at which a polyp with these vertices touches nothing but its own place."""
-    head, found = v[v[:, 1] > CLEAR[0] * v[:, 1].max()], []
+    head, found = v[v[:, 1] > clear[0] * v[:, 1].max()], []
     for i, site in enumerate(sites):
         n, x = np.array(site["normal"]), np.array(site["across"])
         placed = 1000.0 * np.array(site["at"]) + head @ np.stack([x, n, np.cross(x, n)])
-        if uterus.inner(placed).max() < -CLEAR[1]:
+        if uterus.inner(placed).max() < -clear[1]:
             found.append(i)
     return found
 
@@ -269,8 +270,28 @@ def make_polyps(folder, report):
         "root": float(metre(ROOT)), "polyps": entries})
 
 
+def make_myomas(folder, report):
+    """Bodies for a loop, and the places on the front and the back of the cavity where a straight one comes along them."""
+    entries, sites = [], json.loads((folder / "uterus.json").read_text())["sites"]
+    for name, (f, edge, wanted) in MYOMAS.items():
+        start = march(f, (-9.0, -2.0, -9.0), (9.0, 9.0, 9.0), 0.5)
+        v, faces = remesh(f, *start, lambda p: np.full(len(p), 0.5), 5)
+        nodes, tets = to_count(f, v, faces, lambda p: np.full(len(p), edge), wanted, 0.05, 1.0, 0.2, -ROOT)
+        base = np.flatnonzero(nodes[:, 1] <= 0.0)
+        write_msh(folder / f"{name}.msh", nodes, tets)
+        report.tets(name, nodes, tets)
+        fit = [i for i in fitting(v, sites, CLEAR_BROAD) if abs(sites[i]["normal"][2]) > 0.98 and 0.046 < sites[i]["at"][1] < 0.0515]
+        report.add(f"{name}: base of {len(base)} nodes; fits at {len(fit)} sites")
+        entries.append({"name": name, "height": float(metre(nodes[:, 1].max())), "width": float(metre(np.ptp(nodes[:, 0]))),
+                        "volume": float("%.4g" % (volumes(nodes, tets).sum() * 1e-9)), "base": base.tolist(), "sites": fit})
+    write_json(folder / "myomas.json", {
+        "unit": "m", "axes": "origin in the wall's surface, +y out of the wall; the root goes down to y = -0.001",
+        "root": float(metre(ROOT)), "myomas": entries})
+
+
 # Each part: its name, its folder, what makes it.
 PARTS = (("uterus", "hysteroscopy", make_uterus), ("polyps", "hysteroscopy", make_polyps),
+         ("myomas", "hysteroscopy", make_myomas),
          ("instruments", "hysteroscopy", instruments.make), ("suturing", "suturing", suturing.make), ("laparoscopy", "laparoscopy", laparoscopy.make))
 
 

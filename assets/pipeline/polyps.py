@@ -1,4 +1,4 @@
-"""Endometrial polyps as implicit shapes. Millimetres; the origin is the middle of the base on the wall, +y points away
+"""Endometrial polyps and a myoma as implicit shapes. Millimetres; the origin is the middle of the base on the wall, +y points away
 from the wall. Each goes ROOT deep into the wall: what lies at y <= 0 is the base, by which it is attached."""
 import numpy as np
 
@@ -66,4 +66,10 @@ POLYPS = {
     "polyp_lobed_20": ("lobed", bumpy(lobed(20.0, 2.2, [((-3.0, 9.5, 0.8), (3.6, 5.0, 3.2)), ((3.1, 11.5, -0.6), (3.5, 5.6, 3.3)),
                                                         ((0.0, 16.4, 0.9), (3.2, 3.7, 2.9)), ((0.4, 9.0, 3.0), (2.6, 3.6, 2.2))]),
                                       0.14, 4.8, 1.2), 2.4, 0.65, 560, 2.2),
+}
+
+# A submucous myoma on a broad base, a fifth of which is in the wall (type 1 of the FIGO). Its tetrahedra are fine enough for a
+# wire loop of 4.8 mm. Edge length and tetrahedra as above.
+MYOMAS = {
+    "myoma_11": (bumpy(rooted(lambda p: ellipsoid(p, np.array([0.0, -0.3, 0.0]), np.array([5.6, 6.3, 5.3]))), 0.1, 5.0, 0.6), 1.2, 2200),
 }

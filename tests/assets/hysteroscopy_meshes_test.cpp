@@ -237,4 +237,57 @@ TEST_CASE("at each of its sites a polyp stands in the cavity, with only its foot
     }
 }
 
+TEST_CASE("the myoma stands on its base, and its tetrahedra are fine enough for the loop that shaves it off")
+{
+    constexpr double kLoop = 4.8 * kMillimetre;
+    const nlohmann::json entry = listed("myomas.json", "myomas").at(0);
+    const TetMesh mesh = tets(entry["name"]);
+    checkTets(mesh, entry["name"]);
+    CHECK(eulerNumber(extractSurface(mesh).mesh) == 2);
+    std::vector<int> low;
+    for (int i = 0; i < static_cast<int>(mesh.nodes.size()); ++i)
+        if (mesh.nodes[i].y <= 0.0) low.push_back(i);
+    CHECK(low == entry["base"].get<std::vector<int>>());
+    const Box box = boundsOf(extractSurface(mesh).mesh);
+    CHECK(box.high.y == Approx(entry["height"].get<double>()).margin(1e-6));
+    CHECK(box.high.x - box.low.x == Approx(entry["width"].get<double>()).margin(1e-6));
+    CHECK(box.low.y == Approx(-facts("myomas.json")["root"].get<double>()).margin(1e-7));
+    CHECK(volumeOf(mesh) == Approx(entry["volume"].get<double>()).epsilon(1e-3));
+    double sum = 0.0;
+    int edges = 0;
+    for (const Tetrahedron& corners : mesh.tetrahedra)
+        for (std::size_t i = 0; i < 4; ++i)
+            for (std::size_t k = i + 1; k < 4; ++k, ++edges)
+                sum += distance(mesh.nodes[corners[i]], mesh.nodes[corners[k]]);
+    CHECK(sum / edges < 0.28 * kLoop); // prefab/wire_loop.h asks for about a quarter
+}
+
+TEST_CASE("at each of its sites the myoma lies on the front or the back wall, with its upper half in the cavity")
+{
+    const auto sites = facts("uterus.json")["sites"];
+    const Surroundings wall(extractSurface(tets("uterus_1702")).mesh);
+    const nlohmann::json entry = listed("myomas.json", "myomas").at(0);
+    const TetMesh myoma = tets(entry["name"]);
+    const double half = 0.5 * entry["height"].get<double>();
+    int front = 0, back = 0;
+    for (int index : entry["sites"]) {
+        CAPTURE(index);
+        const Vec3 at = toVec3(sites.at(index)["at"]), y = toVec3(sites.at(index)["normal"]);
+        const Vec3 x = toVec3(sites.at(index)["across"]), z = cross(x, y);
+        CHECK(std::abs(y.z) > 0.98);
+        (y.z > 0.0 ? back : front) += 1;
+        bool rooted = true, free = true;
+        for (Vec3 v : myoma.nodes) {
+            const Vec3 placed = at + v.x * x + v.y * y + v.z * z;
+            if (v.y > half) free = free && !wall.holds(placed);
+            if (v.y < -0.9 * kMillimetre && std::hypot(v.x, v.z) < 1.5 * kMillimetre)
+                rooted = rooted && wall.holds(placed);
+        }
+        CHECK(free);
+        CHECK(rooted);
+    }
+    CHECK(front >= 5);
+    CHECK(back >= 5);
+}
+
 } // namespace hysteroscopy_meshes_test
