@@ -20,19 +20,18 @@ const DistensionDef kUterus{.room = {{-14_mm, 30_mm, -6_mm}, {14_mm, 66_mm, 6_mm
                             .up = Vec3{0, 0, 1}};
 
 /// Adds what the panel shows, before the panel.
-Simulation& filled(Simulation& sim, const Bodies& bodies)
+Simulation& filled(Simulation& sim, const Bodies& bodies, double flux)
 {
     sim.addDistension(kUterus);
     sim.bleed(bodies.uterus, {.flux = 3e-4, .vesselDensity = std::numeric_limits<double>::infinity()});
-    // An artery leads through the root of a polyp: 6 mm^2 of it lose 0.4 ml a minute.
-    sim.bleed(bodies.polyp, {.flux = 1e-3, .vesselDensity = std::numeric_limits<double>::infinity()});
+    sim.bleed(bodies.polyp, {.flux = flux, .vesselDensity = std::numeric_limits<double>::infinity()});
     return sim;
 }
 
 } // namespace
 
-Fluid::Fluid(Simulation& sim, const Bodies& bodies)
-    : sim_(sim), bodies_(bodies), pressure_(kStart), panel_(filled(sim, bodies))
+Fluid::Fluid(Simulation& sim, const Bodies& bodies, double flux)
+    : sim_(sim), bodies_(bodies), pressure_(kStart), panel_(filled(sim, bodies, flux))
 {
     sim.on<KeyEvent>([this](const KeyEvent& key) { press(key); });
 }

@@ -1,19 +1,12 @@
 #include "apps/hysteroscopy/fluid.h"
 #include "apps/hysteroscopy/motion.h"
+#include "apps/hysteroscopy/resection.h"
+#include "apps/hysteroscopy/theatre.h"
 
 using namespace filasofia;
 using namespace hysteroscopy;
 
 namespace {
-
-struct Difficulty {
-    const char* name;
-    bool guided;    ///< arrow and instructions from the start
-    double minutes; ///< [min] time limit of the whole task
-    double warning; ///< [N] the force bar warns above it
-};
-constexpr Difficulty kDifficulties[] = {{"easy", true, 10, 3}, {"normal", false, 10, 3}, {"hard", false, 5, 2}};
-constexpr double kPerforation = 8; ///< [N] force on the uterus that counts as a perforation
 
 std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, BodyId scope,
                               const ArticulatedInstrument& forceps, std::size_t top)
@@ -46,29 +39,17 @@ std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, Body
                 to({}))};
 }
 
-std::string millilitres(double volume) { return text(std::round(volume * 1e8) / 100.0, " ml"); }
-
 int train(const Training& training)
 {
     const std::string& caseName = kCases[static_cast<std::size_t>(training.caseIndex)];
     const Patient patient = makePatient(caseName, static_cast<std::uint64_t>(training.seed));
+    if (patient.kind == Patient::Kind::Myoma) return resection(training, patient);
     const Difficulty& difficulty = kDifficulties[training.difficulty];
-    // Everything floats in the fluid, so there is no gravity. A step may take longer than the time it simulates,
-    // because tissue that is solved badly tears by that alone.
-    Simulation sim({.physics = {.gravity = {}, .contact = ExactContact{.tolerance = 2e-2}, .deadline = 5e-3},
-                    .window = {"Hysteroscopy", 720, 720},
-                    .look = {.mouse = false, .keys = false}});
+    Simulation sim(theatre());
     const Bodies bodies = addPatient(sim, patient);
-    Fluid fluid(sim, bodies);
-    Endoscope scope(sim, {.name = "hysteroscope",
-                          .pose = {{0, -0.1, 0}, {}},
-                          .groups = {ScopeWall, ScopePolyp},
-                          .intensity = 2.0,
-                          .surroundings = {.intensity = 300.0,
-                                           .above = {0.55, 0.36, 0.32},
-                                           .below = {0.45, 0.25, 0.21},
-                                           .lampStrength = 1.0,
-                                           .background = {0.03, 0.006, 0.005}}});
+    // An artery leads through the root of a polyp: 6 mm^2 of it lose 0.4 ml a minute.
+    Fluid fluid(sim, bodies, 1e-3);
+    Endoscope scope(sim, scopeOf({ScopeWall, ScopePolyp}));
     MetricTracker* marks = nullptr;
     const auto onGrasp = [&](BodyId body, bool on) {
         marks->mark(on ? EventKind::Grasp : EventKind::Release, body == bodies.polyp ? "polyp" : "uterus");
@@ -95,18 +76,9 @@ int train(const Training& training)
                       .handle = training.device});
     if (training.device) sim.add(HapticInterfaceDef{.name = "hand", .body = hands.handle()});
 
-    MetricTrackerDef observed{.bodies = {{.body = forceps.body(), .tip = {0, 0, -4.5_mm}},
-                                         {.body = scope.body(), .role = Role::Scope, .element = Endoscope::kCamera}},
-                              .file = training.file};
-    observed.session = {
-        .trainee = training.trainee,
-        .task = text("hysteroscopy ", caseName, " ", difficulty.name),
-        .software = "Filasofia",
-        .seed = static_cast<std::uint64_t>(training.seed),
-        .forceLimit = difficulty.warning,
-        .fieldOfView = EndoscopeDef{}.fieldOfView,
-        .targets = {"polyp"},
-        .watched = {EventKind::Grasp, EventKind::Release, EventKind::Perforation, EventKind::Unfinished}};
+    MetricTrackerDef observed =
+        observedIn(training, {.body = forceps.body(), .tip = {0, 0, -4.5_mm}}, scope.body(), "polyp");
+    observed.session.watched.insert(observed.session.watched.begin(), {EventKind::Grasp, EventKind::Release});
     const auto nodes = physics::worldMesh(std::get<SoftBodyDef>(*sim.physics().def(bodies.polyp))).nodes;
     const auto height = [&](Vec3 node) { return dot(node - patient.pose.position, patient.normal); };
     const auto top = static_cast<std::size_t>(std::ranges::max_element(nodes, {}, height) - nodes.begin());
@@ -188,17 +160,22 @@ int main(int argc, char** argv)
     return runTrainer(
         argc, argv,
         {.name = "hysteroscopy",
-         .about = "A hysteroscopy trainer: pass the cervical canal, find the polyp, tear it off, bring it out.",
+         .about =
+             "A hysteroscopy trainer: pass the cervical canal, tear a polyp off, or shave a myoma off with a loop.",
          .hands =
              "Drag with the right button to turn the scope about the cervix. The wheel and the keys up and down\n"
              "move it in and out; left and right roll it.\n"
              "W and S move the forceps, G closes and opens them. A haptic device (--device) holds the scope's outer\n"
              "end: its first button acts as G; while its second is pressed, moving in and out moves the forceps.\n"
+             "The case resection has a loop in place of the forceps: it cuts while G or the first button is pressed, "
+             "and\n"
+             "coagulates while B is.\n"
              "I opens and closes the inflow of the fluid, O its outflow; U and J change its pressure.\n",
          .cases = kCases,
          .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
          .motions = {"expert", "clumsy"},
-         .pictures = {"thumbnails/small.png", "thumbnails/medium.png", "thumbnails/lobed.png"},
+         .pictures = {"thumbnails/small.png", "thumbnails/medium.png", "thumbnails/lobed.png",
+                      "thumbnails/resection.png"},
          .window = {"Hysteroscopy", 720, 720},
          .problem =
              [](int caseIndex, int seed) {

@@ -20,4 +20,20 @@ std::vector<filasofia::HandMove> expertMotion(const Motion& with);
 /// Moves about at random, mostly too far, snaps at the polyp and leaves. Every seed gives another motion.
 std::vector<filasofia::HandMove> clumsyMotion(const Motion& with, std::uint64_t seed);
 
+struct ResectionMotion {
+    const Patient& patient;
+    const filasofia::ScopeHands& hands;
+    filasofia::WireLoop& loop;
+    std::function<filasofia::Vec3()> root;                          ///< the present place of the myoma's root
+    std::function<std::vector<filasofia::Vec3>()> surface;          ///< points of what is still on its root
+    std::function<double(filasofia::Vec3)> wall;                    ///< [m] how deep a place is in the wall now
+    std::function<std::function<void()>(const char* name)> picture; ///< as above
+    std::function<void()> flush;
+};
+
+/// Enters, shaves the myoma off in strokes towards the scope, layer by layer and as long as it is there, and leaves.
+std::vector<filasofia::HandMove> expertResection(const ResectionMotion& with);
+/// Draws the loop about at random, often too deep, with current and without, and leaves.
+std::vector<filasofia::HandMove> clumsyResection(const ResectionMotion& with, std::uint64_t seed);
+
 } // namespace hysteroscopy

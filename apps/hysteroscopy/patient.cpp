@@ -17,7 +17,8 @@ namespace hysteroscopy {
 namespace {
 
 const std::string kFolder = "meshes/hysteroscopy/";
-const std::vector<std::string> kPolyps = {"polyp_pedunculated_8", "polyp_pedunculated_12", "polyp_lobed_13"};
+const std::vector<std::string> kPolyps = {"polyp_pedunculated_8", "polyp_pedunculated_12", "polyp_lobed_13",
+                                          "myoma_11"};
 
 nlohmann::json read(const std::string& name)
 {
@@ -140,6 +141,45 @@ void addVault(Simulation& sim)
     sim.show(vagina, {.material = MucosaMaterial{.baseColor = {0.70, 0.27, 0.23}, .noiseScale = 500, .vessels = 0.3}});
 }
 
+/// Places what grows there at a site, rotated about the wall's normal.
+void place(Patient& patient, const nlohmann::json& site, double turned)
+{
+    patient.normal = normalized(vec(site.at("normal")));
+    patient.free = site.at("free");
+    // Rotates +Y onto the normal, after a rotation about +Y itself.
+    const Vec3 up = {0, 1, 0}, across = cross(up, patient.normal);
+    const Quat lean = axisAngle(across, std::atan2(length(across), dot(up, patient.normal)));
+    patient.pose = {vec(site.at("at")), lean * axisAngle(up, turned)};
+}
+
+/// Reads the size and the base, and returns the rest of what is known of it.
+nlohmann::json describe(Patient& patient, const std::string& file, const std::string& list)
+{
+    const nlohmann::json whole = read(file);
+    for (const auto& each : whole.at(list))
+        if (each.at("name") == patient.polyp) {
+            patient.height = each.at("height");
+            patient.width = each.at("width");
+            patient.base = each.at("base").get<std::vector<int>>();
+            return each;
+        }
+    fail(file, ": has no ", patient.polyp);
+}
+
+/// A myoma lies at one of the places that a straight loop can come along.
+Patient makeMyoma(Patient patient, std::uint64_t seed)
+{
+    patient.kind = Patient::Kind::Myoma;
+    const nlohmann::json sites = describe(patient, "myomas.json", "myomas").at("sites");
+    Random random(seed);
+    const int chosen = sites.at(static_cast<std::size_t>(random.below(static_cast<int>(sites.size()))));
+    place(patient, read("uterus.json").at("sites").at(static_cast<std::size_t>(chosen)), 1_deg * random.below(360));
+    patient.middle = patient.pose.position + 0.5 * patient.height * patient.normal;
+    patient.wideFrom = std::numeric_limits<double>::infinity();
+    if (patient.free < patient.height + 5.5_mm) patient.problem = "the scope has no place above it";
+    return patient;
+}
+
 } // namespace
 
 Patient makePatient(const std::string& caseName, std::uint64_t seed)
@@ -147,25 +187,16 @@ Patient makePatient(const std::string& caseName, std::uint64_t seed)
     const auto chosen = std::ranges::find(kCases, caseName) - kCases.begin();
     if (chosen == std::ssize(kCases)) fail("hysteroscopy: unknown case ", shownWord(caseName));
     Patient patient{.polyp = kPolyps[static_cast<std::size_t>(chosen)]};
-    const nlohmann::json polyps = read("polyps.json"), uterus = read("uterus.json");
-    for (const auto& each : polyps.at("polyps"))
-        if (each.at("name") == patient.polyp) {
-            patient.height = each.at("height");
-            patient.width = each.at("width");
-            patient.base = each.at("base").get<std::vector<int>>();
-        }
+    if (caseName == "resection") return makeMyoma(patient, seed);
+    const nlohmann::json uterus = read("uterus.json");
+    describe(patient, "polyps.json", "polyps");
     patient.wideFrom = wideFrom(uterus.at("centreline"), patient.width);
     // Tries sites until one suits.
     Random random(seed);
     for (int attempt = 0; attempt < 200; ++attempt) {
         const auto& site =
             uterus.at("sites").at(static_cast<std::size_t>(random.below(static_cast<int>(uterus.at("sites").size()))));
-        patient.normal = normalized(vec(site.at("normal")));
-        patient.free = site.at("free");
-        // Rotates +Y onto the normal, after a rotation about +Y itself.
-        const Vec3 up = {0, 1, 0}, across = cross(up, patient.normal);
-        const Quat lean = axisAngle(across, std::atan2(length(across), dot(up, patient.normal)));
-        patient.pose = {vec(site.at("at")), lean * axisAngle(up, 1_deg * static_cast<double>(random.below(360)))};
+        place(patient, site, 1_deg * static_cast<double>(random.below(360)));
         // Forceps take the polyp by its head or, if the jaws do not reach around the head, by its neck.
         const double above = patient.width < 6_mm ? patient.height - 0.5 * patient.width : 0.4 * patient.height;
         patient.middle = patient.pose.position + above * patient.normal;
@@ -175,13 +206,43 @@ Patient makePatient(const std::string& caseName, std::uint64_t seed)
     return patient;
 }
 
+namespace {
+
+/// Firmer than the wall, and without a stalk.
+BodyId addMyoma(Simulation& sim, const Patient& patient, BodyId uterus)
+{
+    SoftBodyDef def{.name = "myoma", .mesh = asset(kFolder + patient.polyp + ".msh"), .pose = patient.pose};
+    def.material = FemMaterial{.youngModulus = 30_kPa, .poissonRatio = 0.42};
+    def.rayleigh = {.mass = 10.0, .stiffness = 0.02};
+    def.solver = ConjugateGradient{.tolerance = 2e-2, .minIterations = 60};
+    // Chips float away through each other.
+    def.collision = {{.proximity = 0.1_mm, .group = ScopePolyp, .selfOnceCut = false},
+                     {.proximity = 0.1_mm, .group = LoopMyoma, .selfOnceCut = false}};
+    def.friction = 0.2;
+    def.dynamicTopology = true;
+    def.attachments = {{.nodes = patient.base, .stiffness = 40.0, .to = uterus}};
+    const BodyId myoma = sim.add(def);
+    sim.show(myoma, {.subdivision = 1,
+                     .material = MucosaMaterial{.baseColor = {0.76, 0.40, 0.34}, .noiseScale = 700, .vessels = 0.5},
+                     .interior = TissueMaterial{.baseColor = {0.80, 0.62, 0.54}, .wetness = 1}});
+    return myoma;
+}
+
+} // namespace
+
 Bodies addPatient(Simulation& sim, const Patient& patient)
 {
     SoftBodyDef uterus{.name = "uterus", .mesh = asset(kFolder + "uterus_1702.msh")};
     uterus.material = FemMaterial{.youngModulus = 12_kPa, .poissonRatio = 0.42};
     uterus.rayleigh = {.mass = 5.0, .stiffness = 0.02};
     uterus.solver = ConjugateGradient{.tolerance = 2e-2, .minIterations = 60};
-    uterus.collision = {{.proximity = 0.2_mm, .group = ScopeWall}, {.proximity = 0.2_mm, .group = ForcepsWall}};
+    const bool myoma = patient.kind == Patient::Kind::Myoma;
+    uterus.collision = {{.proximity = 0.2_mm, .group = ScopeWall},
+                        {.proximity = 0.2_mm, .group = myoma ? LoopWall : ForcepsWall}};
+    if (myoma) { // a loop cuts what it meets
+        uterus.dynamicTopology = true;
+        for (CollisionDef& each : uterus.collision) each.selfOnceCut = false;
+    }
     const bool touching = std::isfinite(patient.wideFrom);
     if (touching) uterus.collision.push_back({.mesh = wallBeside(patient), .proximity = 0.1_mm, .group = PolypWall});
     uterus.friction = 0.05;
@@ -202,6 +263,10 @@ Bodies addPatient(Simulation& sim, const Patient& patient)
     addVault(sim);
     sim.show(bodies.uterus, {.surface = asset(kFolder + "uterus.obj"), .material = lining});
 
+    if (myoma) {
+        bodies.polyp = addMyoma(sim, patient, bodies.uterus);
+        return bodies;
+    }
     SoftBodyDef polyp{.name = "polyp", .mesh = asset(kFolder + patient.polyp + ".msh"), .pose = patient.pose};
     polyp.material = FemMaterial{.youngModulus = 8_kPa, .poissonRatio = 0.4, .tearingThreshold = 9_kPa};
     polyp.rayleigh = {.mass = 10.0, .stiffness = 0.02};

@@ -1,0 +1,48 @@
+#include "apps/hysteroscopy/theatre.h"
+
+using namespace filasofia;
+
+namespace hysteroscopy {
+
+SimulationDef theatre()
+{
+    // Everything floats in the fluid, so there is no gravity. A step may take longer than the time it simulates,
+    // because tissue that is solved badly tears by that alone.
+    return {.physics = {.gravity = {}, .contact = ExactContact{.tolerance = 2e-2}, .deadline = 5e-3},
+            .window = {"Hysteroscopy", 720, 720},
+            .look = {.mouse = false, .keys = false}};
+}
+
+EndoscopeDef scopeOf(std::vector<int> groups)
+{
+    return {.name = "hysteroscope",
+            .pose = {{0, -0.1, 0}, {}},
+            .groups = std::move(groups),
+            .intensity = 2.0,
+            .surroundings = {.intensity = 300.0,
+                             .above = {0.55, 0.36, 0.32},
+                             .below = {0.45, 0.25, 0.21},
+                             .lampStrength = 1.0,
+                             .background = {0.03, 0.006, 0.005}}};
+}
+
+MetricTrackerDef observedIn(const Training& training, const TrackedBody& tool, BodyId scope, const std::string& target)
+{
+    const Difficulty& difficulty = kDifficulties[training.difficulty];
+    MetricTrackerDef out{.bodies = {tool, {.body = scope, .role = Role::Scope, .element = Endoscope::kCamera}},
+                         .file = training.file};
+    out.session = {
+        .trainee = training.trainee,
+        .task = text("hysteroscopy ", kCases[static_cast<std::size_t>(training.caseIndex)], " ", difficulty.name),
+        .software = "Filasofia",
+        .seed = static_cast<std::uint64_t>(training.seed),
+        .forceLimit = difficulty.warning,
+        .fieldOfView = EndoscopeDef{}.fieldOfView,
+        .targets = {target},
+        .watched = {EventKind::Perforation, EventKind::Unfinished}};
+    return out;
+}
+
+std::string millilitres(double volume) { return text(std::round(volume * 1e8) / 100.0, " ml"); }
+
+} // namespace hysteroscopy
