@@ -12,10 +12,10 @@ using namespace filasofia;
 namespace hysteroscopy {
 namespace {
 
-constexpr double kDensity = 1000.0; ///< [kg/m^3], of all tissue here
+constexpr double kDensity = 1000.0; ///< [kg/m^3], all tissue here
 constexpr double kFloats = 0.6;     ///< [s], for which a chip is seen
 constexpr double kDone = 0.35;      ///< [-], share of what is above the wall that may be left
-constexpr double kTooDeep = 1e-3;   ///< [m], of the wire in the wall
+constexpr double kTooDeep = 1e-3;   ///< [m], how deep the wire is in the wall
 constexpr double kEvery = 5e-3;     ///< [s], between two looks at the wire
 constexpr double kTold = 0.1;       ///< [s], between two events of what is left, or burnt
 

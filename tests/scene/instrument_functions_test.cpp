@@ -40,7 +40,7 @@ TEST_CASE("scenes: a wire loop shaves chips off while its pedal is pressed, also
     for (const SceneDef& each : {scene, loadScene(folder.file("again.json"))}) {
         Simulation sim(simulationDef(each));
         static_cast<void>(addScene(sim, each));
-        double removed = 0.0; // [kg], of 1000 kg/m^3
+        double removed = 0.0; // [kg], at 1000 kg/m^3
         sim.on<CutEvent>([&](const CutEvent& cut) {
             for (const auto& chip : cut.rupture.detached) removed += chip.mass;
         });

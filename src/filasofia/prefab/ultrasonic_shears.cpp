@@ -13,7 +13,7 @@
 namespace filasofia::prefab {
 namespace {
 
-constexpr double kOpen = 0.5;    ///< [-], of the jaws: beyond it they hold nothing, and may part again
+constexpr double kOpen = 0.5;    ///< [-], the jaws' opening: beyond it they hold nothing, and may part again
 constexpr double kParked = 3e-3; ///< [m] behind the pivot, within the shaft
 constexpr double kBack = 1.5e-3; ///< [m], width of the blade that parts
 constexpr double kBelow = 1e-3;  ///< [m], below the blade's face
@@ -137,9 +137,9 @@ struct UltrasonicShears::Impl {
     struct State {
         bool parts = false, hasParted = false;
         int parted = 0;
-        double way = 0.0;    ///< [-], of the blade: to the tip and, from 1 to 2, back
+        double way = 0.0;    ///< [-], the blade goes to the tip and, from 1 to 2, back
         double sealed = 0.0; ///< [-]
-        double active = 0.0; ///< [s], of the electrode
+        double active = 0.0; ///< [s], the electrode was active
         double last = 0.0;   ///< [s]
         Pose knife = {};
     };

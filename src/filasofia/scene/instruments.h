@@ -13,7 +13,7 @@ struct Instrument {
     std::shared_ptr<prefab::ArticulatedInstrument> jaws = {};
     std::shared_ptr<prefab::Endoscope> scope = {};
     std::shared_ptr<prefab::WireLoop> loop = {};
-    std::shared_ptr<prefab::SuctionIrrigator> suction = {}; ///< of its jaws
+    std::shared_ptr<prefab::SuctionIrrigator> suction = {}; ///< if it is a suction tube
     bool keyed = false;                                     ///< its own keys move it
 
     [[nodiscard]] bool isScope() const { return scope || laparoscope; }
