@@ -7,8 +7,9 @@ using namespace filasofia;
 namespace hysteroscopy {
 namespace {
 
-constexpr double kHidden = -6e-3; ///< [m], reach of a loop that is in the sheath
-constexpr double kMiddle = 14e-3; ///< [m], reach above the middle of the myoma
+constexpr double kHidden = -6e-3;  ///< [m], reach of a loop that is in the sheath
+constexpr double kMiddle = 14e-3;  ///< [m], reach above the middle of the myoma
+constexpr double kBeyond = 1.3e-3; ///< [m], by which a stroke is longer than the tissue, at both ends
 
 ScopeHand straight(double y, double roll = 0.0, double reach = kHidden)
 {
@@ -69,14 +70,16 @@ Span spanOf(const ResectionMotion& with, double bottom, double side)
     return out;
 }
 
-/// [m] How deep the wire would be in the wall, at the ends and in the middle of a stroke.
+/// [m] How deep the wire would be in the wall, at five places of a stroke.
 double depthOf(const ResectionMotion& with, double bottom, double side, const Span& span)
 {
     const Bed bed = bedOf(with);
+    const double from = span.from - kBeyond, to = span.to + kBeyond;
     double deepest = 0.0;
     for (const Vec3& wire : with.loop.line())
-        for (const double ahead : {span.from, 0.5 * (span.from + span.to), span.to})
-            deepest = std::max(deepest, with.wall(bed.root + (side + wire.x) * bed.across + ahead * bed.ahead +
+        for (const double part : {0.0, 0.25, 0.5, 0.75, 1.0})
+            deepest = std::max(deepest, with.wall(bed.root + (side + wire.x) * bed.across +
+                                                  (from + part * (to - from)) * bed.ahead +
                                                   (bottom + with.loop.def().depth + wire.y) * bed.up));
     return deepest;
 }
@@ -100,7 +103,6 @@ void plan(const ResectionMotion& with, Stroke& stroke)
 /// Adds a stroke, which is left out if nothing is there. `picture` gives the function that takes a picture of a name.
 void draw(const ResectionMotion& with, double bottom, double side, auto picture, std::vector<HandMove>& moves)
 {
-    constexpr double kBeyond = 1.3_mm; // at both ends
     const double high = with.patient.height + 0.7_mm;
     const auto stroke = std::make_shared<Stroke>();
     const auto none = [stroke] { return !stroke->worthIt(); };

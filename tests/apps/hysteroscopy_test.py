@@ -173,8 +173,8 @@ class Resection(Trainer):
         chips, left = self.check_what_is_left()
         self.assertGreater(len(chips), 5)  # one for each stroke
         self.assertLess(max(chips), 100e-9)  # the loop's area, 12.4 mm^2, is drawn along 11.3 mm at most
-        self.assertLess(left, 0.3)
-        self.assertLess(self.amounts("burn")[-1], 100e-6)  # [m^2] 20 mm^2 were measured
+        self.assertLess(left, 0.33)  # 29 % were measured
+        self.assertLess(self.amounts("burn")[-1], 100e-6)  # [m^2] 13 mm^2 were measured
 
     def test_clumsy_hands_break_nothing(self):
         self.play("clumsy", "--seed", "2", steps=STEPS or "8000")
