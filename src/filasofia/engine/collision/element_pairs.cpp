@@ -27,19 +27,18 @@ bool apartInPiece(const CollisionSurface& surface, int i, int k, std::span<const
            !meet(ownPiece[static_cast<std::size_t>(i)], ownPiece[static_cast<std::size_t>(k)]);
 }
 
-// [m/s] The mean velocity of each piece's vertices that are finite; zero for one that has none.
-std::vector<Vec3> driftsOfPieces(const CollisionSurface& surface)
+void findDrifts(const CollisionSurface& surface, PieceBounds& out)
 {
-    std::vector<Vec3> drifts(static_cast<std::size_t>(std::ranges::max(surface.pieceOf)) + 1);
-    std::vector<int> sizes(drifts.size());
+    const auto pieces = static_cast<std::size_t>(std::ranges::max(surface.pieceOf) + 1);
+    out.drifts.assign(pieces, {});
+    out.sizes.assign(pieces, 0);
     for (std::size_t i = 0; i < surface.v.size(); ++i)
         if (const int piece = surface.pieceOf[i]; piece >= 0 && isFinite(surface.v[i])) {
-            drifts[static_cast<std::size_t>(piece)] += surface.v[i];
-            ++sizes[static_cast<std::size_t>(piece)];
+            out.drifts[static_cast<std::size_t>(piece)] += surface.v[i];
+            ++out.sizes[static_cast<std::size_t>(piece)];
         }
-    for (std::size_t p = 0; p < drifts.size(); ++p)
-        if (sizes[p] > 0) drifts[p] *= 1.0 / sizes[p];
-    return drifts;
+    for (std::size_t p = 0; p < pieces; ++p)
+        if (out.sizes[p] > 0) out.drifts[p] *= 1.0 / out.sizes[p];
 }
 
 /// Whether an edge joins two triangles, or they share a vertex.
@@ -92,22 +91,26 @@ void collectLeafPairs(const CollisionSurface& a, const CollisionSurface& b, Coll
 
 } // namespace
 
-std::vector<Bounds> boundPieces(const CollisionSurface& surface, double reach, double margin, Vec3 drift, double least)
+void boundPieces(const CollisionSurface& surface, double reach, double margin, Vec3 drift, double least,
+                 PieceBounds& out)
 {
-    if (surface.pieceOf.empty()) return {};
-    const std::vector<Vec3> drifts = driftsOfPieces(surface);
-    if (std::ranges::none_of(drifts, [&](Vec3 each) { return length(each - drift) * reach > least; })) return {};
-    std::vector<Bounds> out(surface.shape->elements.size(), emptyBounds());
-    for (std::size_t i = 0; i < out.size(); ++i) {
-        const std::array<int, 3>& corners = surface.shape->elements[i].vertices;
+    out.elements.clear();
+    if (surface.pieceOf.empty()) return;
+    findDrifts(surface, out);
+    if (std::ranges::none_of(out.drifts, [&](Vec3 each) { return length(each - drift) * reach > least; })) return;
+    out.elements.assign(surface.shape->elements.size(), emptyBounds());
+    for (std::size_t i = 0; i < out.elements.size(); ++i) {
         const int piece = pieceOfElement(surface, static_cast<int>(i));
         if (piece < 0) continue;
-        for (const int v : corners)
-            if (v >= 0)
-                out[i] = merged(out[i], boundsOf(surface.x[v], surface.v[v] - drifts[static_cast<std::size_t>(piece)],
-                                                 static_cast<float>(margin), static_cast<float>(reach)));
+        const Vec3 own = out.drifts[static_cast<std::size_t>(piece)];
+        for (const int corner : surface.shape->elements[i].vertices)
+            if (corner >= 0) {
+                const auto v = static_cast<std::size_t>(corner);
+                out.elements[i] =
+                    merged(out.elements[i], boundsOf(surface.x[v], surface.v[v] - own, static_cast<float>(margin),
+                                                     static_cast<float>(reach)));
+            }
     }
-    return out;
 }
 
 void collectElementPairs(const CollisionSurface& a, const CollisionSurface& b, const NormalBounds* normals,

@@ -14,9 +14,10 @@ namespace filasofia::engine {
 void collectElementPairs(const CollisionSurface& a, const CollisionSurface& b, const NormalBounds* normals,
                          ProximityScratch& scratch, std::span<const Bounds> ownPiece = {});
 
-/// The boxes of the elements of a body in pieces, each as seen by who moves with its piece; `margin` [m] around the
-/// vertices, `reach` [s] as in boundVertices(). Empty if no piece moves by more than `least` [m] in that time, as seen
-/// by who moves with `drift` [m/s]: then the surface's own boxes are as tight.
-std::vector<Bounds> boundPieces(const CollisionSurface& surface, double reach, double margin, Vec3 drift, double least);
+/// Makes the boxes of the elements of a body in pieces, each as seen by who moves with its piece; `margin` [m] around
+/// the vertices, `reach` [s] as in boundVertices(). None if no piece moves by more than `least` [m] in that time, as
+/// seen by who moves with `drift` [m/s]: then the surface's own boxes are as tight.
+void boundPieces(const CollisionSurface& surface, double reach, double margin, Vec3 drift, double least,
+                 PieceBounds& out);
 
 } // namespace filasofia::engine

@@ -29,6 +29,13 @@ struct PointMinimum {
     bool kept = false;
 };
 
+/// Boxes of a surface in pieces, each as seen by who moves with its piece; see boundPieces().
+struct PieceBounds {
+    std::vector<Bounds> elements; ///< in the order of the shape's elements; empty: the surface's own are as tight
+    std::vector<Vec3> drifts;     ///< [m/s] per piece, the mean of its vertices that are finite; zero if none is
+    std::vector<int> sizes;       ///< per piece, the number of these
+};
+
 /// Buffers of findProximities. They carry nothing to the next step.
 struct ProximityScratch {
     struct Part {
@@ -40,6 +47,7 @@ struct ProximityScratch {
     std::vector<char> wanted;
     NormalBounds normals;          ///< for a surface that is tested against itself
     std::vector<Vec3> edgeNormals; ///< for a solid that is tested against itself
+    PieceBounds ownPiece;          ///< for a surface in pieces that is tested against itself
     std::vector<std::array<int, 2>> elementPairs;
     std::vector<std::array<int, 2>> open;       ///< stack of pairs of nodes still to be visited
     std::vector<Part> parts;                    ///< never shrinks, so that its buffers are reused
