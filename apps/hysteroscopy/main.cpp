@@ -65,15 +65,7 @@ int train(const Training& training)
                                         .gripStiffness = 300.0,
                                         .material = MetalMaterial{.roughness = 0.5},
                                         .onGrasp = onGrasp});
-    ScopeHands hands(sim, scope, forceps,
-                     {.fulcrum = kFulcrum,
-                      .up = {0, 0, 1},
-                      .start = {{0, 1, 0}, -39_mm, 0, -6_mm},
-                      .leastDepth = -60_mm,
-                      .mostDepth = 36_mm,
-                      .mostReach = 12_mm,
-                      .strength = 15,
-                      .handle = training.device});
+    ScopeHands hands(sim, scope, forceps, handsOf(training, 12_mm));
     if (training.device) sim.add(HapticInterfaceDef{.name = "hand", .body = hands.handle()});
 
     MetricTrackerDef observed =

@@ -211,15 +211,7 @@ int resection(const Training& training, const Patient& patient)
                         .cutting = 20.0,
                         .groups = {LoopWall, LoopMyoma},
                         .material = MetalMaterial{.roughness = 0.5}});
-    ScopeHands hands(sim, scope, loop,
-                     {.fulcrum = kFulcrum,
-                      .up = {0, 0, 1},
-                      .start = {{0, 1, 0}, -39_mm, 0, -6_mm},
-                      .leastDepth = -60_mm,
-                      .mostDepth = 36_mm,
-                      .mostReach = 25_mm,
-                      .strength = 15,
-                      .handle = training.device});
+    ScopeHands hands(sim, scope, loop, handsOf(training, 25_mm));
     if (training.device) sim.add(HapticInterfaceDef{.name = "hand", .body = hands.handle()});
 
     Chips chips(sim, patient, bodies.polyp);

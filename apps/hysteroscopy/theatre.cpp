@@ -26,6 +26,18 @@ EndoscopeDef scopeOf(std::vector<int> groups)
                              .background = {0.03, 0.006, 0.005}}};
 }
 
+prefab::ScopeHandsDef handsOf(const Training& training, double mostReach)
+{
+    return {.fulcrum = kFulcrum,
+            .up = {0, 0, 1},
+            .start = {{0, 1, 0}, -39_mm, 0, -6_mm},
+            .leastDepth = -60_mm,
+            .mostDepth = 36_mm,
+            .mostReach = mostReach,
+            .strength = 15,
+            .handle = training.device};
+}
+
 MetricTrackerDef observedIn(const Training& training, const TrackedBody& tool, BodyId scope, const std::string& target)
 {
     const Difficulty& difficulty = kDifficulties[training.difficulty];

@@ -16,6 +16,8 @@ inline constexpr double kPerforation = 8; ///< [N] force on the uterus that coun
 
 filasofia::SimulationDef theatre();
 filasofia::EndoscopeDef scopeOf(std::vector<int> groups);
+/// Hands that push an instrument out of the scope by `mostReach` [m].
+filasofia::prefab::ScopeHandsDef handsOf(const filasofia::Training& training, double mostReach);
 /// What a session observes, but for its steps: both instruments and the events that all cases have.
 filasofia::MetricTrackerDef observedIn(const filasofia::Training& training, const filasofia::TrackedBody& tool,
                                        filasofia::BodyId scope, const std::string& target);
