@@ -2,10 +2,9 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/units.h"
-#include "filasofia/geometry/shapes.h"
 #include "filasofia/prefab/knot_plan.h"
 #include "filasofia/runtime/stepped_run.h"
-#include "filasofia/testing/linking.h"
+#include "prefab/tied_bars.h"
 
 #include <catch2/catch.hpp>
 
@@ -21,115 +20,29 @@ namespace knot_hands_test {
 using namespace filasofia;
 using prefab::KnotDef;
 using prefab::KnotHands;
-using runtime::Simulation;
+using prefab::TiedBars;
 
 namespace {
+/// The strands stand up beside the bars.
+constexpr std::array<Vec3, 2> kApart{Vec3{-21.4_mm, 50_mm, 0}, Vec3{15.4_mm, 30_mm, 0}};
+constexpr std::array<Vec3, 2> kCrossed{Vec3{15_mm, 50_mm, 4_mm}, Vec3{-10_mm, 30_mm, -4_mm}};
 
-/// Two bars, and a thread below both whose ends stand up. Hands tie it above them; then the bars are drawn apart.
-class TiedBars {
-public:
-    explicit TiedBars(double friction, bool crossed = false)
-    {
-        for (const int i : {0, 1}) {
-            physics::RigidBodyDef bar{.name = i == 0 ? "left bar" : "right bar", .elements = {poseOf(i)}};
-            bar.mesh = geometry::shapes::cylinder(2_mm, 40_mm, 64);
-            bar.collision = {{.proximity = 0.1_mm}};
-            bar.friction = 0.05;
-            bars_[static_cast<std::size_t>(i)] = sim.add(bar);
-        }
-        physics::RodBodyDef def{.name = "thread", .spacing = 0.4_mm, .radius = 0.15_mm, .youngModulus = 50_MPa};
-        def.points = {{-21.4_mm, 50_mm, 0}, {-6.4_mm, -2_mm, 0},  {-5.8_mm, -3.8_mm, 0}, {-4_mm, -4.5_mm, 0},
-                      {4_mm, -4.5_mm, 0},   {5.8_mm, -3.8_mm, 0}, {6.4_mm, -2_mm, 0},    {15.4_mm, 30_mm, 0}};
-        if (crossed) {
-            def.points.front() = {15_mm, 50_mm, 4_mm};
-            def.points.back() = {-10_mm, 30_mm, -4_mm};
-        }
-        def.attachments = {{.ball = physics::Ball{{0, -4.5_mm, 0}, 0.3_mm}}};
-        def.gravity = false;
-        def.yieldStrain = 0.1;
-        def.rayleigh.mass = 20.0; // the air
-        def.friction = friction;
-        def.collision = physics::RodCollision{};
-        thread = sim.add(def);
-    }
-    KnotDef def() const
-    {
-        return {.thread = thread, .place = {0, 0.5_mm, 0}, .force = 0.6, .holding = 0.15, .speed = 0.2};
-    }
-
-    /// Ties, lets go, and draws the bars apart, as fast as 20 mm/s and with so much force [N] each, for 0.5 s.
-    void tieAndLoad(double load)
-    {
-        KnotHands knot(sim, def());
-        double tied = 1e9;
-        sim.everyStep([&](double time) {
-            const auto frame = sim.physics().latest();
-            if (!frame) return;
-            if (time > 0.01) knot.begin();
-            count(*frame);
-            if (knot.tied() > std::ssize(windings)) windings.push_back(winding());
-            if (knot.done()) tied = std::min(tied, time);
-            if (time > tied + 0.1) knot.release();
-            if (time > tied + 0.15) pull(*frame, load);
-            if (time > tied + 0.65) loaded.push_back(distance(place_[0], place_[1]));
-            if (time > tied + 0.75) sim.finish("loaded");
-        });
-        sim.run({.headless = true, .backend = visual::Backend::Null, .steps = 12000});
-        throws = knot.tied();
-        hardest = knot.largestForce();
-    }
-
-    Simulation sim;
-    BodyId thread = {};
-    int throws = 0, passes = 0;
-    double hardest = 0.0;
-    std::vector<double> windings; ///< [-] how often the strands wind around each other, after each throw
-    std::vector<double> loaded;   ///< [m] between the bars under load, from step to step
-    double force = 0.0;           ///< [N] on the left bar, in the last step
-
-private:
-    Pose poseOf(int bar) const { return {place_[static_cast<std::size_t>(bar)], axisAngle({1, 0, 0}, 90_deg)}; }
-    void count(const frame::Frame& frame)
-    {
-        const std::vector<Vec3>& now = frame.softBody(thread)->positions;
-        if (!before_.empty()) passes += std::abs(passes_.count({before_, now}, {before_, now}));
-        before_ = now;
-    }
-    [[nodiscard]] double winding() const
-    {
-        double sum = 0.0;
-        const std::size_t middle = before_.size() / 2;
-        for (std::size_t i = 1; i < middle; ++i)
-            for (std::size_t k = middle + 1; k < before_.size(); ++k)
-                sum += testing::gaussIntegral(before_[i - 1], before_[i], before_[k - 1], before_[k]);
-        return sum / (4.0 * std::numbers::pi);
-    }
-    void pull(const frame::Frame& frame, double load)
-    {
-        for (const int i : {0, 1}) {
-            const BodyId bar = bars_[static_cast<std::size_t>(i)];
-            double across = 0.0;
-            for (const frame::Contact& each : frame.contacts)
-                if (each.first == bar || each.second == bar) across += std::abs(each.normal.x) * each.normalForce;
-            if (i == 0) force = across;
-            place_[static_cast<std::size_t>(i)].x +=
-                (i == 0 ? -1.0 : 1.0) * std::clamp((load - across) / 3000.0, -2e-5, 2e-5);
-            sim.physics().setPose(bar, poseOf(i));
-        }
-    }
-
-    std::array<BodyId, 2> bars_ = {};
-    std::array<Vec3, 2> place_ = {Vec3{-4_mm, -2_mm, 0}, Vec3{4_mm, -2_mm, 0}};
-    std::vector<Vec3> before_;
-    testing::PassCounter passes_;
-};
+KnotDef defOf(const TiedBars& scene)
+{
+    return {.thread = scene.thread, .place = {0, 0.5_mm, 0}, .force = 0.6, .holding = 0.15, .speed = 0.2};
+}
+void tieAndLoad(TiedBars& scene)
+{
+    KnotHands knot(scene.sim, defOf(scene));
+    scene.tieAndLoad(knot, 2.0, 12000, [](const frame::Frame&) {});
+}
 
 } // namespace
 
 TEST_CASE("a surgeon's knot that hands tie around two bars holds 2 N with a friction of 0.3", "[long]")
 {
-    TiedBars scene(0.3);
-    scene.tieAndLoad(2.0);
+    TiedBars scene(0.3, kApart);
+    tieAndLoad(scene);
     REQUIRE(scene.throws == 3);
     REQUIRE(scene.loaded.size() > 50);
     CHECK(scene.passes == 0);
@@ -137,6 +50,7 @@ TEST_CASE("a surgeon's knot that hands tie around two bars holds 2 N with a fric
     // A throw winds its strands around each other about as often as it has loops, and each the other way than that
     // before: a square knot, no granny.
     REQUIRE(scene.windings.size() == 3);
+    CHECK(scene.determinants == std::vector<int>{5, 15, 45});
     const double first = scene.windings[0], second = scene.windings[1] - first,
                  third = scene.windings[2] - scene.windings[1], sense = std::copysign(1.0, first);
     std::printf("knot of hands: its throws wind strands by %.2f, %.2f, %.2f turns\n", first, second, third);
@@ -151,8 +65,8 @@ TEST_CASE("a surgeon's knot that hands tie around two bars holds 2 N with a fric
 
 TEST_CASE("the same knot comes off with a friction of 0.02", "[long]")
 {
-    TiedBars scene(0.02);
-    scene.tieAndLoad(2.0);
+    TiedBars scene(0.02, kApart);
+    tieAndLoad(scene);
     REQUIRE(scene.throws == 3);
     CHECK(scene.passes == 0);
     CHECK(scene.loaded.back() - scene.loaded.front() > 2_mm);
@@ -160,10 +74,10 @@ TEST_CASE("the same knot comes off with a friction of 0.02", "[long]")
 
 TEST_CASE("hands that come between two steps of a stepped run tie")
 {
-    TiedBars scene(0.3);
+    TiedBars scene(0.3, kApart);
     runtime::SteppedRun run(scene.sim, {.backend = visual::Backend::Null});
     run.step();
-    KnotHands knot(scene.sim, scene.def());
+    KnotHands knot(scene.sim, defOf(scene));
     run.step();
     knot.begin();
     for (int i = 0; i < 12000 && knot.tied() == 0; ++i) run.step();
@@ -172,8 +86,8 @@ TEST_CASE("hands that come between two steps of a stepped run tie")
 
 TEST_CASE("strands whose ends have crossed come up on the sides where they leave the tissue")
 {
-    TiedBars scene(0.3, true);
-    KnotHands knot(scene.sim, scene.def());
+    TiedBars scene(0.3, kCrossed);
+    KnotHands knot(scene.sim, defOf(scene));
     runtime::SteppedRun run(scene.sim, {.backend = visual::Backend::Null});
     run.step();
     const auto x = [&](int hand) {
@@ -189,9 +103,9 @@ TEST_CASE("strands whose ends have crossed come up on the sides where they leave
 
 TEST_CASE("a wrong knot is one error that names what is wrong")
 {
-    TiedBars scene(0.3);
+    TiedBars scene(0.3, kApart);
     const auto refused = [&](auto change, const std::string& message) {
-        KnotDef def = scene.def();
+        KnotDef def = defOf(scene);
         change(def);
         CHECK_THROWS_WITH(KnotHands(scene.sim, def), Catch::Matchers::Contains(message));
     };

@@ -6,6 +6,7 @@
 #include "filasofia/physics/defs.h"
 #include "filasofia/prefab/knot_plan.h"
 #include "filasofia/prefab/remember.h"
+#include "filasofia/prefab/strand_hand.h"
 #include "filasofia/prefab/turns.h"
 
 #include <algorithm>
@@ -19,42 +20,17 @@ namespace {
 
 constexpr double kSkin = 1.5e-3; ///< [m] over the place: what is lower is no free strand
 constexpr double kLow = 0.1;     ///< [-] hands that tighten are above the place by this share of their distance
-constexpr double kStill = 0.1;   ///< [s] a throw is tight once hands at full force have not moved for so long,
-constexpr double kCreep = 2e-3;  ///< [m/s] that is, have been slower than this
-constexpr double kRamp = 0.2;    ///< [s] in which a force grows to its full value
-constexpr double kNear = 1e-3;   ///< [m] least distance of a hand from the place
 constexpr double kLead = 1.2;    ///< [-] length of strand up to the loops over its distance
 
 KnotDef checked(runtime::Simulation& simulation, KnotDef def)
 {
     const std::string object = text("knot '", def.name, "'");
     validate(def, object);
-    const auto body = simulation.physics().def(def.thread);
-    const auto* rod = std::get_if<physics::RodBodyDef>(body.get());
-    if (rod == nullptr) fail(object, ": thread must be a rod, got ", physics::describeBody(*body));
-    const int count = static_cast<int>(physics::centreLine(*rod).size());
-    if (def.nodes.empty()) def.nodes = {0, count - 1};
-    if (def.nodes.size() != 2) fail(object, ": nodes must be two or none, got ", def.nodes.size());
-    for (const int node : def.nodes)
-        if (node >= count) fail(object, ": nodes must be in [0, ", count - 1, "], got ", node);
-    if (def.nodes[0] == def.nodes[1]) fail(object, ": nodes must differ, got twice ", def.nodes[0]);
+    def.nodes = heldNodes(simulation, def.thread, def.nodes, object);
     if (def.turns.empty()) fail(object, ": turns must have at least one entry, got none");
-    const Vec3 up = normalized(def.up), across = normalized(def.across);
-    if (length(cross(up, across)) < 1e-3)
-        fail(object, ": up and across must not be parallel, nor 0, got (", def.up.x, " ", def.up.y, " ", def.up.z,
-             ") and (", def.across.x, " ", def.across.y, " ", def.across.z, ")");
+    makeAxes(def.up, def.across, object);
     if (!(def.height > def.loop)) fail(object, ": height must be > loop = ", def.loop, " m, got ", def.height);
-    def.up = up;
-    def.across = normalized(across - dot(across, up) * up);
     return def;
-}
-
-/// A unit vector turned towards another one, by at most an angle [rad].
-Vec3 turnedTowards(Vec3 from, Vec3 to, double most)
-{
-    const Vec3 axis = cross(from, to);
-    const double angle = std::atan2(length(axis), dot(from, to));
-    return angle <= most ? to : rotate(axisAngle(axis, most), from);
 }
 
 enum class Phase {
@@ -69,14 +45,6 @@ enum class Phase {
     Spread,  ///< both come down, each on the other side
     Tighten, ///< draws
     Done     ///< all throws are tied; holds both strands up
-};
-
-struct Hand {
-    BodyId body = {};
-    AttachmentId grip = {};
-    Vec3 direction = {}; ///< [-] from the place
-    double away = 0.0;   ///< [m] from the place
-    double side = 1.0;   ///< 1 or -1, along `across`
 };
 
 struct Finger {
@@ -121,7 +89,7 @@ struct KnotHands::Impl {
     void release()
     {
         turns.take(!simulation.physics().stepsHere(), [this] {
-            for (Hand& hand : hands) {
+            for (StrandHand& hand : hands) {
                 if (hand.grip) simulation.physics().release(hand.grip);
                 hand.grip = {};
             }
@@ -173,11 +141,7 @@ struct KnotHands::Impl {
         if (bases[0] != def.nodes[1] && std::abs(at(0) - at(1)) > 2.0 * def.loop) return at(0) - at(1);
         return dot(hands[0].direction - hands[1].direction, def.across);
     }
-    void place(Hand& hand, Vec3 at) const
-    {
-        hand.away = std::max(distance(at, def.place), kNear);
-        hand.direction = normalized(at - def.place, def.up);
-    }
+    void place(StrandHand& hand, Vec3 at) const { hand.place(at, def.place, def.up); }
     void take()
     {
         for (std::size_t i = 0; i < 2; ++i)
@@ -221,14 +185,13 @@ struct KnotHands::Impl {
         advance(thread, there, dt);
     }
     /// Moves a hand along its strand so that it draws with this force; returns by how much [m].
-    double draw(Hand& hand, const frame::Frame& now, double force, double dt)
+    double draw(StrandHand& hand, const frame::Frame& now, double force, double dt)
     {
-        const auto grip = std::ranges::find(now.attachments, hand.grip, &frame::Attachment::id);
-        const double tension = grip != now.attachments.end() ? dot(grip->force, hand.direction) : 0.0;
+        const double tension = hand.tension(now);
         largest = std::max(largest, tension);
-        const double most = def.speed * dt, by = std::clamp((force - tension) / def.stiffness, -most, most);
-        hand.away = std::max(hand.away + by, kNear);
-        simulation.physics().setPose(hand.body, Pose{def.place + hand.away * hand.direction});
+        const double by = drawnBy(force - tension, def.stiffness, def.speed * dt);
+        hand.moveBy(by);
+        simulation.physics().setPose(hand.body, Pose{hand.at(def.place)});
         return std::abs(by);
     }
     /// What belongs to a phase beside the hands' strands; then the next phase, if this one has come to its end.
@@ -346,7 +309,7 @@ struct KnotHands::Impl {
     void pass(double dt)
     {
         const std::vector<Vec3> points = wayThrough(frame, made());
-        Hand& hand = hands[1];
+        StrandHand& hand = hands[1];
         Vec3 at = def.place + hand.away * hand.direction;
         const Vec3 to = points[static_cast<std::size_t>(way)];
         const double left = distance(at, to), most = def.speed * dt;
@@ -355,13 +318,13 @@ struct KnotHands::Impl {
         simulation.physics().setPose(hand.body, Pose{at});
         if (left > most || ++way < std::ssize(points)) return;
         open(fingers);
-        for (Hand& each : hands) each.side = -each.side;
+        for (StrandHand& each : hands) each.side = -each.side;
         next(Phase::Spread);
     }
 
     void publish() { told.write({.tied = throws, .done = phase == Phase::Done, .largest = largest}); }
-    using Kept = std::tuple<std::array<Hand, 2>, std::vector<Finger>, std::vector<Finger>, Phase, int, int, double,
-                            double, double>;
+    using Kept = std::tuple<std::array<StrandHand, 2>, std::vector<Finger>, std::vector<Finger>, Phase, int, int,
+                            double, double, double>;
     auto kept() { return std::tie(hands, fingers, pinching, phase, throws, way, since, still, largest); }
 
     runtime::Simulation& simulation;
@@ -369,7 +332,7 @@ struct KnotHands::Impl {
     KnotFrame frame;
     BodyId fingersBody = {};
     Turns turns; // guards the members below
-    std::array<Hand, 2> hands = {};
+    std::array<StrandHand, 2> hands = {};
     std::vector<Finger> fingers, pinching;
     Phase phase = Phase::Idle;
     int throws = 0;       ///< tied
