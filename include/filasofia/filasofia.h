@@ -8,6 +8,7 @@
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/physics/tissue.h"
 #include "filasofia/prefab/clip_applier.h"
+#include "filasofia/prefab/instrument_tie.h"
 #include "filasofia/prefab/knot_hands.h"
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/overlays.h"
@@ -130,6 +131,8 @@ using prefab::ForceBar;
 using prefab::Guidance;
 using prefab::HandMove;
 using prefab::InstrumentKind;
+using prefab::InstrumentTie;
+using prefab::InstrumentTieDef;
 using prefab::KnotDef;
 using prefab::KnotHands;
 using prefab::Laparoscope;
