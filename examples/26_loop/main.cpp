@@ -44,7 +44,7 @@ try {
     const double cut = sim.energy(loop.body()).active - sim.energy(loop.body()).inAir;
     std::printf("%.0f mm^3 shaved off in %.1f s of cutting\n", removed * 1e9, cut);
     const auto frame = sim.physics().latest();
-    return !frame || frame->time < 5.9 || (removed > 300e-9 && removed < 600e-9 && cut < 4.0) ? 0 : 1;
+    return !frame || frame->time < 5.9 || (removed > 500e-9 && removed < 700e-9 && cut < 4.0) ? 0 : 1;
 } catch (const Error& error) {
     return report(error);
 }
