@@ -52,6 +52,8 @@ void LensSoiling::step(double time)
     const double dt = std::max(time - std::exchange(state_.last, time), 0.0);
     if (const std::unique_lock lock(mutex_, std::try_to_lock); lock && asked_) // if not, at the next step
         state_.lens = *std::exchange(asked_, std::nullopt);
+    else if (!def_)
+        return; // nothing has changed
     const frame::FrameRef frame = def_ ? simulation_.physics().latest() : frame::FrameRef();
     if (const frame::RigidBodyFrame* scope = frame ? frame->rigidBody(scope_) : nullptr) {
         const Pose& camera = scope->poses[static_cast<std::size_t>(camera_)];

@@ -12,7 +12,7 @@ import filasofia as fs
 
 from .environment import STEEL, SurgicalEnv, distance
 from .judgement import Judgement
-from .tool import Array, Tool, posed, times, turned
+from .tool import Array, Tool, aim, posed, times, turned
 
 MESHES = "meshes/hysteroscopy/"
 OVER = np.array([0.0, 1.0, 0.0, 0.0])  # about x: the trainer's fundus is up, and its scope comes from below
@@ -55,7 +55,7 @@ class HysteroscopicPolypectomy(SurgicalEnv):
             fs.SoftBodyDef(
                 name="polyp",
                 mesh=fs.asset(MESHES + name + ".msh"),
-                pose=posed(at, _from_y(normal)),
+                pose=posed(at, aim((0.0, 0.0, 0.0), normal)),
                 material=fs.FemMaterial(young_modulus=8e3, poisson_ratio=0.4, tearing_threshold=9e3),
                 attachments=[fs.AttachmentDef(nodes=kind["base"], stiffness=40.0, to=self.uterus)],
                 collision=[fs.CollisionDef(proximity=1e-4, group=2)],
@@ -143,17 +143,21 @@ class HysteroscopicPolypectomy(SurgicalEnv):
         self.sim.set_tissue(self.polyp, fs.TissueRegion(where=fs.Ball(radius=1.0), young_modulus=stiff))
         self.sim.step(round(0.4 * self.rate), self.moves())
 
-    def moves(self) -> dict[fs.BodyId, typing.Any]:
+    def placed(self) -> fs.Pose:
+        """Where the pelvis is in this episode, and the uterus with it."""
         turn = np.array([np.cos(self.angle / 2), 0.0, np.sin(self.angle / 2), 0.0])
         x, z = self.tilt / 2
         lean = np.array([1.0, x, 0.0, z]) / np.sqrt(1.0 + x * x + z * z)
         turn = times(lean, turn)
         place = np.asarray(self.os) - turned(turn, self.os)  # about the inner os
-        return {**super().moves(), self.pelvis: posed(place, turn)}
+        return posed(place, turn)
+
+    def moves(self) -> dict[fs.BodyId, typing.Any]:
+        return {**super().moves(), self.pelvis: self.placed()}
 
     def limit(self, tool: Tool, place: Array) -> Array:
         """Not through the wall: within the cavity as it was made, turned as the uterus is, less 1 mm."""
-        moved = self.moves()[self.pelvis]
+        moved = self.placed()
         back = np.array(moved.orientation) * (1, -1, -1, -1)
         x, y, z = turned(back, np.asarray(place) - moved.position)
         wide, deep = (np.interp(y, self.axis[::-1, 0], self.axis[::-1, k]) for k in (1, 2))
@@ -192,7 +196,7 @@ class HysteroscopicPolypectomy(SurgicalEnv):
         self.wall = float(contacts["normal_force"][mine & theirs].sum())
         limit = (2.0, 1.0, 0.5)[self.difficulty]
         self.pressed = self.pressed + self.frame_skip / self.rate if self.wall > limit else 0.0
-        pelvis = self.moves()[self.pelvis]
+        pelvis = self.placed()
         drawn = float(np.linalg.norm(self.root() - turned(np.array(pelvis.orientation), self.rooted) - pelvis.position))
         self.hurt = self.hurt or self.pressed > 0.2 or drawn > 0.01
         way = max(self.os[1] - float(self.middle()[1]), 0.0)
@@ -200,9 +204,3 @@ class HysteroscopicPolypectomy(SurgicalEnv):
         success = way == 0.0 and not self.hurt
         reward = {"distance": -10 * away, "way": -10 * way, "force": -0.1 * self.wall, "success": 10.0 * success}
         return Judgement(reward, success, {"way": way, "distance": away, "force": self.wall, "drawn": drawn})
-
-
-def _from_y(normal: Array) -> Array:
-    """The shortest turn from +y to a direction."""
-    found = np.append(1.0 + normal[1], np.cross((0.0, 1.0, 0.0), normal))
-    return OVER if np.linalg.norm(found) < 1e-6 else found / np.linalg.norm(found)
