@@ -5,14 +5,12 @@ using namespace filasofia;
 namespace hysteroscopy {
 namespace {
 
-constexpr double kMmHg = 133.322;     ///< [Pa]
-constexpr double kTrickle = 0.25;     ///< [-], how far the outflow is open if nobody opens it
-constexpr double kStart = 80 * kMmHg; ///< [Pa], 80 mmHg are usual
+constexpr double kMmHg = 133.322; ///< [Pa]
+constexpr double kTrickle = 0.25; ///< [-], how far the outflow is open if nobody opens it
 constexpr double kStep = 10 * kMmHg, kMost = 150 * kMmHg;
 
 /// 5 ml that become 15 under 75 mmHg. What is above the pressure in small vessels goes into them.
 const DistensionDef kUterus{.room = {{-14_mm, 30_mm, -6_mm}, {14_mm, 66_mm, 6_mm}},
-                            .pressure = kStart,
                             .outflow = kTrickle,
                             .leakPressure = 70 * kMmHg,
                             .leakResistance = 2e10,
@@ -20,9 +18,11 @@ const DistensionDef kUterus{.room = {{-14_mm, 30_mm, -6_mm}, {14_mm, 66_mm, 6_mm
                             .up = Vec3{0, 0, 1}};
 
 /// Adds what the panel shows, before the panel.
-Simulation& filled(Simulation& sim, const Bodies& bodies, double flux)
+Simulation& filled(Simulation& sim, const Bodies& bodies, double pressure, double flux)
 {
-    sim.addDistension(kUterus);
+    DistensionDef uterus = kUterus;
+    uterus.pressure = pressure;
+    sim.addDistension(uterus);
     sim.bleed(bodies.uterus, {.flux = 3e-4, .vesselDensity = std::numeric_limits<double>::infinity()});
     sim.bleed(bodies.polyp, {.flux = flux, .vesselDensity = std::numeric_limits<double>::infinity()});
     return sim;
@@ -30,8 +30,8 @@ Simulation& filled(Simulation& sim, const Bodies& bodies, double flux)
 
 } // namespace
 
-Fluid::Fluid(Simulation& sim, const Bodies& bodies, double flux)
-    : sim_(sim), bodies_(bodies), pressure_(kStart), panel_(filled(sim, bodies, flux))
+Fluid::Fluid(Simulation& sim, const Bodies& bodies, double pressure, double flux)
+    : sim_(sim), bodies_(bodies), pressure_(pressure), panel_(filled(sim, bodies, pressure, flux))
 {
     sim.on<KeyEvent>([this](const KeyEvent& key) { press(key); });
 }

@@ -8,8 +8,9 @@ namespace hysteroscopy {
 /// inflow, O the outflow, U and J change the pressure by 10 mmHg.
 class Fluid {
 public:
-    /// Construct it before a run. `flux` [m/s] is that of the polyp or the myoma where it is opened.
-    Fluid(filasofia::Simulation& sim, const Bodies& bodies, double flux);
+    /// Construct it before a run. `pressure` [Pa]: at the start. `flux` [m/s] is that of the polyp or the myoma where
+    /// it is opened.
+    Fluid(filasofia::Simulation& sim, const Bodies& bodies, double pressure, double flux);
 
     /// The wall was pierced here, and bleeds.
     void pierced(filasofia::Vec3 place);

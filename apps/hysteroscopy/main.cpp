@@ -44,11 +44,11 @@ int train(const Training& training)
     const std::string& caseName = kCases[static_cast<std::size_t>(training.caseIndex)];
     const Patient patient = makePatient(caseName, static_cast<std::uint64_t>(training.seed));
     if (patient.kind == Patient::Kind::Myoma) return resection(training, patient);
-    const Difficulty& difficulty = kDifficulties[training.difficulty];
+    const Rules rules = training.rules(kRules[training.difficulty]);
     Simulation sim(theatre());
-    const Bodies bodies = addPatient(sim, patient);
+    const Bodies bodies = addPatient(sim, patient, training);
     // An artery leads through the root of a polyp: 6 mm^2 of it lose 0.4 ml a minute.
-    Fluid fluid(sim, bodies, 1e-3);
+    Fluid fluid(sim, bodies, rules.pressure, 1e-3);
     Endoscope scope(sim, scopeOf({ScopeWall, ScopePolyp}));
     MetricTracker* marks = nullptr;
     const auto onGrasp = [&](BodyId body, bool on) {
@@ -79,14 +79,13 @@ int train(const Training& training)
     MetricTracker tracker(sim, observed);
     marks = &tracker;
 
-    const ForceBar bar(sim, {.name = "Force on tissue",
-                             .bodies = {scope.body(), forceps.body()},
-                             .warning = difficulty.warning,
-                             .full = 5});
+    const ForceBar bar(
+        sim,
+        {.name = "Force on tissue", .bodies = {scope.body(), forceps.body()}, .warning = rules.warning, .full = 5});
     const PerforationWatch perforations(
         sim, {.wall = bodies.uterus,
               .tools = {{.body = scope.body(), .tip = {0, 0, 1_mm}}, {.body = forceps.body()}},
-              .force = kPerforation,
+              .force = rules.perforation,
               .tracker = &tracker,
               .perforated = [&](Vec3 place, double) { fluid.pierced(place); }});
     TrainingSession session(sim, training);
@@ -103,14 +102,12 @@ int train(const Training& training)
         session.over(done ? "The polyp is out" : "Time is up", results,
                      {.done = done, .seconds = running->progress().time});
     };
-    const Task task(sim, {.name = "hysteroscopy",
-                          .steps = taskSteps,
-                          .timeLimit = 60 * difficulty.minutes,
-                          .tracker = &tracker,
-                          .over = over});
+    const Task task(
+        sim,
+        {.name = "hysteroscopy", .steps = taskSteps, .timeLimit = rules.timeLimit, .tracker = &tracker, .over = over});
     running = &task;
     Guidance guidance(sim, task);
-    session.guide(guidance, difficulty.guided && training.motion.empty());
+    session.guide(guidance, rules.guided && training.motion.empty());
     sim.dress([&](VisualServer& server) {
         scope.dress(server);
         guidance.dress(server);
@@ -145,34 +142,41 @@ int train(const Training& training)
     return training.motion == "expert" && !session.cutShort() && !done ? 1 : 0;
 }
 
+std::vector<TrainerSetting> settings()
+{
+    std::vector<TrainerSetting> all = settingsOf<Rules>(kRules);
+    const auto add = [&](const std::vector<TrainerSetting>& more) { all.insert(all.end(), more.begin(), more.end()); };
+    add(settingsOf<PolypRules>(std::array<PolypRules, 3>(), {"small", "medium", "lobed"}));
+    add(settingsOf<MyomaRules>(std::array<MyomaRules, 3>(), {"resection"}));
+    return all;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
 {
-    return runTrainer(
-        argc, argv,
-        {.name = "hysteroscopy",
-         .about =
-             "A hysteroscopy trainer: pass the cervical canal, tear a polyp off, or shave a myoma off with a loop.",
-         .hands =
-             "Drag with the right button to turn the scope about the cervix. The wheel and the keys up and down\n"
-             "move it in and out; left and right roll it.\n"
-             "W and S move the forceps, G closes and opens them. A haptic device (--device) holds the scope's outer\n"
-             "end: its first button acts as G; while its second is pressed, moving in and out moves the forceps.\n"
-             "The case resection has a loop in place of the forceps: it cuts while G or the first button is pressed, "
-             "and\n"
-             "coagulates while B is.\n"
-             "I opens and closes the inflow of the fluid, O its outflow; U and J change its pressure.\n",
-         .cases = kCases,
-         .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
-         .motions = {"expert", "clumsy"},
-         .pictures = {"thumbnails/small.png", "thumbnails/medium.png", "thumbnails/lobed.png",
-                      "thumbnails/resection.png"},
-         .window = {"Hysteroscopy", 720, 720},
-         .problem =
-             [](int caseIndex, int seed) {
-                 return makePatient(kCases[static_cast<std::size_t>(caseIndex)], static_cast<std::uint64_t>(seed))
-                     .problem;
-             }},
-        train);
+    TrainerDef def{
+        .name = "hysteroscopy",
+        .about = "A hysteroscopy trainer: pass the cervical canal, tear a polyp off, or shave a myoma off with a loop.",
+        .hands =
+            "Drag with the right button to turn the scope about the cervix. The wheel and the keys up and down\n"
+            "move it in and out; left and right roll it.\n"
+            "W and S move the forceps, G closes and opens them. A haptic device (--device) holds the scope's outer\n"
+            "end: its first button acts as G; while its second is pressed, moving in and out moves the forceps.\n"
+            "The case resection has a loop in place of the forceps: it cuts while G or the first button is pressed, "
+            "and\n"
+            "coagulates while B is.\n"
+            "I opens and closes the inflow of the fluid, O its outflow; U and J change its pressure.\n",
+        .cases = kCases,
+        .difficulties = kDifficulties,
+        .motions = {"expert", "clumsy"},
+        .pictures = {"thumbnails/small.png", "thumbnails/medium.png", "thumbnails/lobed.png",
+                     "thumbnails/resection.png"},
+        .window = {"Hysteroscopy", 720, 720},
+        .problem = [](int caseIndex, int seed) {
+            return makePatient(kCases[static_cast<std::size_t>(caseIndex)], static_cast<std::uint64_t>(seed)).problem;
+        }};
+    def.settings = settings();
+    def.readCase = loadCase;
+    return runTrainer(argc, argv, def, train);
 }

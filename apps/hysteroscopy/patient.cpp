@@ -1,5 +1,7 @@
 #include "apps/hysteroscopy/patient.h"
 
+#include "apps/hysteroscopy/theatre.h"
+
 #include <filasofia/core/random.h>
 #include <filasofia/core/user_file.h>
 #include <filasofia/core/word.h>
@@ -209,10 +211,10 @@ Patient makePatient(const std::string& caseName, std::uint64_t seed)
 namespace {
 
 /// Firmer than the wall, and without a stalk.
-BodyId addMyoma(Simulation& sim, const Patient& patient, BodyId uterus)
+BodyId addMyoma(Simulation& sim, const Patient& patient, BodyId uterus, double modulus)
 {
     SoftBodyDef def{.name = "myoma", .mesh = asset(kFolder + patient.polyp + ".msh"), .pose = patient.pose};
-    def.material = FemMaterial{.youngModulus = 30_kPa, .poissonRatio = 0.42};
+    def.material = FemMaterial{.youngModulus = modulus, .poissonRatio = 0.42};
     def.rayleigh = {.mass = 10.0, .stiffness = 0.02};
     def.solver = ConjugateGradient{.tolerance = 2e-2, .minIterations = 60};
     // Chips float away through each other.
@@ -230,10 +232,11 @@ BodyId addMyoma(Simulation& sim, const Patient& patient, BodyId uterus)
 
 } // namespace
 
-Bodies addPatient(Simulation& sim, const Patient& patient)
+Bodies addPatient(Simulation& sim, const Patient& patient, const Training& training)
 {
     SoftBodyDef uterus{.name = "uterus", .mesh = asset(kFolder + "uterus_1702.msh")};
-    uterus.material = FemMaterial{.youngModulus = 12_kPa, .poissonRatio = 0.42};
+    const double modulus = training.rules(kRules[training.difficulty]).uterusModulus;
+    uterus.material = FemMaterial{.youngModulus = modulus, .poissonRatio = 0.42};
     uterus.rayleigh = {.mass = 5.0, .stiffness = 0.02};
     uterus.solver = ConjugateGradient{.tolerance = 2e-2, .minIterations = 60};
     const bool myoma = patient.kind == Patient::Kind::Myoma;
@@ -264,11 +267,13 @@ Bodies addPatient(Simulation& sim, const Patient& patient)
     sim.show(bodies.uterus, {.surface = asset(kFolder + "uterus.obj"), .material = lining});
 
     if (myoma) {
-        bodies.polyp = addMyoma(sim, patient, bodies.uterus);
+        bodies.polyp = addMyoma(sim, patient, bodies.uterus, training.rules(MyomaRules{}).myomaModulus);
         return bodies;
     }
     SoftBodyDef polyp{.name = "polyp", .mesh = asset(kFolder + patient.polyp + ".msh"), .pose = patient.pose};
-    polyp.material = FemMaterial{.youngModulus = 8_kPa, .poissonRatio = 0.4, .tearingThreshold = 9_kPa};
+    const PolypRules rules = training.rules(PolypRules{});
+    polyp.material =
+        FemMaterial{.youngModulus = rules.polypModulus, .poissonRatio = 0.4, .tearingThreshold = rules.polypStrength};
     polyp.rayleigh = {.mass = 10.0, .stiffness = 0.02};
     polyp.solver = ConjugateGradient{.tolerance = 2e-2, .minIterations = 60};
     polyp.collision = {{.proximity = 0.1_mm, .group = ScopePolyp}, {.proximity = 0.1_mm, .group = ForcepsPolyp}};

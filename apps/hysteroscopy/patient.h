@@ -32,10 +32,40 @@ inline const std::vector<std::string> kCases = {"small", "medium", "lobed", "res
 /// The patient of a case and a seed, always the same. Throws Error if there is no such case.
 Patient makePatient(const std::string& caseName, std::uint64_t seed);
 
+/// What a case file may change of a polyp.
+struct PolypRules {
+    double polypModulus = 8e3;  ///< [Pa]
+    double polypStrength = 9e3; ///< [Pa]
+};
+constexpr auto fields(const PolypRules*)
+{
+    using namespace filasofia;
+    return describe(
+        "PolypRules",
+        field("polypModulus", &PolypRules::polypModulus, "Pa", closed(1e3, 1e5), "Young's modulus of the polyp"),
+        field("polypStrength", &PolypRules::polypStrength, "Pa", closed(1e3, 1e6), "stress at which the polyp tears"));
+}
+
+/// What a case file may change of a myoma and its resection.
+struct MyomaRules {
+    double myomaModulus = 30e3; ///< [Pa]
+    double left = 0.35;         ///< [-]
+    double tooDeep = 1e-3;      ///< [m]
+};
+constexpr auto fields(const MyomaRules*)
+{
+    using namespace filasofia;
+    return describe(
+        "MyomaRules",
+        field("myomaModulus", &MyomaRules::myomaModulus, "Pa", closed(1e3, 1e6), "Young's modulus of the myoma"),
+        field("left", &MyomaRules::left, "-", closed(0.15, 0.9), "share above the wall that may be left"),
+        field("tooDeep", &MyomaRules::tooDeep, "m", closed(0, 0.01), "depth in the wall that is a mistake"));
+}
+
 struct Bodies {
     filasofia::BodyId uterus = {};
     filasofia::BodyId polyp = {}; ///< or the myoma
 };
-Bodies addPatient(filasofia::Simulation& sim, const Patient& patient);
+Bodies addPatient(filasofia::Simulation& sim, const Patient& patient, const filasofia::Training& training);
 
 } // namespace hysteroscopy

@@ -14,8 +14,6 @@ namespace {
 
 constexpr double kDensity = 1000.0; ///< [kg/m^3], all tissue here
 constexpr double kFloats = 0.6;     ///< [s], for which a chip is seen
-constexpr double kDone = 0.35;      ///< [-], share of what is above the wall that may be left
-constexpr double kTooDeep = 1e-3;   ///< [m], how deep the wire is in the wall
 constexpr double kEvery = 5e-3;     ///< [s], between two looks at the wire
 constexpr double kTold = 0.1;       ///< [s], between two events of what is left, or burnt
 
@@ -66,7 +64,8 @@ std::vector<Vec3> rootedSurface(const frame::SoftBodyFrame& myoma, const std::ve
     return out;
 }
 
-std::vector<TaskStep> stepsOf(const Patient& patient, BodyId scope, const Chips& chips)
+/// `most` [-]: the share of what is above the wall that may be left.
+std::vector<TaskStep> stepsOf(const Patient& patient, BodyId scope, const Chips& chips, double most)
 {
     using frame::Frame;
     const auto tip = [=](const Frame& now) { return now.rigidBody(scope)->poses[0].position; };
@@ -89,7 +88,7 @@ std::vector<TaskStep> stepsOf(const Patient& patient, BodyId scope, const Chips&
                 [&chips](const Frame&) { return chips.count() > 0; }, goal),
             step(
                 "resect", "Shave the myoma off, chip by chip, and spare the wall",
-                [&chips](const Frame&) { return chips.left() < kDone; }, goal),
+                [&chips, most](const Frame&) { return chips.left() < most; }, goal),
             step("leave", "Draw the loop in and leave", [=](const Frame& now) { return tip(now).y < -1_mm; }, {})};
 }
 
@@ -196,10 +195,11 @@ void WallInjury::look(double time)
 
 int resection(const Training& training, const Patient& patient)
 {
-    const Difficulty& difficulty = kDifficulties[training.difficulty];
+    const Rules rules = training.rules(kRules[training.difficulty]);
+    const MyomaRules myoma = training.rules(MyomaRules{});
     Simulation sim(theatre());
-    const Bodies bodies = addPatient(sim, patient);
-    Fluid fluid(sim, bodies, 5e-5);
+    const Bodies bodies = addPatient(sim, patient, training);
+    Fluid fluid(sim, bodies, rules.pressure, 5e-5);
     sim.burn(bodies.polyp, {.depth = 0.5_mm});
     // The arms lie on both sides of the optic, so the loop is drawn into the sheath.
     EndoscopeDef sheath = scopeOf({ScopeWall, ScopePolyp});
@@ -230,19 +230,19 @@ int resection(const Training& training, const Patient& patient)
                                        {"Blood lost", millilitres(fluid.bloodLost())}};
     };
     TrainerTask task(sim, training,
-                     {.steps = stepsOf(patient, scope.body(), chips),
-                      .timeLimit = 60 * difficulty.minutes,
-                      .guided = difficulty.guided,
+                     {.steps = stepsOf(patient, scope.body(), chips, myoma.left),
+                      .timeLimit = rules.timeLimit,
+                      .guided = rules.guided,
                       .observed = observed,
                       .force = {.name = "Force on tissue",
                                 .bodies = {scope.body(), loop.body()},
-                                .warning = difficulty.warning,
+                                .warning = rules.warning,
                                 .full = 5},
                       .done = "The myoma is off",
                       .dress = [&](VisualServer& server) { scope.dress(server); },
                       .results = results});
     chips.onChip = [&](double volume) { task.tracker().mark(EventKind::Removed, "myoma", volume); };
-    const WallInjury wall(sim, bodies.uterus, loop, kTooDeep,
+    const WallInjury wall(sim, bodies.uterus, loop, myoma.tooDeep,
                           [&](double) { task.tracker().mark(EventKind::Mistake, "too deep in the wall"); });
     watched = &wall;
     // From the start, because nothing can be told after the end.
@@ -254,7 +254,7 @@ int resection(const Training& training, const Patient& patient)
     });
     const PerforationWatch watch(sim, {.wall = bodies.uterus,
                                        .tools = {{.body = scope.body(), .tip = {0, 0, 1_mm}}, {.body = loop.body()}},
-                                       .force = kPerforation,
+                                       .force = rules.perforation,
                                        .tracker = &task.tracker(),
                                        .perforated = [&](Vec3 place, double) { fluid.pierced(place); }});
     perforations = &watch;

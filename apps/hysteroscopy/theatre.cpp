@@ -34,24 +34,22 @@ prefab::ScopeHandsDef handsOf(const Training& training, double mostReach)
             .leastDepth = -60_mm,
             .mostDepth = 36_mm,
             .mostReach = mostReach,
-            .strength = 15,
+            .strength = training.rules(kRules[training.difficulty]).strength,
             .handle = training.device};
 }
 
 MetricTrackerDef observedIn(const Training& training, const TrackedBody& tool, BodyId scope, const std::string& target)
 {
-    const Difficulty& difficulty = kDifficulties[training.difficulty];
     MetricTrackerDef out{.bodies = {tool, {.body = scope, .role = Role::Scope, .element = Endoscope::kCamera}},
                          .file = training.file};
-    out.session = {
-        .trainee = training.trainee,
-        .task = text("hysteroscopy ", kCases[static_cast<std::size_t>(training.caseIndex)], " ", difficulty.name),
-        .software = "Filasofia",
-        .seed = static_cast<std::uint64_t>(training.seed),
-        .forceLimit = difficulty.warning,
-        .fieldOfView = EndoscopeDef{}.fieldOfView,
-        .targets = {target},
-        .watched = {EventKind::Perforation, EventKind::Unfinished}};
+    out.session = {.trainee = training.trainee,
+                   .task = training.task("hysteroscopy " + kCases[static_cast<std::size_t>(training.caseIndex)]),
+                   .software = "Filasofia",
+                   .seed = static_cast<std::uint64_t>(training.seed),
+                   .forceLimit = training.rules(kRules[training.difficulty]).warning,
+                   .fieldOfView = EndoscopeDef{}.fieldOfView,
+                   .targets = {target},
+                   .watched = {EventKind::Perforation, EventKind::Unfinished}};
     return out;
 }
 

@@ -5,14 +5,30 @@
 /// What all cases have in common.
 namespace hysteroscopy {
 
-struct Difficulty {
-    const char* name;
-    bool guided;    ///< arrow and instructions from the start
-    double minutes; ///< [min] time limit of the whole task
-    double warning; ///< [N] the force bar warns above it
+/// What a case file may change in every case.
+struct Rules {
+    bool guided = false;
+    double timeLimit = 600;         ///< [s]
+    double warning = 3;             ///< [N]
+    double perforation = 8;         ///< [N]
+    double strength = 15;           ///< [N]
+    double pressure = 80 * 133.322; ///< [Pa], 80 mmHg are usual
+    double uterusModulus = 12e3;    ///< [Pa]
 };
-inline constexpr Difficulty kDifficulties[] = {{"easy", true, 10, 3}, {"normal", false, 10, 3}, {"hard", false, 5, 2}};
-inline constexpr double kPerforation = 8; ///< [N] force on the uterus that counts as a perforation
+constexpr auto fields(const Rules*)
+{
+    using namespace filasofia;
+    return describe(
+        "Rules", field("guided", &Rules::guided, "arrow and instructions from the start"),
+        field("timeLimit", &Rules::timeLimit, "s", closed(10, 7200), "for the whole task"),
+        field("warning", &Rules::warning, "N", closed(0.01, 100), "force above which the force bar warns"),
+        field("perforation", &Rules::perforation, "N", closed(0.1, 100), "force on the uterus that perforates it"),
+        field("strength", &Rules::strength, "N", closed(0.1, 100), "force at which the hands advance no further"),
+        field("pressure", &Rules::pressure, "Pa", closed(0, 20e3), "of the fluid at the start"),
+        field("uterusModulus", &Rules::uterusModulus, "Pa", closed(1e3, 1e6), "Young's modulus of the uterus"));
+}
+inline constexpr Rules kRules[] = {{.guided = true}, {}, {.timeLimit = 300, .warning = 2}}; ///< by difficulty
+inline const std::vector<std::string> kDifficulties = {"easy", "normal", "hard"};
 
 filasofia::SimulationDef theatre();
 filasofia::EndoscopeDef scopeOf(std::vector<int> groups);

@@ -5,6 +5,7 @@
 #include <array>
 #include <functional>
 #include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,28 @@ inline constexpr double kPegHeight = 18e-3;    ///< [m]
 inline constexpr double kRingHeight = 7e-3;    ///< [m]
 inline constexpr double kRingRadius = 7.15e-3; ///< [m] to the middle of its wall
 enum Side { LeftSide, RightSide };
+
+inline const std::vector<std::string> kDifficulties = {"easy", "normal", "hard"};
+/// What a case file may change in every task.
+struct Rules {
+    bool guided = false;
+    double timeLimit = 600; ///< [s]
+};
+constexpr auto fields(const Rules*)
+{
+    using namespace filasofia;
+    return describe("Rules", field("guided", &Rules::guided, "instructions from the start"),
+                    field("timeLimit", &Rules::timeLimit, "s", closed(10, 7200), "for the whole task"));
+}
+/// What a case file of a task may change: rules, one table by difficulty each.
+template <class... Each>
+std::vector<filasofia::TrainerSetting> settingsOf(const std::string& name, const Each (&... by)[3])
+{
+    std::vector<filasofia::TrainerSetting> all;
+    for (const auto& more : {filasofia::settingsOf<Each>(by, {name})...})
+        all.insert(all.end(), more.begin(), more.end());
+    return all;
+}
 
 /// Plastic: a material without vessels and relief.
 filasofia::TissueMaterial plain(filasofia::Color color, double wetness = 0.15);

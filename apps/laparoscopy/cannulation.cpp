@@ -12,17 +12,20 @@ namespace cannulating {
 namespace {
 
 constexpr double kCutoff = 180.0; // [s]
-struct Difficulty {
-    const char* name;
-    bool guided;
-    double seconds; ///< [s], limit of the task
-    double force;   ///< [N] on the duct: more is a mistake
+using laparoscopy::Rules;
+constexpr Rules kRules[] = {{true, kCutoff}, {false, kCutoff}, {false, 60.0}}; ///< by difficulty
+/// What more a case file may change.
+struct Limit {
+    double force; ///< [N]
 };
-constexpr Difficulty kDifficulties[] = {
-    {"easy", true, kCutoff, 1.0}, {"normal", false, kCutoff, 0.5}, {"hard", false, 60.0, 0.2}};
-constexpr double kBeside = 4.5_mm; // from the opening: a tip that touches the duct there has missed
-constexpr double kApart = 0.3;     // [s] between two misses
-constexpr double kSettled = 1.0;   // [s] after the catheter was let go
+constexpr auto fields(const Limit*)
+{
+    return describe("Limit", field("force", &Limit::force, "N", closed(0.01, 100), "on the duct: more is a mistake"));
+}
+constexpr Limit kLimits[] = {{1.0}, {0.5}, {0.2}}; ///< by difficulty
+constexpr double kBeside = 4.5_mm;                 // from the opening: a tip that touches the duct there has missed
+constexpr double kApart = 0.3;                     // [s] between two misses
+constexpr double kSettled = 1.0;                   // [s] after the catheter was let go
 constexpr Vec3 kGrip = {0, 0, -17_mm};
 constexpr double kOpen = 0.25; // [-], the jaws' opening
 
@@ -219,9 +222,12 @@ LaparoscopicInstrumentDef instrumentOf(laparoscopy::Side side)
 
 } // namespace
 
+std::vector<TrainerSetting> settings() { return laparoscopy::settingsOf("cannulation", kRules, kLimits); }
+
 int cannulation(const Training& training)
 {
-    const Difficulty& difficulty = kDifficulties[training.difficulty];
+    const Rules rules = training.rules(kRules[training.difficulty]);
+    const Limit limit = training.rules(kLimits[training.difficulty]);
     Simulation sim({.window = {"Cannulation", 960, 720}, .look = {.mouse = false, .keys = false}});
     const auto seed = static_cast<std::uint64_t>(training.seed);
     const Duct duct = addDuct(sim, seed);
@@ -244,8 +250,8 @@ int cannulation(const Training& training)
                   laparoscopy::step("advance", "Advance it until the first mark is in the duct, and the second is not",
                                     [&] { return judge.placed() && judge.depth() <= kMarks[1]; }),
                   laparoscopy::step("let go", "Let it go: it has to stay", [&] { return judge.over(); })},
-        .timeLimit = difficulty.seconds,
-        .guided = difficulty.guided,
+        .timeLimit = rules.timeLimit,
+        .guided = rules.guided,
         .force = {.name = "Force on the duct", .bodies = {duct.wall}, .warning = 0.5, .full = 1},
         .done = "The catheter is in the duct",
         .dress = [&](VisualServer& server) { scope.dress(server); },
@@ -259,16 +265,15 @@ int cannulation(const Training& training)
             },
         .score = score};
     def.observed.bodies = laparoscopy::observedIn(right, left, scope);
-    def.observed.session = {.task = text("cannulation ", difficulty.name),
-                            .fieldOfView = scope.def().fieldOfView,
-                            .watched = {EventKind::Mistake}};
+    def.observed.session = {
+        .task = training.task("cannulation"), .fieldOfView = scope.def().fieldOfView, .watched = {EventKind::Mistake}};
     TrainerTask task(sim, training, def);
     sim.on<TearEvent>([&, told = false](const TearEvent&) mutable {
         if (!std::exchange(told, true)) task.tracker().mark(EventKind::Mistake, "the duct tore");
     });
     judge.mistake = [&](const std::string& what) { task.tracker().mark(EventKind::Mistake, what); };
     sim.everyStep([&, told = false](double) mutable {
-        if (task.force().highest() <= difficulty.force || std::exchange(told, true)) return;
+        if (task.force().highest() <= limit.force || std::exchange(told, true)) return;
         judge.mistake("the duct was pressed");
     });
 

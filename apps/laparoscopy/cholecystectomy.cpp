@@ -12,14 +12,15 @@ using namespace filasofia;
 namespace operation {
 namespace {
 
-constexpr double kLimits[] = {600, 420, 240}; ///< [s], by difficulty
-constexpr double kOut = 42_mm;                ///< [m] towards the surgeon
-constexpr double kDrop = 0.05e-6;             ///< [m^3] what a tube may lose while it is cut between clips
-constexpr double kStrand = 3.0;               ///< [-], length over that at rest
-constexpr double kIn = 0.95;                  ///< [-], share of the gall bladder in the bag
-constexpr double kAtPort = 75_mm;             ///< [m], how deep the shaft of a bag at its port is inside
-constexpr std::uint64_t kLooks = 100;         ///< [-], steps from look to look into the bag
-constexpr double kFree = 0.1;                 ///< [-], share of the lower bed that may still hold in a critical view
+using laparoscopy::Rules;
+constexpr Rules kRules[] = {{true, 600}, {false, 420}, {false, 240}}; ///< by difficulty
+constexpr double kOut = 42_mm;                                        ///< [m] towards the surgeon
+constexpr double kDrop = 0.05e-6;     ///< [m^3] what a tube may lose while it is cut between clips
+constexpr double kStrand = 3.0;       ///< [-], length over that at rest
+constexpr double kIn = 0.95;          ///< [-], share of the gall bladder in the bag
+constexpr double kAtPort = 75_mm;     ///< [m], how deep the shaft of a bag at its port is inside
+constexpr std::uint64_t kLooks = 100; ///< [-], steps from look to look into the bag
+constexpr double kFree = 0.1;         ///< [-], share of the lower bed that may still hold in a critical view
 
 /// The part of a surface that most of these nodes are on.
 int partOf(const std::vector<int>& nodes, DisjointSets& parts)
@@ -187,13 +188,13 @@ std::vector<TaskStep> stepsOf(const GallbladderPatient& patient, const Gallbladd
     };
 }
 
-MetricTrackerDef observedOf(const GallbladderTools& tools, const char* difficulty)
+MetricTrackerDef observedOf(const GallbladderTools& tools, const Training& training)
 {
     MetricTrackerDef observed{
         .bodies = {{.body = tools.left.body(), .tip = {0, 0, -18_mm}},
                    {.body = tools.scope.body(), .role = Role::Scope, .element = Endoscope::kCamera}}};
     for (const auto& each : tools.right) observed.bodies.push_back({.body = each->body(), .tip = {0, 0, -12_mm}});
-    observed.session = {.task = text("cholecystectomy ", difficulty),
+    observed.session = {.task = training.task("cholecystectomy"),
                         .fieldOfView = tools.scope.def().fieldOfView,
                         .targets = {"layer", "duct", "artery"},
                         .watched = {EventKind::Mistake}};
@@ -215,9 +216,11 @@ std::vector<ResultLine> resultsOf(const TaskProgress& progress, const Surgery& s
 
 } // namespace
 
+std::vector<TrainerSetting> settings() { return laparoscopy::settingsOf("cholecystectomy", kRules); }
+
 int cholecystectomy(const Training& training)
 {
-    static constexpr const char* kNames[] = {"easy", "normal", "hard"};
+    const Rules rules = training.rules(kRules[training.difficulty]);
     Simulation sim({.window = {"Cholecystectomy", 960, 720}, .look = {.mouse = false, .keys = false}});
     const auto seed = static_cast<std::uint64_t>(training.seed);
     const GallbladderPatient patient = addGallbladder(sim, seed);
@@ -232,9 +235,9 @@ int cholecystectomy(const Training& training)
     TrainerTask task(
         sim, training,
         {.steps = stepsOf(patient, tools, surgery),
-         .timeLimit = kLimits[training.difficulty],
-         .guided = training.difficulty == 0,
-         .observed = observedOf(tools, kNames[training.difficulty]),
+         .timeLimit = rules.timeLimit,
+         .guided = rules.guided,
+         .observed = observedOf(tools, training),
          .force = {.name = "Force of the grasper", .bodies = {tools.left.body()}, .warning = 5, .full = 10},
          .done = "The gall bladder is out",
          .dress = [&](VisualServer& server) { tools.scope.dress(server); },

@@ -11,20 +11,24 @@ namespace ligating {
 namespace {
 
 constexpr double kCutoff = 180.0; // [s] in the published score
-struct Difficulty {
-    const char* name;
-    bool guided;
-    double seconds; ///< [s], limit of the task
-    double error;   ///< [m], by which the loop may be beside its mark: more is a mistake
+using laparoscopy::Rules;
+constexpr Rules kRules[] = {{true, kCutoff}, {false, kCutoff}, {false, 53.0}}; ///< by difficulty
+/// What more a case file may change.
+struct Limit {
+    double error; ///< [m]
 };
-constexpr Difficulty kDifficulties[] = {
-    {"easy", true, kCutoff, 3_mm}, {"normal", false, kCutoff, 2_mm}, {"hard", false, 53.0, 1_mm}};
-constexpr double kNear = 5_mm;     // to the mark, before it is drawn
-constexpr double kTight = 0.10;    // [-], narrowing of the appendage
-constexpr double kAway = 20_mm;    // the pusher's distance from the knot, once that is free
-constexpr double kSettled = 1.0;   // [s] after that
-constexpr double kSlips = 1_mm;    // what a secure loop moves at most, from the time it is let go
-constexpr double kInsecure = 50.0; // points
+constexpr auto fields(const Limit*)
+{
+    return describe("Limit", field("error", &Limit::error, "m", closed(0, 0.05),
+                                   "by which the loop may be beside its mark: more is a mistake"));
+}
+constexpr Limit kLimits[] = {{3_mm}, {2_mm}, {1_mm}}; ///< by difficulty
+constexpr double kNear = 5_mm;                        // to the mark, before it is drawn
+constexpr double kTight = 0.10;                       // [-], narrowing of the appendage
+constexpr double kAway = 20_mm;                       // the pusher's distance from the knot, once that is free
+constexpr double kSettled = 1.0;                      // [s] after that
+constexpr double kSlips = 1_mm;                       // what a secure loop moves at most, from the time it is let go
+constexpr double kInsecure = 50.0;                    // points
 constexpr Vec3 kGrip = {0, 0, -17_mm};
 
 /// Looks at loop and appendage before every step.
@@ -185,9 +189,12 @@ TrocarPlan clumsyMotion(const Motion& with, std::uint64_t seed)
 
 } // namespace
 
+std::vector<TrainerSetting> settings() { return laparoscopy::settingsOf("ligating-loop", kRules, kLimits); }
+
 int ligatingLoop(const Training& training)
 {
-    const Difficulty& difficulty = kDifficulties[training.difficulty];
+    const Rules rules = training.rules(kRules[training.difficulty]);
+    const Limit limit = training.rules(kLimits[training.difficulty]);
     const auto seed = static_cast<std::uint64_t>(training.seed);
     Simulation sim({.window = {"Ligating loop", 960, 720}, .look = {.mouse = false, .keys = false}});
     const Foam foam = addFoam(sim, seed);
@@ -219,8 +226,8 @@ int ligatingLoop(const Training& training)
                                     [&] { return judge.tight(); }),
                   laparoscopy::step("let go", "4: let the knot go, and draw the pusher back",
                                     [&] { return judge.isOver() && judge.around(); })},
-        .timeLimit = difficulty.seconds,
-        .guided = difficulty.guided,
+        .timeLimit = rules.timeLimit,
+        .guided = rules.guided,
         .force = {.name = "Force of the instruments", .bodies = {left.body(), right.body()}, .warning = 2, .full = 4},
         .done = "The appendage is tied off",
         .dress = [&](VisualServer& server) { scope.dress(server); },
@@ -234,7 +241,7 @@ int ligatingLoop(const Training& training)
             },
         .score = score};
     def.observed.bodies = laparoscopy::observedIn(right, left, scope);
-    def.observed.session = {.task = text("ligating loop ", difficulty.name),
+    def.observed.session = {.task = training.task("ligating loop"),
                             .fieldOfView = scope.def().fieldOfView,
                             .watched = {EventKind::Mistake}};
     TrainerTask task(sim, training, def);
@@ -242,7 +249,7 @@ int ligatingLoop(const Training& training)
         if (!judge.isOver() || std::exchange(told, true)) return;
         if (!judge.around()) return task.tracker().mark(EventKind::Mistake, "loop off the appendage");
         task.tracker().mark(EventKind::Note, text(millimetres(judge.error()), " from the mark"));
-        if (judge.error() > difficulty.error) task.tracker().mark(EventKind::Mistake, "beside the mark");
+        if (judge.error() > limit.error) task.tracker().mark(EventKind::Mistake, "beside the mark");
         if (!judge.secure()) task.tracker().mark(EventKind::Mistake, "loop not secure");
     });
 

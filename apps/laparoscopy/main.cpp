@@ -12,16 +12,19 @@ using namespace laparoscopy;
 
 namespace {
 
-struct Difficulty {
-    const char* name;
-    int rings;      ///< [-]
-    bool back;      ///< they have to go back again
-    bool guided;    ///< instructions from the start
-    double seconds; ///< [s], limit of the whole task
+constexpr double kCutoff = 300.0;                                             ///< [s] in the published score
+constexpr Rules kRules[] = {{true, kCutoff}, {false, kCutoff}, {false, 120}}; ///< by difficulty
+/// What more a case file may change.
+struct Rings {
+    int rings = kPegs;
+    bool back = true;
 };
-constexpr double kCutoff = 300.0; ///< [s] in the published score
-constexpr Difficulty kDifficulties[] = {
-    {"easy", 3, false, true, kCutoff}, {"normal", 6, true, false, kCutoff}, {"hard", 6, true, false, 120}};
+constexpr auto fields(const Rings*)
+{
+    return describe("Rings", field("rings", &Rings::rings, "-", closed(1, kPegs), "to be brought over"),
+                    field("back", &Rings::back, "whether they have to go back again"));
+}
+constexpr Rings kRings[] = {{3, false}, {}, {}}; ///< by difficulty
 
 /// Judges the rings before every step, by the rules of the task: taken up by one hand, given to the other in the air,
 /// put onto a peg of the other side.
@@ -100,28 +103,29 @@ private:
     std::atomic<int> lost_ = 0, drops_ = 0;
 };
 
-std::vector<TaskStep> stepsOf(const Difficulty& difficulty, const Judge& judge)
+std::vector<TaskStep> stepsOf(const Rings& rings, const Judge& judge)
 {
     std::vector<TaskStep> steps;
     const auto add = [&](Side to, const char* name, const char* instruction) {
-        for (int i = 1; i <= difficulty.rings; ++i)
+        for (int i = 1; i <= rings.rings; ++i)
             steps.push_back({.name = text(name, i), .instruction = instruction, .done = [&judge, to, i](const auto&) {
                                  return judge.count(to) + judge.lost() >= i;
                              }});
     };
     add(RightSide, "over ", "Take a ring with the left hand, give it to the right one, put it onto a peg");
-    if (difficulty.back) add(LeftSide, "back ", "And back: the right hand takes it, the left one gets it in the air");
+    if (rings.back) add(LeftSide, "back ", "And back: the right hand takes it, the left one gets it in the air");
     return steps;
 }
 
 int pegTransfer(const Training& training)
 {
-    const Difficulty& difficulty = kDifficulties[training.difficulty];
+    const Rules rules = training.rules(kRules[training.difficulty]);
+    const Rings rings = training.rules(kRings[training.difficulty]);
     const auto seed = static_cast<std::uint64_t>(training.seed);
     Simulation sim({.physics = {.contact = PenaltyContact{.stiffness = 1e4, .damping = 2.0}},
                     .window = {"Laparoscopy", 960, 720},
                     .look = {.mouse = false, .keys = false}});
-    const PegBox box = addBox(sim, difficulty.rings, seed);
+    const PegBox box = addBox(sim, rings.rings, seed);
     MetricTracker* marks = nullptr;
     LaparoscopicInstrumentDef leftDef = instrumentOf(LeftSide, false),
                               rightDef = instrumentOf(RightSide, training.device);
@@ -139,13 +143,13 @@ int pegTransfer(const Training& training)
     // McGill's raw score (Derossis et al. 1998): the cutoff time less the time, less the percentage of lost objects.
     const auto score = [&](const TaskProgress& now) {
         if (now.state != TaskProgress::State::Done) return 0.0;
-        return std::max(0.0, kCutoff - now.time - 100.0 * judge.lost() / difficulty.rings);
+        return std::max(0.0, kCutoff - now.time - 100.0 * judge.lost() / rings.rings);
     };
     const TrainerTask* running = nullptr;
     TrainerTaskDef def{
-        .steps = stepsOf(difficulty, judge),
-        .timeLimit = difficulty.seconds,
-        .guided = difficulty.guided,
+        .steps = stepsOf(rings, judge),
+        .timeLimit = rules.timeLimit,
+        .guided = rules.guided,
         .force = {.name = "Force of the instruments", .bodies = {left.body(), right.body()}, .warning = 5, .full = 10},
         .done = "All rings are in place",
         .dress = [&](VisualServer& server) { scope.dress(server); },
@@ -160,16 +164,16 @@ int pegTransfer(const Training& training)
             },
         .score = score};
     def.observed.bodies = observedIn(left, right, scope);
-    def.observed.session = {.task = text("peg transfer ", difficulty.name),
+    def.observed.session = {.task = training.task("peg transfer"),
                             .fieldOfView = scope.def().fieldOfView,
                             .watched = {EventKind::Grasp, EventKind::Release, EventKind::Mistake}};
-    for (int i = 1; i <= difficulty.rings; ++i) def.observed.session.targets.push_back(text("ring ", i));
+    for (int i = 1; i <= rings.rings; ++i) def.observed.session.targets.push_back(text("ring ", i));
     TrainerTask task(sim, training, def);
     running = &task;
     marks = &task.tracker();
     judge.mark = [&](EventKind kind, const std::string& what) { task.tracker().mark(kind, what); };
 
-    const Motion with{sim, box, {&left, &right}, difficulty.back, [&](const char* name) { return task.picture(name); }};
+    const Motion with{sim, box, {&left, &right}, rings.back, [&](const char* name) { return task.picture(name); }};
     std::vector<TrocarMove> moves;
     if (training.motion == "expert") moves = expertMotion(with);
     if (training.motion == "clumsy") moves = clumsyMotion(with, seed);
@@ -180,6 +184,15 @@ int pegTransfer(const Training& training)
     });
 }
 
+std::vector<TrainerSetting> allSettings()
+{
+    std::vector<TrainerSetting> all;
+    for (const auto& more : {laparoscopy::settingsOf("peg-transfer", kRules, kRings), operation::settings(),
+                             cutting::settings(), ligating::settings(), suturing::settings(), cannulating::settings()})
+        all.insert(all.end(), more.begin(), more.end());
+    return all;
+}
+
 } // namespace
 
 int main(int argc, char** argv)
@@ -188,32 +201,32 @@ int main(int argc, char** argv)
                                             "ligating-loop", "suturing",        "cannulation"};
     std::vector<std::string> pictures;
     for (const std::string& each : cases) pictures.push_back(text("thumbnails/", each, ".png"));
-    return runTrainer(
-        argc, argv,
-        {.name = "laparoscopy",
-         .about =
-             "A laparoscopy trainer: peg transfer, pattern cutting, a ligating loop, suturing and cannulation in a "
-             "box, and taking out a gall bladder.",
-         .hands =
-             "1, 2 and 3 choose the left hand, the right hand and the laparoscope. Drag with the right button to\n"
-             "turn the chosen shaft; the wheel, W and S move it in and out, A and D roll it. The left button closes\n"
-             "its jaws while it is held down, G closes and opens them. Page up and page down zoom.\n"
-             "Cholecystectomy: 4, 5, 6, 7 and 8 give the right hand the hook (closing is its pedal), clips, scissors, "
-             "the bag\nor suction (closing opens it; 9 rinses).\n"
-             "Ligating loop: closing the right hand draws the thread, 4 lets the knot go.\n"
-             "A haptic device (--device) holds the right handle; its first button closes the jaws.\n",
-         .cases = cases,
-         .difficulties = {kDifficulties[0].name, kDifficulties[1].name, kDifficulties[2].name},
-         .motions = {"expert", "clumsy"},
-         .pictures = pictures,
-         .window = {"Laparoscopy", 960, 720}},
-        [&](const Training& training) {
-            static constexpr std::array kTasks = {
-                pegTransfer,        operation::cholecystectomy, cutting::patternCutting, ligating::ligatingLoop,
-                suturing::suturing, cannulating::cannulation};
-            const auto chosen = static_cast<std::size_t>(training.caseIndex);
-            if (training.device && chosen > 0)
-                fail(cases[chosen], ": a haptic device holds the right handle in peg-transfer only");
-            return kTasks[chosen](training);
-        });
+    TrainerDef def{
+        .name = "laparoscopy",
+        .about = "A laparoscopy trainer: peg transfer, pattern cutting, a ligating loop, suturing and cannulation in a "
+                 "box, and taking out a gall bladder.",
+        .hands =
+            "1, 2 and 3 choose the left hand, the right hand and the laparoscope. Drag with the right button to\n"
+            "turn the chosen shaft; the wheel, W and S move it in and out, A and D roll it. The left button closes\n"
+            "its jaws while it is held down, G closes and opens them. Page up and page down zoom.\n"
+            "Cholecystectomy: 4, 5, 6, 7 and 8 give the right hand the hook (closing is its pedal), clips, scissors, "
+            "the bag\nor suction (closing opens it; 9 rinses).\n"
+            "Ligating loop: closing the right hand draws the thread, 4 lets the knot go.\n"
+            "A haptic device (--device) holds the right handle; its first button closes the jaws.\n",
+        .cases = cases,
+        .difficulties = kDifficulties,
+        .motions = {"expert", "clumsy"},
+        .pictures = pictures,
+        .window = {"Laparoscopy", 960, 720}};
+    def.settings = allSettings();
+    def.readCase = loadCase;
+    return runTrainer(argc, argv, def, [&](const Training& training) {
+        static constexpr std::array kTasks = {
+            pegTransfer,        operation::cholecystectomy, cutting::patternCutting, ligating::ligatingLoop,
+            suturing::suturing, cannulating::cannulation};
+        const auto chosen = static_cast<std::size_t>(training.caseIndex);
+        if (training.device && chosen > 0)
+            fail(cases[chosen], ": a haptic device holds the right handle in peg-transfer only");
+        return kTasks[chosen](training);
+    });
 }

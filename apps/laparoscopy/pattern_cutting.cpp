@@ -13,14 +13,18 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kCutoff = 300.0; // [s] in the published score
-struct Difficulty {
-    const char* name;
-    bool guided;
-    double seconds;   ///< [s], limit of the task
-    double deviation; ///< [-], over the disc's area: more is a mistake
+using laparoscopy::Rules;
+constexpr Rules kRules[] = {{true, kCutoff}, {false, kCutoff}, {false, 120.0}}; ///< by difficulty
+/// What more a case file may change.
+struct Limit {
+    double deviation; ///< [-]
 };
-constexpr Difficulty kDifficulties[] = {
-    {"easy", true, kCutoff, 0.15}, {"normal", false, kCutoff, 0.08}, {"hard", false, 120.0, 0.04}};
+constexpr auto fields(const Limit*)
+{
+    return describe("Limit", field("deviation", &Limit::deviation, "-", closed(0, 1),
+                                   "over the area of the disc: more is a mistake"));
+}
+constexpr Limit kLimits[] = {{0.15}, {0.08}, {0.04}};           ///< by difficulty
 constexpr Vec3 kGrip = {0, 0, -17_mm}, kBlade = {0, 0, -12_mm}; // from the pivots
 
 /// Looks at the gauze whenever it was cut.
@@ -180,9 +184,12 @@ TrocarPlan clumsyMotion(const Motion& with, std::uint64_t seed)
 
 } // namespace
 
+std::vector<TrainerSetting> settings() { return laparoscopy::settingsOf("pattern-cutting", kRules, kLimits); }
+
 int patternCutting(const Training& training)
 {
-    const Difficulty& difficulty = kDifficulties[training.difficulty];
+    const Rules rules = training.rules(kRules[training.difficulty]);
+    const Limit limit = training.rules(kLimits[training.difficulty]);
     Simulation sim({.window = {"Pattern cutting", 960, 720}, .look = {.mouse = false, .keys = false}});
     const auto seed = static_cast<std::uint64_t>(training.seed);
     const Gauze gauze = addGauze(sim, seed);
@@ -206,8 +213,8 @@ int patternCutting(const Training& training)
                   laparoscopy::step("half", "Cut along the circle, between the two lines",
                                     [&] { return judge.around() > 0.5; }),
                   laparoscopy::step("out", "Cut the circle out", [&] { return judge.out(); })},
-        .timeLimit = difficulty.seconds,
-        .guided = difficulty.guided,
+        .timeLimit = rules.timeLimit,
+        .guided = rules.guided,
         .force = {.name = "Force of the grasper", .bodies = {left.body()}, .warning = 3, .full = 6},
         .done = "The circle is cut out",
         .dress = [&](VisualServer& server) { scope.dress(server); },
@@ -220,7 +227,7 @@ int patternCutting(const Training& training)
             },
         .score = score};
     def.observed.bodies = laparoscopy::observedIn(right, left, scope);
-    def.observed.session = {.task = text("pattern cutting ", difficulty.name),
+    def.observed.session = {.task = training.task("pattern cutting"),
                             .fieldOfView = scope.def().fieldOfView,
                             .targets = {"gauze"},
                             .watched = {EventKind::Mistake}};
@@ -228,7 +235,7 @@ int patternCutting(const Training& training)
     sim.everyStep([&, told = false](double) mutable {
         if (!judge.out() || std::exchange(told, true)) return;
         task.tracker().mark(EventKind::Residual, "deviation from the circle", judge.deviation());
-        if (judge.deviation() > difficulty.deviation) task.tracker().mark(EventKind::Mistake, "beside the circle");
+        if (judge.deviation() > limit.deviation) task.tracker().mark(EventKind::Mistake, "beside the circle");
     });
 
     const Motion with{sim,

@@ -10,14 +10,18 @@ namespace suturing {
 namespace {
 
 constexpr double kCutoff = 600.0; // [s] in the examination
-struct Difficulty {
-    const char* name;
-    bool guided;
-    double seconds;   ///< [s], limit of the task
-    double deviation; ///< [m], from a mark: more is a mistake
+using laparoscopy::Rules;
+constexpr Rules kRules[] = {{true, kCutoff}, {false, kCutoff}, {false, 240.0}}; ///< by difficulty
+/// What more a case file may change.
+struct Limit {
+    double deviation; ///< [m]
 };
-constexpr Difficulty kDifficulties[] = {
-    {"easy", true, kCutoff, 3e-3}, {"normal", false, kCutoff, 2e-3}, {"hard", false, 240.0, 1e-3}};
+constexpr auto fields(const Limit*)
+{
+    return describe("Limit",
+                    field("deviation", &Limit::deviation, "m", closed(0, 0.05), "from a mark: more is a mistake"));
+}
+constexpr Limit kLimits[] = {{3e-3}, {2e-3}, {1e-3}};           ///< by difficulty
 constexpr double kTail = 45e-3;                                 // [m], thread that may be left before the way in
 constexpr std::size_t kStitched = 4;                            // the step with which the trainee's part is done
 constexpr double kClear = 60e-3;                                // [m] around the knot, for hands
@@ -136,9 +140,12 @@ LaparoscopicInstrumentDef instrumentOf(laparoscopy::Side side)
 
 } // namespace
 
+std::vector<TrainerSetting> settings() { return laparoscopy::settingsOf("suturing", kRules, kLimits); }
+
 int suturing(const Training& training)
 {
-    const Difficulty& difficulty = kDifficulties[training.difficulty];
+    const Rules rules = training.rules(kRules[training.difficulty]);
+    const Limit limit = training.rules(kLimits[training.difficulty]);
     Simulation sim({.window = {"Suturing", 960, 720}, .look = {.mouse = false, .keys = false}});
     const auto seed = static_cast<std::uint64_t>(training.seed);
     const LaparoscopicInstrumentDef rightDef = instrumentOf(laparoscopy::RightSide);
@@ -168,8 +175,8 @@ int suturing(const Training& training)
              laparoscopy::step("clear", "The needle is off: withdraw both instruments", [&] { return judge.clear(); }),
              laparoscopy::step("knot", "Keep away: three throws are tied for you", [&] { return judge.throws() == 3; }),
              laparoscopy::step("load", "The closure is loaded", [&] { return judge.over(); })},
-        .timeLimit = difficulty.seconds,
-        .guided = difficulty.guided,
+        .timeLimit = rules.timeLimit,
+        .guided = rules.guided,
         .force = {.name = "Force on the drain",
                   .bodies = {drain.walls[LeftWall], drain.walls[RightWall]},
                   .warning = 1,
@@ -190,7 +197,7 @@ int suturing(const Training& training)
             },
         .score = score};
     def.observed.bodies = laparoscopy::observedIn(right, left, scope);
-    def.observed.session = {.task = text("suturing ", difficulty.name),
+    def.observed.session = {.task = training.task("suturing"),
                             .fieldOfView = scope.def().fieldOfView,
                             .targets = {"right wall", "left wall"},
                             .watched = {EventKind::Mistake}};
@@ -198,7 +205,7 @@ int suturing(const Training& training)
     sim.everyStep([&, told = false](double) mutable {
         if (!judge.drawn() || std::exchange(told, true)) return;
         for (const Wall wall : {LeftWall, RightWall})
-            if (judge.deviation(wall) > difficulty.deviation)
+            if (judge.deviation(wall) > limit.deviation)
                 task.tracker().mark(EventKind::Mistake,
                                     wall == LeftWall ? "beside the left mark" : "beside the right mark");
     });

@@ -27,6 +27,7 @@
 #include "filasofia/runtime/assets.h"
 #include "filasofia/runtime/options.h"
 #include "filasofia/runtime/simulation.h"
+#include "filasofia/scene/case_file.h"
 
 #include <algorithm>
 #include <atomic>
@@ -153,6 +154,7 @@ using prefab::rollAcross;
 using prefab::runTrainer;
 using prefab::ScopeHand;
 using prefab::ScopeHands;
+using prefab::settingsOf;
 using prefab::SpecimenBag;
 using prefab::SpecimenBagDef;
 using prefab::StartChoice;
@@ -164,7 +166,9 @@ using prefab::Task;
 using prefab::TaskProgress;
 using prefab::TaskStep;
 using prefab::TrackedBody;
+using prefab::TrainerCase;
 using prefab::TrainerDef;
+using prefab::TrainerSetting;
 using prefab::TrainerTask;
 using prefab::TrainerTaskDef;
 using prefab::Training;
@@ -221,6 +225,7 @@ using runtime::SimulationDef;
 using runtime::StrandsDef;
 using runtime::takeOptions;
 using runtime::TearEvent;
+using scene::loadCase;
 using surface::BleedingDef;
 using surface::BloodBalance;
 using surface::bloodShare;

@@ -7,7 +7,7 @@ import sys
 import unittest
 from pathlib import Path
 
-from trainer_case import STEPS, Trainer, run
+from trainer_case import STEPS, Trainer, case_file_of, run
 
 SEEDS = ("1",) if STEPS else ("1", "2", "3")
 
@@ -21,7 +21,7 @@ class Words(Trainer):
         self.assertEqual(done.stdout, "")
 
     def test_unknown_words_are_refused_in_one_line(self):
-        self.refused("--case", "huge", says="--case must be small, medium, lobed or resection, got 'huge'")
+        self.refused("--case", "huge", says="--case must be small, medium, lobed, resection or a .json file, got 'huge'")
         self.refused("--case", "a\nb", says="--case must be")
         self.refused("--seed", "-1", says="--seed must be a whole number in [0, 999999999]")
         self.refused("--seed", "one", says="--seed must be a whole number")
@@ -38,6 +38,25 @@ class Words(Trainer):
         done = run("--headless", "--steps", "5", "--trainee", name, "--session", self.session)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn(name, json.dumps(self.lines(), ensure_ascii=False).replace("\\\"", "\""))
+
+    def test_the_case_file_of_the_guide_changes_limit_and_tissue(self):
+        file = Path(self.folder.name) / "firm.json"
+        file.write_text(case_file_of("hysteroscopy.md"))
+        done = run("--case", str(file), "--headless", "--no-picture", "--steps", "5", "--session", self.session)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        header = self.lines()[0]
+        self.assertEqual((header["case"], header["seed"], header["forceLimit"]), ("firm easy", 7, 1.5))
+        self.assertEqual(run("--case", str(file), "--seed", "8", "--headless").returncode, 2)
+
+    def test_every_case_can_be_a_file(self):
+        for case in ("small", "medium", "lobed", "resection"):
+            file = Path(self.folder.name) / f"my-{case}.json"
+            self.assertEqual(run("--case", case, "--difficulty", "hard", "--new-case", str(file)).returncode, 0)
+            plain, filed = (run("--case", word, "--difficulty", "hard", "--headless", "--no-picture", "--steps", "20",
+                                "--session", self.session) for word in (case, str(file)))
+            self.assertEqual((plain.returncode, filed.returncode), (0, 0), filed.stderr)
+            hashes = [re.search(r"state hash (\w+)", done.stdout)[1] for done in (plain, filed)]
+            self.assertEqual(*hashes)  # it says what holds anyway
 
     def test_patients_of_many_seeds_can_be_treated(self):
         for case in ("small", "medium", "lobed", "resection"):

@@ -7,7 +7,7 @@ import sys
 import unittest
 from pathlib import Path
 
-from trainer_case import STEPS, Trainer, run
+from trainer_case import STEPS, Trainer, case_file_of, run
 
 
 class PegTransfer(Trainer):
@@ -20,13 +20,33 @@ class PegTransfer(Trainer):
 
 class Words(PegTransfer):
     def test_unknown_words_are_refused_in_one_line(self):
-        for words, says in ((("--case", "stapling"), "--case must be peg-transfer, cholecystectomy, pattern-cutting, ligating-loop, suturing or cannulation, got 'stapling'"),
+        for words, says in ((("--case", "stapling"), "--case must be peg-transfer, cholecystectomy, pattern-cutting, ligating-loop, suturing, cannulation or a .json file, got 'stapling'"),
                             (("--difficulty", "brutal"), "--difficulty must be easy, normal or hard, got 'brutal'"),
                             (("--seed", "-1"), "--seed must be a whole number in [0, 999999999]")):
             done = run("--headless", "--steps", "1", *words)
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
             self.assertIn(says, done.stderr)
+
+
+    def test_the_case_file_of_the_guide_has_two_rings_that_go_there_and_back(self):
+        file = Path(self.folder.name) / "two.json"
+        file.write_text(case_file_of("laparoscopy.md"))
+        done = run("--case", str(file), "--headless", "--no-picture", "--steps", "5", "--session", self.session)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        header = self.lines()[0]
+        self.assertEqual(header["case"], "two easy")
+        self.assertEqual(header["steps"], ["over 1", "over 2", "back 1", "back 2"])
+
+    def test_every_task_can_be_a_file(self):
+        for case in ("peg-transfer", "cholecystectomy", "pattern-cutting", "ligating-loop", "suturing", "cannulation"):
+            file = Path(self.folder.name) / f"my-{case}.json"
+            self.assertEqual(run("--case", case, "--difficulty", "hard", "--new-case", str(file)).returncode, 0)
+            plain, filed = (run("--case", word, "--difficulty", "hard", "--headless", "--no-picture", "--steps", "20",
+                                "--session", self.session) for word in (case, str(file)))
+            self.assertEqual((plain.returncode, filed.returncode), (0, 0), filed.stderr)
+            hashes = [re.search(r"state hash (\w+)", done.stdout)[1] for done in (plain, filed)]
+            self.assertEqual(*hashes)
 
 
 class Expert(PegTransfer):

@@ -1,6 +1,7 @@
 """What the tests of all trainers share: the program, and a folder with a session per test."""
 import json
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -13,6 +14,13 @@ STEPS = os.environ.get("TRAINER_STEPS")
 
 def run(*words, timeout=500):
     return subprocess.run([PROGRAM, *words], capture_output=True, text=True, stdin=subprocess.DEVNULL, timeout=timeout)
+
+
+def case_file_of(page):
+    """The case file that a page of the guide shows."""
+    text = (Path(__file__).parents[2] / "docs/guide" / page).read_text()
+    (shown,) = [block for block in re.findall(r"```json\n(.*?)```", text, re.S) if '"trainer"' in block]
+    return shown
 
 
 class Trainer(unittest.TestCase):

@@ -5,7 +5,9 @@
 #include "filasofia/prefab/screens.h"
 #include "filasofia/runtime/simulation.h"
 
+#include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,16 +18,76 @@ namespace filasofia::prefab {
 
 struct TrainerProgram; // what sessions need of their command line
 
+/// A number of a trainer's rules that a case file may change.
+struct TrainerSetting {
+    enum class Kind { Number, Whole, Flag };
+    std::string name = {};    ///< a word
+    std::string meaning = {}; ///< one line
+    std::string unit = {};
+    Range range = {};
+    Kind kind = Kind::Number;
+    std::vector<double> usual = {};      ///< without a case file, per difficulty
+    std::vector<std::string> cases = {}; ///< the cases that have it; empty: all
+};
+
+/// The settings of rules that differ by difficulty: one for each entry of their fields() list.
+template <HasFields Rules, class List>
+std::vector<TrainerSetting> settingsOf(const List& byDifficulty, const std::vector<std::string>& cases = {})
+{
+    std::vector<TrainerSetting> out;
+    forEachField<Rules>([&](const auto& each) {
+        using Value = std::remove_cvref_t<decltype(std::declval<Rules>().*(each.member))>;
+        using Kind = TrainerSetting::Kind;
+        static_assert(std::is_arithmetic_v<Value>, "rules are numbers and flags");
+        constexpr Kind kKind = std::is_same_v<Value, bool> ? Kind::Flag
+                               : std::is_integral_v<Value> ? Kind::Whole
+                                                           : Kind::Number;
+        TrainerSetting& made = out.emplace_back(TrainerSetting{.name = std::string(each.name),
+                                                               .meaning = std::string(each.meaning),
+                                                               .unit = std::string(each.unit),
+                                                               .range = each.range,
+                                                               .kind = kKind,
+                                                               .cases = cases});
+        for (const Rules& rules : byDifficulty) made.usual.push_back(static_cast<double>(rules.*(each.member)));
+    });
+    return out;
+}
+
+/// A case of a trainer: one of its own, or one that a file makes of it.
+struct TrainerCase {
+    std::string name = {};                       ///< a word
+    int base = 0;                                ///< [-], index of the trainer's own case
+    std::filesystem::path file = {};             ///< empty: it is that case
+    std::string picture = {};                    ///< a file; empty: that of the own case
+    std::optional<int> seed = {};                ///< [-] the case has this patient only
+    std::map<std::string, double> settings = {}; ///< those that differ, by name; flags are 0 or 1
+};
+
 /// The settings of one session, from the command line or the start screen.
 struct Training {
     std::string trainee = {}; ///< typed text
-    int caseIndex = 0;        ///< [-], index of the case
+    int caseIndex = 0;        ///< [-], index of the trainer's own case
     int difficulty = 0;       ///< [-], index of the difficulty
     int seed = 1;             ///< [-], in [0, 999999999]
     std::string motion = {};  ///< one of the trainer's planned motions; empty: a person moves
     bool device = false;      ///< a haptic device is used, or its motion file is played
     std::string file = {};    ///< the session's .jsonl file: a new one, or the one asked for
     std::shared_ptr<TrainerProgram> program = {};
+    TrainerCase chosen = {}; ///< the case, with what its file changes
+
+    /// What sessions call the task: `own` in the trainer's own case, the case's name in that of a file; and the
+    /// difficulty.
+    [[nodiscard]] std::string task(const std::string& own) const;
+    /// The rules of the session: the usual ones of its difficulty, with what the case file changes.
+    template <HasFields Rules> [[nodiscard]] Rules rules(Rules usual) const
+    {
+        forEachField<Rules>([&](const auto& each) {
+            using Value = std::remove_cvref_t<decltype(usual.*(each.member))>;
+            const auto changed = chosen.settings.find(std::string(each.name));
+            if (changed != chosen.settings.end()) usual.*(each.member) = static_cast<Value>(changed->second);
+        });
+        return usual;
+    }
 };
 
 struct TrainerDef {
@@ -41,6 +103,11 @@ struct TrainerDef {
     window::WindowDef window = {};
     /// Opens the windows of start screens and sessions, as Simulation::useWindow does; empty: window::openWindow.
     std::function<std::unique_ptr<window::Window>(const window::WindowDef&)> openWindow = {};
+    /// What case files may change; settingsOf() makes them of rules. Two may have the same name if they have no case in
+    /// common.
+    std::vector<TrainerSetting> settings = {};
+    /// Reads a case file: scene::loadCase. Empty: the trainer takes none.
+    std::function<TrainerCase(const std::filesystem::path& file, const TrainerDef& def)> readCase = {};
     /// For --check-seeds: why this patient cannot be treated; empty if it can.
     std::function<std::string(int caseIndex, int seed)> problem = {};
 };
@@ -92,11 +159,12 @@ private:
     std::shared_ptr<Impl> impl_; // shared with the simulation's callbacks
 };
 
-/// For a main(): reads --case, --difficulty, --seed, --motion, --trainee, --session, --pictures, --check-seeds and the
-/// options of Simulation::run, and calls `train` for every session. It is called once if the run is headless or has a
-/// planned motion. Otherwise it is called after each start screen, and for the next seed if the trainee asks for the
-/// next patient (R), until a start screen is closed. Returns the exit code: 0, what `train` returned if not 0, or 2
-/// after one line that says what is wrong.
+/// For a main(): reads --case, --difficulty, --seed, --motion, --trainee, --session, --pictures, --check-seeds,
+/// --new-case and the options of Simulation::run, and calls `train` for every session. Beside the trainer's own cases
+/// there are those of case files: that of --case, and those in the folder cases/NAME of the assets. It is called once
+/// if the run is headless or has a planned motion. Otherwise it is called after each start screen, and for the next
+/// seed if the trainee asks for the next patient (R), until a start screen is closed. Returns the exit code: 0, what
+/// `train` returned if not 0, or 2 after one line that says what is wrong.
 int runTrainer(int argc, const char* const* argv, const TrainerDef& def,
                const std::function<int(const Training&)>& train);
 

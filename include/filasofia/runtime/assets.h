@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace filasofia::runtime {
 
@@ -16,5 +17,10 @@ constexpr const char* kInstalledData = "";
 /// (unless empty), in the source tree that this library was built from, and in the folder it was to be installed in.
 /// Throws an Error naming these folders if none has the file.
 std::string asset(const std::string& name, const std::string& installed = kInstalledData);
+
+/// The files of a type, such as ".json", in a folder of assets, such as "cases/hysteroscopy", by their names. Where
+/// several of the places above have one of the same name, it is that which asset() finds.
+std::vector<std::string> assetsIn(const std::string& folder, const std::string& type,
+                                  const std::string& installed = kInstalledData);
 
 } // namespace filasofia::runtime

@@ -14,6 +14,7 @@ struct OwnOption {
     std::string* value = nullptr;          ///< where its value goes; unchanged if the option is not given
     std::string meaning = {};              ///< for --help
     std::vector<std::string> choices = {}; ///< the value must be one of these; empty: any value
+    std::string fileType = {};             ///< ".json": names of such files are choices, too
 };
 
 /// Takes a program's own options off its command line and returns the rest, beginning with the program's name, for

@@ -48,7 +48,7 @@ void Debriefing::follow()
 void Debriefing::keepResult()
 {
     const TrainerProgram& program = *training_.program;
-    const std::string &caseName = at(program.def.cases, training_.caseIndex),
+    const std::string &caseName = training_.chosen.name,
                       &difficulty = at(program.def.difficulties, training_.difficulty);
     try {
         appendResult(program.resultsFile(), {dateNow(), training_.trainee, caseName, difficulty, training_.seed,
@@ -84,12 +84,16 @@ std::string Debriefing::findExpert()
 {
     const TrainerDef& def = training_.program->def;
     if (std::ranges::find(def.motions, "expert") == def.motions.end()) return {};
-    const std::string &caseName = at(def.cases, training_.caseIndex),
-                      &difficulty = at(def.difficulties, training_.difficulty);
-    const std::string name = text(def.name, "_", caseName, "_", difficulty, "_", training_.seed, ".jsonl");
-    return expert_.find((std::filesystem::path(training_.file).parent_path() / "experts" / name).string(),
-                        {"--case", caseName, "--difficulty", difficulty, "--seed", text(training_.seed), "--motion",
-                         "expert", "--trainee", "expert", "--headless", "--no-picture"});
+    const std::string& difficulty = at(def.difficulties, training_.difficulty);
+    const TrainerCase& chosen = training_.chosen;
+    const std::string name = text(def.name, "_", chosen.name, "_", difficulty, "_", training_.seed, ".jsonl");
+    const std::filesystem::path file = std::filesystem::path(training_.file).parent_path() / "experts" / name;
+    std::error_code none;
+    if (!chosen.file.empty() && last_write_time(file, none) < last_write_time(chosen.file, none))
+        std::filesystem::remove(file, none); // the expert of another version of the case
+    return expert_.find(file.string(), {"--case", chosen.file.empty() ? chosen.name : chosen.file.string(),
+                                        "--difficulty", difficulty, "--seed", text(training_.seed), "--motion",
+                                        "expert", "--trainee", "expert", "--headless", "--no-picture"});
 }
 
 } // namespace filasofia::prefab

@@ -52,16 +52,22 @@ Training trainingOf(const std::shared_ptr<TrainerProgram>& program)
     const TrainerDef& def = program->def;
     const std::string file = text(def.name, "_", program->caseName, "_", program->seedNumber());
     return {.trainee = program->trainee,
-            .caseIndex = program->caseIndex(),
+            .caseIndex = program->chosen().base,
             .difficulty = program->difficultyIndex(),
             .seed = program->seedNumber(),
             .motion = program->planned() ? program->motion : std::string(),
             .device = program->device > 0 || program->has("--device") || program->has("--motion"),
             .file = program->session.empty() ? unusedSessionFile(file) : program->session,
-            .program = program};
+            .program = program,
+            .chosen = program->chosen()};
 }
 
 } // namespace
+
+std::string Training::task(const std::string& own) const
+{
+    return text(chosen.file.empty() ? own : chosen.name, " ", at(program->def.difficulties, difficulty));
+}
 
 struct TrainingSession::Impl {
     Impl(runtime::Simulation& sim, const Training& asked)
@@ -178,7 +184,7 @@ int TrainingSession::run(int steps)
     std::vector<std::string> words = {program.rest.front()};
     // What the recording stores about the session. Our words come first: the user's last word may lack its value.
     words.insert(words.end(),
-                 {text("--seed=", program.seed), text("--session=", program.def.name, " ", program.caseName)});
+                 {text("--seed=", program.seedNumber()), text("--session=", program.def.name, " ", program.caseName)});
     if (!program.trainee.empty()) words.push_back("--trainee=" + program.trainee);
     if (program.device > 0) words.insert(words.end(), {"--device", at(kDevices, program.device)});
     if (steps > 0 && !cutShort()) words.insert(words.end(), {"--steps", text(steps)});
@@ -193,6 +199,7 @@ int runTrainer(int argc, const char* const* argv, const TrainerDef& def,
 try {
     const auto program = std::make_shared<TrainerProgram>(def, argc, argv);
     if (program->wantsHelp()) return program->help();
+    if (!program->newCase.empty()) return program->writeCase();
     if (!program->checkSeeds.empty()) return program->check();
     const bool ownName = program->session.empty();
     if (program->planned() || !program->hasWindow()) return trainOnce(train, trainingOf(program), ownName);

@@ -3,7 +3,9 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/core/whole_file.h"
 #include "filasofia/core/word.h"
+#include "filasofia/prefab/trainer_settings.h"
 #include "filasofia/prefab/training_results.h"
 #include "filasofia/runtime/assets.h"
 
@@ -15,6 +17,8 @@
 
 namespace filasofia::prefab {
 namespace {
+
+constexpr const char* kCaseFile = ".json";
 
 int placeOf(const std::vector<std::string>& words, const std::string& word)
 {
@@ -31,6 +35,10 @@ void check(const TrainerDef& def)
         for (const std::string& word : *words)
             if (word.empty() || word.find_first_of(" \t\n") != std::string::npos)
                 fail("trainer: ", field, " must be words without spaces, got ", shownWord(word));
+    for (const TrainerSetting& each : def.settings)
+        if (each.usual.size() != def.difficulties.size())
+            fail("trainer: setting ", shownWord(each.name), " must have a value for each of the ",
+                 def.difficulties.size(), " difficulties, got ", each.usual.size());
 }
 
 } // namespace
@@ -45,7 +53,38 @@ TrainerProgram::TrainerProgram(const TrainerDef& asked, int argc, const char* co
     prefab::check(def);
     caseName = def.cases.front();
     difficulty = def.difficulties.front();
+    findCases();
     parse(argc, argv);
+}
+
+void TrainerProgram::findCases()
+{
+    for (int i = 0; i < static_cast<int>(def.cases.size()); ++i)
+        cases.push_back(
+            {.name = at(def.cases, i), .base = i, .picture = def.pictures.empty() ? "" : at(def.pictures, i)});
+    if (!def.readCase) return;
+    for (const std::string& file : runtime::assetsIn("cases/" + def.name, kCaseFile)) addCase(def.readCase(file, def));
+}
+
+void TrainerProgram::addCase(TrainerCase added)
+{
+    if (added.name.find_first_of(" \t\n") != std::string::npos)
+        fail(added.file.string(), ": the name of a case file must be a word without spaces");
+    const auto known = std::ranges::find(cases, added.name, &TrainerCase::name);
+    if (known != cases.end() && known->file.empty())
+        fail(added.file.string(), ": a case file must not have the name of the trainer's own case ", added.name);
+    if (added.picture.empty()) added.picture = cases[static_cast<std::size_t>(added.base)].picture;
+    if (known != cases.end())
+        *known = std::move(added);
+    else
+        cases.push_back(std::move(added));
+}
+
+std::vector<std::string> TrainerProgram::caseNames() const
+{
+    std::vector<std::string> names;
+    for (const TrainerCase& each : cases) names.push_back(each.name);
+    return names;
 }
 
 std::string TrainerProgram::motions() const
@@ -57,7 +96,7 @@ std::string TrainerProgram::motions() const
 
 std::vector<runtime::OwnOption> TrainerProgram::options()
 {
-    return {{"--case", &caseName, "the case", def.cases},
+    return {{"--case", &caseName, "the case", caseNames(), def.readCase ? kCaseFile : ""},
             {"--difficulty", &difficulty, "the difficulty", def.difficulties},
             {"--seed", &seed, "the number that chooses the patient"},
             {"--motion", &motion, "what moves the tools: " + motions() + ", or a device's motion file"},
@@ -65,7 +104,8 @@ std::vector<runtime::OwnOption> TrainerProgram::options()
             {"--session", &session,
              "a .jsonl file for 'filasofia report'; default: " + def.name + "_CASE_SEED_NUMBER.jsonl"},
             {"--pictures", &pictures, "a folder for pictures of a planned motion"},
-            {"--check-seeds", &checkSeeds, "check whether the patients of seeds 1 to N can be treated, and end"}};
+            {"--check-seeds", &checkSeeds, "check whether the patients of seeds 1 to N can be treated, and end"},
+            {"--new-case", &newCase, "write a case file with all settings of the case and the difficulty, and end"}};
 }
 
 bool TrainerProgram::has(const char* word) const
@@ -78,11 +118,12 @@ bool TrainerProgram::wantsHelp() const { return has("--help") || has("-h"); }
 bool TrainerProgram::planned() const { return std::ranges::find(def.motions, motion) != def.motions.end(); }
 
 bool TrainerProgram::hasWindow() const { return !has("--headless") && !has("--no-picture"); }
-int TrainerProgram::caseIndex() const { return placeOf(def.cases, caseName); }
+int TrainerProgram::caseIndex() const { return placeOf(caseNames(), caseName); }
 int TrainerProgram::difficultyIndex() const { return placeOf(def.difficulties, difficulty); }
 
 int TrainerProgram::seedNumber() const
 {
+    if (chosen().seed) return *chosen().seed;
     return wholeNumber(def.name + ": --seed", seed, {closed(0, kMaxSeeds - 1), "-"});
 }
 
@@ -90,7 +131,16 @@ void TrainerProgram::parse(int argc, const char* const* argv)
 {
     rest = runtime::takeOptions(def.name, argc, argv, options());
     if (wantsHelp()) return;
+    if (caseName.ends_with(kCaseFile)) {
+        TrainerCase read = def.readCase(caseName, def);
+        caseName = read.name;
+        addCase(std::move(read));
+    }
     static_cast<void>(seedNumber()); // reports errors before any window opens
+    if (chosen().seed && seed != "1" && seed != text(*chosen().seed))
+        fail(def.name, ": --seed must not be given, as the case ", caseName, " has the seed ", *chosen().seed, ", got ",
+             shownWord(seed));
+    if (!newCase.empty() && !def.readCase) fail(def.name, ": takes no case files");
     if (motion != "hand" && !planned()) {
         std::error_code problem; // a name that is too long is not a file either
         if (!std::filesystem::is_regular_file(motion, problem))
@@ -118,12 +168,22 @@ int TrainerProgram::check() const
     const int count = wholeNumber(def.name + ": --check-seeds", checkSeeds, {closed(1, 1'000'000), "-"});
     int good = 0;
     for (int each = 1; each <= count; ++each) {
-        const std::string problem = def.problem ? def.problem(caseIndex(), each) : std::string();
+        const std::string problem = def.problem ? def.problem(chosen().base, each) : std::string();
         good += problem.empty();
         if (!problem.empty()) std::printf("seed %d: %s\n", each, problem.c_str());
     }
     std::printf("%d of %d patients can be treated\n", good, count);
     return good == count ? 0 : 1;
+}
+
+int TrainerProgram::writeCase() const
+{
+    if (!newCase.ends_with(kCaseFile)) fail(def.name, ": --new-case must be a .json file, got ", shownWord(newCase));
+    if (std::filesystem::exists(newCase))
+        fail(def.name, ": --new-case: there is a file ", shownWord(newCase), " already");
+    writeWhole(newCase, caseText(def, chosen(), difficultyIndex()));
+    std::printf("%s: written; change it, and begin it with --case %s\n", newCase.c_str(), newCase.c_str());
+    return 0;
 }
 
 std::string TrainerProgram::resultsFile() const
@@ -135,8 +195,10 @@ std::vector<std::string> TrainerProgram::pictureFiles() const
 {
     std::vector<std::string> files;
     std::error_code none;
-    for (const std::string& picture : def.pictures)
-        files.push_back(std::filesystem::is_regular_file(picture, none) ? picture : runtime::asset(picture));
+    if (def.pictures.empty()) return files;
+    for (const TrainerCase& each : cases)
+        files.push_back(std::filesystem::is_regular_file(each.picture, none) ? each.picture
+                                                                             : runtime::asset(each.picture));
     return files;
 }
 
@@ -144,11 +206,11 @@ bool TrainerProgram::ask()
 {
     const bool choosesDevice = !has("--device") && !has("--motion");
     const auto history = [this, results = readResults(resultsFile())](const StartChoice& choice) {
-        return historyOf(results, choice.trainee, at(def.cases, choice.caseIndex),
+        return historyOf(results, choice.trainee, cases[static_cast<std::size_t>(choice.caseIndex)].name,
                          at(def.difficulties, choice.difficulty));
     };
-    const auto chosen = askAtStart({.title = def.window.title,
-                                    .cases = def.cases,
+    const auto choice = askAtStart({.title = def.window.title,
+                                    .cases = caseNames(),
                                     .difficulties = def.difficulties,
                                     .devices = choosesDevice ? kDevices : std::vector<std::string>{},
                                     .choice = {.trainee = trainee,
@@ -160,12 +222,12 @@ bool TrainerProgram::ask()
                                     .controls = def.hands + kTrainerKeys,
                                     .history = history},
                                    def.window, def.openWindow);
-    if (!chosen) return false;
-    trainee = chosen->trainee;
-    caseName = at(def.cases, chosen->caseIndex);
-    difficulty = at(def.difficulties, chosen->difficulty);
-    device = chosen->device;
-    seed = text(chosen->seed % kMaxSeeds);
+    if (!choice) return false;
+    trainee = choice->trainee;
+    caseName = cases[static_cast<std::size_t>(choice->caseIndex)].name;
+    difficulty = at(def.difficulties, choice->difficulty);
+    device = choice->device;
+    seed = text(choice->seed % kMaxSeeds);
     return true;
 }
 

@@ -23,6 +23,8 @@ inline const std::string& at(const std::vector<std::string>& words, int place)
 /// A trainer's command line, and what its start screens have changed of it.
 struct TrainerProgram {
     TrainerDef def;
+    std::vector<TrainerCase> cases; ///< the trainer's own, then those of files
+    std::string newCase;
     std::string caseName, difficulty, motion = "hand", trainee, session, pictures, seed = "1", checkSeeds;
     std::vector<std::string> rest; ///< for Simulation::run
     int device = 0;                ///< index in kDevices, as chosen on the screen
@@ -35,11 +37,13 @@ struct TrainerProgram {
     [[nodiscard]] bool wantsHelp() const;
     [[nodiscard]] bool planned() const;   ///< whether a planned motion moves the tools
     [[nodiscard]] bool hasWindow() const; ///< whether sessions are seen in a window
-    [[nodiscard]] int caseIndex() const;
+    [[nodiscard]] int caseIndex() const;  ///< in `cases`
+    [[nodiscard]] const TrainerCase& chosen() const { return cases[static_cast<std::size_t>(caseIndex())]; }
     [[nodiscard]] int difficultyIndex() const;
-    [[nodiscard]] int seedNumber() const; ///< Throws an Error if the word is not one
+    [[nodiscard]] int seedNumber() const; ///< that of the case, if it has one
     [[nodiscard]] int help();             ///< prints the help; returns the exit code
     [[nodiscard]] int check() const;      ///< does --check-seeds; returns the exit code
+    [[nodiscard]] int writeCase() const;  ///< does --new-case; returns the exit code
     /// The table of results, beside the sessions.
     [[nodiscard]] std::string resultsFile() const;
     /// Asks for trainee, case and seed. Returns false if the window was closed.
@@ -47,6 +51,9 @@ struct TrainerProgram {
 
 private:
     void parse(int argc, const char* const* argv);
+    void findCases();
+    void addCase(TrainerCase added);
+    [[nodiscard]] std::vector<std::string> caseNames() const;
     [[nodiscard]] std::vector<runtime::OwnOption> options();
     [[nodiscard]] std::string motions() const; ///< "hand, expert, clumsy"
     [[nodiscard]] std::vector<std::string> pictureFiles() const;

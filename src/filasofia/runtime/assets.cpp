@@ -4,13 +4,16 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <vector>
 
 namespace filasofia::runtime {
+namespace {
 
-std::string asset(const std::string& name, const std::string& installed)
+namespace fs = std::filesystem;
+
+std::vector<fs::path> assetFolders(const std::string& installed)
 {
-    namespace fs = std::filesystem;
     std::vector<fs::path> folders;
     if (const char* given = std::getenv("FILASOFIA_ASSETS")) folders.emplace_back(given);
     std::error_code ignored;
@@ -19,13 +22,33 @@ std::string asset(const std::string& name, const std::string& installed)
     if (!installed.empty()) folders.emplace_back(installed);
     folders.emplace_back(FILASOFIA_SOURCE_ASSETS);
     folders.emplace_back(FILASOFIA_INSTALLED_ASSETS);
+    return folders;
+}
 
+} // namespace
+
+std::string asset(const std::string& name, const std::string& installed)
+{
     std::string tried;
-    for (const fs::path& folder : folders) {
+    std::error_code ignored;
+    for (const fs::path& folder : assetFolders(installed)) {
         if (fs::is_regular_file(folder / name, ignored)) return (folder / name).string();
         tried += (tried.empty() ? "" : ", ") + folder.string();
     }
     fail("asset '", name, "' is in none of ", tried, " (FILASOFIA_ASSETS may name another folder)");
+}
+
+std::vector<std::string> assetsIn(const std::string& folder, const std::string& type, const std::string& installed)
+{
+    std::map<std::string, std::string> found; // by name
+    std::error_code ignored;
+    for (const fs::path& place : assetFolders(installed))
+        for (const auto& entry : fs::directory_iterator(place / folder, ignored))
+            if (entry.path().extension() == type && entry.is_regular_file(ignored))
+                found.try_emplace(entry.path().filename().string(), entry.path().string());
+    std::vector<std::string> files;
+    for (const auto& [name, file] : found) files.push_back(file);
+    return files;
 }
 
 } // namespace filasofia::runtime

@@ -9,9 +9,11 @@
 namespace filasofia::runtime {
 namespace {
 
-/// "small, medium or lobed".
-std::string listed(const std::vector<std::string>& words)
+/// "small, medium or lobed", or "small, medium, lobed or a .json file".
+std::string choicesOf(const OwnOption& option)
 {
+    std::vector<std::string> words = option.choices;
+    if (!option.fileType.empty()) words.push_back(text("a ", option.fileType, " file"));
     std::string all;
     for (std::size_t i = 0; i < words.size(); ++i)
         all += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
@@ -40,8 +42,9 @@ std::vector<std::string> takeOptions(const std::string& program, int argc, const
         if (next && (++i == argc || std::string_view(argv[i]).starts_with("--")))
             fail(program, ": ", found->name, " needs a value");
         const std::string value(next ? std::string_view(argv[i]) : word.substr(equals + 1));
-        if (!found->choices.empty() && std::ranges::find(found->choices, value) == found->choices.end())
-            fail(program, ": ", found->name, " must be ", listed(found->choices), ", got ", shownWord(value));
+        const bool isFile = !found->fileType.empty() && value.ends_with(found->fileType);
+        if (!found->choices.empty() && !isFile && std::ranges::find(found->choices, value) == found->choices.end())
+            fail(program, ": ", found->name, " must be ", choicesOf(*found), ", got ", shownWord(value));
         *found->value = value;
     }
     return rest;
@@ -50,7 +53,7 @@ std::vector<std::string> takeOptions(const std::string& program, int argc, const
 std::string optionHelp(const std::vector<OwnOption>& options)
 {
     const auto nameOf = [](const OwnOption& option) {
-        return "  " + option.name + " " + (option.choices.empty() ? "WORD" : listed(option.choices)) + "  ";
+        return "  " + option.name + " " + (option.choices.empty() ? "WORD" : choicesOf(option)) + "  ";
     };
     std::size_t widest = 0;
     for (const OwnOption& option : options) widest = std::max(widest, nameOf(option).size());
