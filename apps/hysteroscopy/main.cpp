@@ -12,7 +12,6 @@ std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, Body
                               const ArticulatedInstrument& forceps, std::size_t top)
 {
     using frame::Frame;
-    const auto tip = [=](const Frame& now) { return now.rigidBody(scope)->poses[0].position; };
     const auto head = [=](const Frame& now) { return now.softBody(bodies.polyp)->positions[top]; };
     const auto holdsPolyp = [=, &forceps] { return forceps.holding() == bodies.polyp; };
     const auto to = [](Vec3 place) { return [place](const Frame&) { return std::optional(place); }; };
@@ -20,23 +19,19 @@ std::vector<TaskStep> stepsOf(const Patient& patient, const Bodies& bodies, Body
         return TaskStep{.name = name, .instruction = instruction, .done = when, .target = target};
     };
     const Vec3 root = patient.pose.position;
-    return {done(
-                "enter", "Enter through the external os", [=](const Frame& now) { return tip(now).y > 3_mm; }, to({})),
-            done(
-                "canal", "Follow the canal into the cavity", [=](const Frame& now) { return tip(now).y > 29_mm; },
-                to({0, 32_mm, 0})),
-            done(
-                "find", "Find the polyp and come up to it",
-                [=](const Frame& now) { return distance(tip(now), patient.middle) < 20_mm; }, to(patient.middle)),
-            done(
-                "grasp", "Open the forceps, take the polyp and close them", [=](const Frame&) { return holdsPolyp(); },
-                [=](const Frame& now) { return std::optional(head(now)); }),
-            done(
-                "tear", "Pull until it comes off",
-                [=](const Frame& now) { return distance(head(now), root) > 1.8 * patient.height; }, to({0, 32_mm, 0})),
-            done(
-                "bring out", "Bring it out", [=](const Frame& now) { return holdsPolyp() && head(now).y < -1_mm; },
-                to({}))};
+    std::vector<TaskStep> steps = wayIn(patient, scope, "Find the polyp and come up to it");
+    steps.insert(
+        steps.end(),
+        {done(
+             "grasp", "Open the forceps, take the polyp and close them", [=](const Frame&) { return holdsPolyp(); },
+             [=](const Frame& now) { return std::optional(head(now)); }),
+         done(
+             "tear", "Pull until it comes off",
+             [=](const Frame& now) { return distance(head(now), root) > 1.8 * patient.height; }, to({0, 32_mm, 0})),
+         done(
+             "bring out", "Bring it out", [=](const Frame& now) { return holdsPolyp() && head(now).y < -1_mm; },
+             to({}))});
+    return steps;
 }
 
 int train(const Training& training)

@@ -4,8 +4,11 @@
 #include "apps/hysteroscopy/motion.h"
 #include "apps/hysteroscopy/theatre.h"
 
+#include <filasofia/core/disjoint_sets.h>
 #include <filasofia/geometry/distance.h>
 #include <filasofia/geometry/surface.h>
+
+#include <set>
 
 using namespace filasofia;
 
@@ -47,20 +50,17 @@ Vec3 rootOf(const Patient& patient, const std::vector<Vec3>& before, const std::
 std::vector<Vec3> rootedSurface(const frame::SoftBodyFrame& myoma, const std::vector<int>& base)
 {
     if (!myoma.boundary || myoma.boundary->triangles.empty()) return myoma.positions;
-    std::vector<char> rooted(myoma.positions.size());
-    const auto at = [&](int node) -> char& { return rooted[static_cast<std::size_t>(node)]; };
-    for (const int node : base) at(node) = 1;
-    for (bool more = true; more;) {
-        more = false;
-        for (const auto& [a, b, c] : myoma.boundary->triangles) {
-            const int sum = at(a) + at(b) + at(c);
-            if (sum > 0 && sum < 3) at(a) = at(b) = at(c) = 1, more = true;
-        }
+    DisjointSets parts(myoma.positions.size());
+    for (const auto& [a, b, c] : myoma.boundary->triangles) {
+        parts.join(a, b);
+        parts.join(a, c);
     }
+    std::set<int> rooted;
+    for (const int node : base) rooted.insert(parts.find(node));
     std::vector<Vec3> out;
     for (const auto& triangle : myoma.boundary->triangles)
         for (const int node : triangle)
-            if (at(node)) out.push_back(myoma.positions[static_cast<std::size_t>(node)]);
+            if (rooted.contains(parts.find(node))) out.push_back(myoma.positions[static_cast<std::size_t>(node)]);
     return out;
 }
 
@@ -68,28 +68,23 @@ std::vector<Vec3> rootedSurface(const frame::SoftBodyFrame& myoma, const std::ve
 std::vector<TaskStep> stepsOf(const Patient& patient, BodyId scope, const Chips& chips, double most)
 {
     using frame::Frame;
-    const auto tip = [=](const Frame& now) { return now.rigidBody(scope)->poses[0].position; };
-    const auto to = [](Vec3 place) { return [place](const Frame&) { return std::optional(place); }; };
-    const auto step = [&](const char* name, const char* instruction, auto when, std::optional<Vec3> target) {
-        TaskStep out{.name = name, .instruction = instruction, .done = when};
-        if (target) out.target = to(*target);
-        return out;
+    const auto step = [&](const char* name, const char* instruction, auto when, Vec3 target) {
+        return TaskStep{.name = name, .instruction = instruction, .done = when, .target = [=](const Frame&) {
+                            return std::optional(target);
+                        }};
     };
     const Vec3 goal = patient.middle;
-    return {step("enter", "Enter through the external os", [=](const Frame& now) { return tip(now).y > 3_mm; }, {}),
-            step(
-                "canal", "Follow the canal into the cavity", [=](const Frame& now) { return tip(now).y > 29_mm; },
-                Vec3{0, 32_mm, 0}),
-            step(
-                "find", "Find the myoma and come up to it",
-                [=](const Frame& now) { return distance(tip(now), goal) < 20_mm; }, goal),
-            step(
-                "first chip", "Push the loop out beyond the myoma, cut, and draw it towards you",
-                [&chips](const Frame&) { return chips.count() > 0; }, goal),
-            step(
-                "resect", "Shave the myoma off, chip by chip, and spare the wall",
-                [&chips, most](const Frame&) { return chips.left() < most; }, goal),
-            step("leave", "Draw the loop in and leave", [=](const Frame& now) { return tip(now).y < -1_mm; }, {})};
+    std::vector<TaskStep> steps = wayIn(patient, scope, "Find the myoma and come up to it");
+    steps.insert(steps.end(), {step(
+                                   "first chip", "Push the loop out beyond the myoma, cut, and draw it towards you",
+                                   [&chips](const Frame&) { return chips.count() > 0; }, goal),
+                               step(
+                                   "resect", "Shave the myoma off, chip by chip, and spare the wall",
+                                   [&chips, most](const Frame&) { return chips.left() < most; }, goal),
+                               step(
+                                   "leave", "Draw the loop in and leave",
+                                   [=](const Frame& now) { return tipOf(now, scope).y < -1_mm; }, Vec3())});
+    return steps;
 }
 
 std::string percent(double share) { return text(std::lround(100 * share), " %"); }

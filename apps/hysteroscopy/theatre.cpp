@@ -53,6 +53,27 @@ MetricTrackerDef observedIn(const Training& training, const TrackedBody& tool, B
     return out;
 }
 
+Vec3 tipOf(const frame::Frame& now, BodyId scope) { return now.rigidBody(scope)->poses[0].position; }
+
+std::vector<TaskStep> wayIn(const Patient& patient, BodyId scope, const char* find)
+{
+    using frame::Frame;
+    const auto to = [](Vec3 place) { return [place](const Frame&) { return std::optional(place); }; };
+    const Vec3 goal = patient.middle;
+    return {{.name = "enter",
+             .instruction = "Enter through the external os",
+             .done = [=](const Frame& now) { return tipOf(now, scope).y > 3_mm; },
+             .target = to({})},
+            {.name = "canal",
+             .instruction = "Follow the canal into the cavity",
+             .done = [=](const Frame& now) { return tipOf(now, scope).y > 29_mm; },
+             .target = to({0, 32_mm, 0})},
+            {.name = "find",
+             .instruction = find,
+             .done = [=](const Frame& now) { return distance(tipOf(now, scope), goal) < 20_mm; },
+             .target = to(goal)}};
+}
+
 std::string millilitres(double volume) { return text(std::round(volume * 1e8) / 100.0, " ml"); }
 
 } // namespace hysteroscopy

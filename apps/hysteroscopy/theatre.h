@@ -37,6 +37,10 @@ filasofia::prefab::ScopeHandsDef handsOf(const filasofia::Training& training, do
 /// What a session observes, but for its steps: both instruments and the events that all cases have.
 filasofia::MetricTrackerDef observedIn(const filasofia::Training& training, const filasofia::TrackedBody& tool,
                                        filasofia::BodyId scope, const std::string& target);
+/// Where the end of a scope is.
+filasofia::Vec3 tipOf(const filasofia::frame::Frame& now, filasofia::BodyId scope);
+/// The steps with which every case begins; `find` says what is to be found.
+std::vector<filasofia::TaskStep> wayIn(const Patient& patient, filasofia::BodyId scope, const char* find);
 std::string millilitres(double volume);
 
 } // namespace hysteroscopy
