@@ -131,7 +131,7 @@ void TrainerProgram::parse(int argc, const char* const* argv)
 {
     rest = runtime::takeOptions(def.name, argc, argv, options());
     if (wantsHelp()) return;
-    if (caseName.ends_with(kCaseFile)) {
+    if (def.readCase && caseName.ends_with(kCaseFile)) {
         TrainerCase read = def.readCase(caseName, def);
         caseName = read.name;
         addCase(std::move(read));
