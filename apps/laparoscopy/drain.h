@@ -66,6 +66,6 @@ filasofia::TrocarPlan clumsyMotion(const Motion& with, std::uint64_t seed);
 
 /// The task as a whole: one session.
 int suturing(const filasofia::Training& training);
-std::vector<filasofia::TrainerSetting> settings(); ///< of its case files
+std::vector<filasofia::TrainerSetting> settings(); ///< what its case files may change
 
 } // namespace suturing

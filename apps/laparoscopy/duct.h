@@ -41,6 +41,6 @@ Duct addDuct(filasofia::Simulation& sim, std::uint64_t seed);
 
 /// The task as a whole: one session.
 int cannulation(const filasofia::Training& training);
-std::vector<filasofia::TrainerSetting> settings(); ///< of its case files
+std::vector<filasofia::TrainerSetting> settings(); ///< what its case files may change
 
 } // namespace cannulating

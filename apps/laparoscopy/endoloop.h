@@ -72,6 +72,6 @@ std::optional<double> placeAround(const std::vector<filasofia::Vec3>& loop, cons
 
 /// The task as a whole: one session.
 int ligatingLoop(const filasofia::Training& training);
-std::vector<filasofia::TrainerSetting> settings(); ///< of its case files
+std::vector<filasofia::TrainerSetting> settings(); ///< what its case files may change
 
 } // namespace ligating

@@ -67,6 +67,6 @@ std::vector<filasofia::TrocarMove> clumsyMotion(const GallbladderMotion& with, s
 
 /// The task as a whole: one session.
 int cholecystectomy(const filasofia::Training& training);
-std::vector<filasofia::TrainerSetting> settings(); ///< of its case files
+std::vector<filasofia::TrainerSetting> settings(); ///< what its case files may change
 
 } // namespace operation

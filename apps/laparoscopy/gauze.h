@@ -35,6 +35,6 @@ CutPattern patternOf(const Gauze& gauze, const filasofia::frame::SoftBodyFrame& 
 
 /// The task as a whole: one session.
 int patternCutting(const filasofia::Training& training);
-std::vector<filasofia::TrainerSetting> settings(); ///< of its case files
+std::vector<filasofia::TrainerSetting> settings(); ///< what its case files may change
 
 } // namespace cutting
