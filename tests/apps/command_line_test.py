@@ -756,7 +756,7 @@ class Save(Program):
         for option in ("--measures", "--log", "--record-motion"):
             self.refused(*words, option, str(hand), says=[option, "the run reads this file"])
         self.assertIn("qw", hand.read_text())
-        self.refused(*words, "--strict", says=["a.json", "strict is for URDF and MJCF"])
+        self.refused(*words, "--strict", says=["a.json", "strict is for URDF, MJCF and .scn"])
         self.refused(*words, "--package", ".", says=["a.json", "a package is for URDF"])
 
     def test_files_of_meshes_are_overwritten_only_by_force(self):

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-/// Files of other programs as scenes: robots in URDF, models of MuJoCo (MJCF). docs/guide/import.md says what is
-/// carried. Both have z up; the scene has y up, as all others: x, y, z of the file are x, -z, y of the world. What is
-/// inside a body keeps its coordinates.
+/// Files of other programs as scenes: robots in URDF, models of MuJoCo (MJCF), scenes of SOFA (.scn).
+/// docs/guide/import.md says what is carried. The first two have z up; a scene has y up, as all others: x, y, z of the
+/// file are x, -z, y of the world. What is inside a body keeps its coordinates.
 namespace filasofia::scene {
 
 /// How a file of another program is read.
@@ -33,11 +33,16 @@ Imported loadUrdf(const std::filesystem::path& file, const ImportOptions& option
 /// A model of MuJoCo: bodies with joints, geoms, and flexible bodies (flexcomp). Throws an Error as loadUrdf does.
 Imported loadMjcf(const std::filesystem::path& file, const ImportOptions& options = {});
 
-/// Whether a file is a scene by its name: .json, .urdf, .xml or .mjcf.
+/// A scene of SOFA: tetrahedra and hexahedra with elasticity, rigid bodies, what holds and what collides. What it calls
+/// units of length, mass and time are metres, kilograms and seconds. If its gravity is along z, it is turned to have y
+/// up. Throws an Error as loadUrdf does.
+Imported loadScn(const std::filesystem::path& file, const ImportOptions& options = {});
+
+/// Whether a file is a scene by its name: .json, .urdf, .xml, .mjcf or .scn.
 bool isSceneFile(const std::filesystem::path& file);
 
-/// A scene of any of these kinds; the notes go to the log as warnings. An .xml file is a robot or a model, as its first
-/// element says.
+/// A scene of any of these kinds; the notes go to the log as warnings. An .xml file is a robot, a model or a
+/// scene of SOFA, as its first element says.
 SceneDef loadAnyScene(const std::filesystem::path& file, const ImportOptions& options = {});
 
 } // namespace filasofia::scene

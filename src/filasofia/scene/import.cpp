@@ -18,8 +18,8 @@ std::string extensionOf(const std::filesystem::path& file)
     return extension;
 }
 
-/// Whether an XML file's first element is that of a robot.
-bool isRobot(const std::filesystem::path& file)
+/// Whether an XML file's first element is this one.
+bool beginsWith(const std::filesystem::path& file, std::string_view element)
 {
     const std::string bytes = readFile(file, file.string());
     for (std::size_t at = bytes.find('<'); at != std::string::npos; at = bytes.find('<', at + 1)) {
@@ -27,7 +27,7 @@ bool isRobot(const std::filesystem::path& file)
         if (rest.starts_with("<!--"))
             at = bytes.find("-->", at);
         else if (rest.size() > 1 && rest[1] != '?' && rest[1] != '!')
-            return rest.starts_with("<robot");
+            return rest.starts_with(element);
         if (at == std::string::npos) break;
     }
     return false;
@@ -38,19 +38,26 @@ bool isRobot(const std::filesystem::path& file)
 bool isSceneFile(const std::filesystem::path& file)
 {
     const std::string extension = extensionOf(file);
-    return extension == ".json" || extension == ".urdf" || extension == ".xml" || extension == ".mjcf";
+    return extension == ".json" || extension == ".urdf" || extension == ".xml" || extension == ".mjcf" ||
+           extension == ".scn";
 }
 
 SceneDef loadAnyScene(const std::filesystem::path& file, const ImportOptions& options)
 {
     const std::string extension = extensionOf(file);
-    if (extension != ".urdf" && extension != ".xml" && extension != ".mjcf") {
-        if (options.strict) fail(file.string(), ": strict is for URDF and MJCF: all that a scene file says is read");
-        if (!options.packages.empty()) fail(file.string(), ": a package is for URDF, and this is a scene file");
+    if (extension != ".urdf" && extension != ".xml" && extension != ".mjcf" && extension != ".scn") {
+        if (options.strict)
+            fail(file.string(), ": strict is for URDF, MJCF and .scn: all that a scene file says is read");
+        if (!options.packages.empty())
+            fail(file.string(), ": a package is for URDF and .scn, and this is a scene file");
         return loadScene(file, {.anyFolder = options.anyFolder});
     }
-    const bool robot = extension == ".urdf" || (extension == ".xml" && isRobot(file));
-    Imported imported = robot ? loadUrdf(file, options) : loadMjcf(file, options);
+    const auto is = [&](const char* own, std::string_view element) {
+        return extension == own || (extension == ".xml" && beginsWith(file, element));
+    };
+    Imported imported = is(".urdf", "<robot") ? loadUrdf(file, options)
+                        : is(".scn", "<Node") ? loadScn(file, options)
+                                              : loadMjcf(file, options);
     for (const std::string& note : imported.notes) logWarning(note);
     return std::move(imported.scene);
 }

@@ -310,6 +310,15 @@ std::filesystem::path XmlReader::fileNamed(const Attribute& attribute, const std
     return allowed(attribute, folder / std::filesystem::path(attribute.words));
 }
 
+std::filesystem::path XmlReader::shared(const Attribute& attribute, const std::filesystem::path& folder)
+{
+    const std::filesystem::path path = folder / std::filesystem::path(attribute.words);
+    if (pathWithin(std::filesystem::absolute(folder), path).empty())
+        refuse(attribute, text("must be a file in ", folder.string(), ", also behind links"));
+    named_.push_back(path);
+    return path;
+}
+
 std::optional<std::filesystem::path> XmlReader::packageNamed(const std::string& name) const
 {
     std::error_code problem;

@@ -103,6 +103,8 @@ public:
 
     /// The path of a file that an attribute names, relative to `folder`; it must be there, and in the file's folder.
     [[nodiscard]] std::filesystem::path fileNamed(const Attribute& attribute, const std::filesystem::path& folder);
+    /// The same for a file that the scene shares with others, in a folder that its program says.
+    [[nodiscard]] std::filesystem::path shared(const Attribute& attribute, const std::filesystem::path& folder);
     /// The same for what URDF allows: package://, file:// and relative paths.
     [[nodiscard]] std::filesystem::path resourceNamed(const Attribute& attribute);
 

@@ -1,0 +1,241 @@
+#include "filasofia/filasofia.h"
+#include "filasofia/geometry/tet_mesh.h"
+#include "filasofia/runtime/stepped_run.h"
+#include "filasofia/scene/import.h"
+#include "scene_folder.h"
+
+#include <catch2/catch.hpp>
+
+namespace filasofia::scene {
+namespace import_scn_test {
+
+Imported scn(const std::string& inside, const std::string& root = R"(gravity="0 -9.81 0" dt="0.02")",
+             const ImportOptions& options = {})
+{
+    const SceneFolder folder;
+    return loadScn(folder.write("scene.scn", "<Node name=\"root\" " + root + ">\n" + inside + "\n</Node>\n"), options);
+}
+
+std::string errorOf(const std::string& inside, const ImportOptions& options = {})
+{
+    try {
+        scn(inside, "", options);
+    } catch (const Error& error) {
+        const std::string line = error.what();
+        const auto at = line.find("scene.scn");
+        return at == std::string::npos ? line : line.substr(at);
+    }
+    return "no error";
+}
+
+const SoftBodyDef& softOf(const Imported& imported, std::size_t index = 0)
+{
+    return std::get<SoftBodyDef>(imported.scene.bodies.at(index).def);
+}
+
+const TetMesh& meshOf(const SoftBodyDef& def) { return *std::get<std::shared_ptr<const TetMesh>>(def.mesh); }
+
+constexpr const char* kBeam = R"(
+<Node name="Beam">
+  <EulerImplicitSolver rayleighStiffness="0.1" rayleighMass="0.2"/>
+  <CGLinearSolver iterations="25" tolerance="1e-9" threshold="1e-9"/>
+  <RegularGridTopology name="grid" n="9 3 3" min="0 0 0" max="0.4 0.1 0.1"/>
+  <MechanicalObject template="Vec3" translation="0 0.5 0"/>
+  <UniformMass totalMass="4"/>
+  <HexahedronFEMForceField youngModulus="20000" poissonRatio="0.3" method="large"/>
+  <BoxROI name="box" box="-0.01 0.4 -0.01 0.01 0.7 0.2"/>
+  <FixedProjectiveConstraint indices="@box.indices"/>
+</Node>)";
+
+TEST_CASE("a beam of SOFA is the soft body that its components say")
+{
+    const Imported imported = scn(kBeam);
+    CHECK(imported.notes.empty());
+    CHECK(imported.scene.physics.rate == Approx(50));
+    CHECK(imported.scene.physics.gravity == Vec3{0, -9.81, 0});
+    const SoftBodyDef& beam = softOf(imported);
+    CHECK(beam.name == "Beam");
+    CHECK(meshOf(beam).nodes.size() == 81);
+    CHECK(meshOf(beam).tetrahedra.size() == 8 * 2 * 2 * 6);
+    CHECK(meshOf(beam).nodes[1] == Vec3{0.05, 0.5, 0}); // x runs first, as in SOFA
+    const auto& material = std::get<FemMaterial>(beam.material);
+    CHECK(std::holds_alternative<physics::Corotational>(material.law));
+    CHECK(material.youngModulus == 20000);
+    CHECK(material.poissonRatio == 0.3);
+    CHECK(std::get<physics::TotalMass>(beam.mass).value == 4);
+    CHECK(beam.rayleigh.mass == 0.2);
+    CHECK(beam.rayleigh.stiffness == 0.1);
+    CHECK(beam.collision.empty()); // there is no CollisionPipeline
+    REQUIRE(beam.attachments.size() == 1);
+    CHECK(beam.attachments[0].box->high.y == 0.7);
+}
+
+TEST_CASE("a beam of SOFA bends as the same body of ours, to the bit")
+{
+    const auto hashAfter = [](const SceneDef& scene) {
+        Simulation sim(simulationDef(scene));
+        static_cast<void>(addScene(sim, scene));
+        runtime::SteppedRun run(sim);
+        for (int i = 0; i < 30; ++i) run.step();
+        return sim.physics().hash();
+    };
+    Imported imported = scn(kBeam);
+    SceneDef own = imported.scene;
+    SoftBodyDef def{.name = "Beam", .mesh = softOf(imported).mesh};
+    def.material = FemMaterial{.youngModulus = 20000, .poissonRatio = 0.3, .law = physics::Corotational{}};
+    def.mass = physics::TotalMass{4};
+    def.rayleigh = {.mass = 0.2, .stiffness = 0.1};
+    def.attachments = {{.box = Box{{-0.01, 0.4, -0.01}, {0.01, 0.7, 0.2}}}};
+    def.friction = 0.0;
+    own.bodies[0].def = def;
+    CHECK(hashAfter(imported.scene) == hashAfter(own));
+}
+
+TEST_CASE("masses, forces, springs to the shape at rest and numbered nodes are read")
+{
+    const auto of = [](const std::string& components) {
+        return softOf(scn("<Node name=\"B\"><EulerImplicitSolver/><RegularGridTopology nx=\"2\" ny=\"2\" "
+                          "nz=\"2\"/><MechanicalObject/>"
+                          "<TetrahedronFEMForceField/>" +
+                          components + "</Node>"));
+    };
+    CHECK(std::get<physics::Density>(of("<DiagonalMass massDensity=\"7\"/>").mass).value == 7);
+    CHECK(std::get<physics::TotalMass>(of("<MeshMatrixMass totalMass=\"2\"/>").mass).value == 2);
+    CHECK(std::get<physics::TotalMass>(of("<UniformMass vertexMass=\"0.5\"/>").mass).value == 4); // 8 nodes
+    const SoftBodyDef fixed = of("<UniformMass totalMass=\"1\"/><FixedConstraint indices=\"3 5\"/>"
+                                 "<RestShapeSpringsForceField points=\"1\" stiffness=\"40\"/>");
+    REQUIRE(fixed.attachments.size() == 2);
+    CHECK(fixed.attachments[0].nodes == std::vector{3, 5});
+    CHECK(fixed.attachments[1].stiffness == 40);
+    const SoftBodyDef pulled =
+        of("<UniformMass totalMass=\"1\"/><ConstantForceField indices=\"6 7\" totalForce=\"0 4 0\"/>");
+    REQUIRE(pulled.forces.size() == 2);
+    CHECK(pulled.forces[1].node == 7);
+    CHECK(pulled.forces[1].force == Vec3{0, 2, 0});
+}
+
+TEST_CASE("hyperelastic materials of SOFA are read by their Lame parameters")
+{
+    const auto of = [](const std::string& material) {
+        return std::get<FemMaterial>(
+            softOf(scn("<Node name=\"B\"><EulerImplicitSolver/><RegularGridTopology n=\"2 2 2\"/>"
+                       "<MechanicalObject/><UniformMass totalMass=\"1\"/>"
+                       "<TetrahedronHyperelasticityFEMForceField " +
+                       material + "/></Node>"))
+                .material);
+    };
+    const FemMaterial venant = of(R"(materialName="StVenantKirchhoff" ParameterSet="1000 4000")");
+    CHECK(std::holds_alternative<physics::StVenantKirchhoff>(venant.law));
+    CHECK(venant.youngModulus == Approx(2800));
+    CHECK(venant.poissonRatio == Approx(0.4));
+    CHECK(of(R"(materialName="NeoHookean" ParameterSet="1000 5000")").poissonRatio == Approx(13.0 / 32.0));
+    CHECK(errorOf("<Node name=\"B\"><RegularGridTopology n=\"2 2 2\"/><MechanicalObject/>"
+                  "<TetrahedronHyperelasticityFEMForceField materialName=\"Costa\"/></Node>")
+              .find("must have the material StVenantKirchhoff") != std::string::npos);
+}
+
+constexpr const char* kObj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+TEST_CASE("rigid bodies, obstacles, friction and collision models of SOFA are read, and a body falls on an obstacle")
+{
+    const SceneFolder folder;
+    folder.write("solid.obj", kObj);
+    const auto file = folder.write("scene.scn", R"(<Node name="root" dt="0.005">
+  <CollisionPipeline/><CollisionResponse response="FrictionContactConstraint" responseParams="mu=0.6"/>
+  <LocalMinDistance alarmDistance="0.1" contactDistance="0.02"/>
+  <MeshOBJLoader name="loader" filename="solid.obj"/>
+  <Node name="Floor"><MeshTopology src="@loader"/><MechanicalObject src="@loader" scale="10" translation="-3 -3.5 -3"/>
+    <TriangleCollisionModel simulated="0" moving="0"/></Node>
+  <Node name="Falls"><EulerImplicitSolver/><CGLinearSolver/>
+    <MechanicalObject template="Rigid3" position="0 3 0 0 0 0 1"/><UniformMass totalMass="2"/>
+    <Node name="Surface"><MeshTopology src="@../../loader"/><MechanicalObject src="@../../loader"/>
+      <TriangleCollisionModel/><RigidMapping/></Node>
+    <Node name="Visual"><OglModel src="@../../loader" color="1 0 0"/><RigidMapping/></Node></Node>
+</Node>)");
+    const Imported imported = loadScn(file);
+    REQUIRE(imported.scene.bodies.size() == 2);
+    const auto& floor = std::get<RigidBodyDef>(imported.scene.bodies[0].def);
+    const auto& falls = std::get<RigidBodyDef>(imported.scene.bodies[1].def);
+    CHECK_FALSE(floor.dynamic);
+    CHECK(floor.friction == 0.6);
+    CHECK(floor.collision.at(0).proximity == 0.01);
+    CHECK(falls.dynamic);
+    CHECK(falls.elements.at(0).position == Vec3{0, 3, 0});
+    CHECK(std::get<physics::GivenInertia>(falls.mass).mass == 2);
+    CHECK(imported.scene.bodies[1].show.size() == 1);
+    Simulation sim(simulationDef(imported.scene));
+    static_cast<void>(addScene(sim, imported.scene));
+    runtime::SteppedRun run(sim);
+    double most = 0.0; // it falls by 1.5 m and slides off
+    for (int i = 0; i < 200; ++i) {
+        run.step();
+        for (const frame::Contact& each : sim.physics().latest()->contacts) most = std::max(most, each.normalForce);
+    }
+    CHECK(most > 10.0); // 2 kg weigh 19.6 N
+}
+
+TEST_CASE("a scene of SOFA with gravity along z is turned to have y up, boxes and forces with it")
+{
+    std::string inside = kBeam;
+    const Imported imported = scn(inside, R"(gravity="0 0 -9.81")");
+    CHECK(imported.scene.physics.gravity.y == Approx(-9.81));
+    const SoftBodyDef& beam = softOf(imported);
+    CHECK(transform(beam.pose, Vec3{0, 0, 1}).y == Approx(1));
+    const Box box = *beam.attachments.at(0).box; // y in [0.4, 0.7] is z in [-0.7, -0.4]
+    CHECK(box.low.z == Approx(-0.7));
+    CHECK(box.high.z == Approx(-0.4));
+}
+
+TEST_CASE("collision meshes of SOFA follow a body where its state places them, and those of a grid where the grid is")
+{
+    const SceneFolder folder;
+    folder.write("solid.obj", kObj);
+    const auto lowest = [&](const std::string& topology, const std::string& child) {
+        const auto file = folder.write(
+            "scene.scn",
+            "<Node name=\"root\"><CollisionPipeline/><Node name=\"B\"><EulerImplicitSolver/>" + topology +
+                "<MechanicalObject dx=\"5\"/><UniformMass totalMass=\"1\"/><TetrahedronFEMForceField/>"
+                "<Node name=\"S\"><MeshOBJLoader name=\"l\" filename=\"solid.obj\"/><MeshTopology src=\"@l\"/>"
+                "<MechanicalObject " +
+                child + "/><TriangleCollisionModel/><BarycentricMapping/></Node></Node></Node>");
+        const Imported imported = loadScn(file);
+        const auto& mesh = *std::get<std::shared_ptr<const TriangleMesh>>(softOf(imported).collision.at(0).mesh);
+        double least = 1e9;
+        for (const Vec3& each : mesh.vertices) least = std::min(least, each.x);
+        return least;
+    };
+    CHECK(lowest("<RegularGridTopology n=\"3 3 3\"/>", "") == 5);
+    CHECK(lowest("<RegularGridTopology name=\"g\" n=\"3 3 3\"/><TetrahedronSetTopologyContainer name=\"t\"/>"
+                 "<Hexa2TetraTopologicalMapping input=\"@g\" output=\"@t\"/>",
+                 "") == 5);
+}
+
+TEST_CASE(
+    "what is not read of a scene of SOFA is told once, and strict refuses it; what is wrong is an error with its place")
+{
+    const Imported imported = scn(
+        std::string(kBeam) + "<Node name=\"a\"><PlaneForceField/></Node><Node name=\"b\"><PlaneForceField/></Node>");
+    REQUIRE(imported.notes.size() == 1);
+    CHECK(imported.notes[0].find("<PlaneForceField> is not read") != std::string::npos);
+    CHECK(errorOf(std::string(kBeam) + "<PlaneForceField/>", {.strict = true})
+              .find("<PlaneForceField> is not read (strict)") != std::string::npos);
+    CHECK(errorOf("") == "scene.scn:1:2: Node 'root' has no body that is read");
+    const auto beamWith = [](const std::string& component) {
+        return errorOf(
+            "<Node name=\"B\"><RegularGridTopology n=\"2 2 2\"/><MechanicalObject/><UniformMass totalMass=\"1\"/>"
+            "<TetrahedronFEMForceField/>" +
+            component + "</Node>");
+    };
+    CHECK(beamWith("<FixedConstraint indices=\"8\"/>").find("indices must be in [0, 8)") != std::string::npos);
+    CHECK(beamWith("<FixedConstraint indices=\"x\"/>").find("must consist of") != std::string::npos);
+    CHECK(errorOf("<Node name=\"B\"><MeshGmshLoader name=\"l\" filename=\"none.msh\"/><MeshTopology "
+                  "src=\"@l\"/><MechanicalObject/>"
+                  "<UniformMass totalMass=\"1\"/><TetrahedronFEMForceField/></Node>")
+              .find("must be a file in the folder of the scene, or in SOFA's folder share") != std::string::npos);
+    CHECK(errorOf("<Node name=\"B\"><RegularGridTopology n=\"2 2 2\" min=\"1 0 0\" max=\"0 1 1\"/><MechanicalObject/>"
+                  "<UniformMass totalMass=\"1\"/><TetrahedronFEMForceField/></Node>")
+              .find("must have a size along each axis") != std::string::npos);
+}
+
+} // namespace import_scn_test
+} // namespace filasofia::scene
