@@ -35,7 +35,7 @@ void placeSurface(double dt, const SurfaceOwner& owner, const Scene& scene, cons
         const SoftState& body = scene.soft[owner.body].state;
         const SoftModel& model = scene.soft[owner.body].model;
         const bool cut = model.opened && collision.own && out.shape->closed;
-        out.self = out.shape->self || (cut && collision.selfOnceCut);
+        out.self = out.shape->self || (cut && collision.selfOnceCut && !isSpared(model, collision));
         out.pieceOf.clear();
         if (out.self) findPieces(model, collision, out.pieceOf);
         if (out.self && out.apexesOf != out.shape) findApexes(model, collision, out);
@@ -59,6 +59,16 @@ void placeSurface(double dt, const SurfaceOwner& owner, const Scene& scene, cons
         out.x[i] = pose.position + turn * collision.core[i];
         out.v[i] = velocity + cross(spin, out.x[i] - element.centre);
     }
+}
+
+/// Whether a body that meets itself in `other` need not do so in `mine`.
+bool replaces(const CollisionModel& other, const CollisionModel& mine)
+{
+    const CollisionShape &a = *other.shape, &b = *mine.shape;
+    const bool same = a.points == b.points && a.lines == b.lines && a.triangleFaces == b.triangleFaces;
+    if (!other.own || !same || a.cutting || !(a.self || other.selfOnceCut)) return false;
+    if (!mine.selfOnceCut) return true;
+    return other.proximity > mine.proximity || (other.proximity == mine.proximity && &other < &mine); // of one list
 }
 
 bool isAttached(const Scene& scene, BodyId id)
@@ -175,6 +185,16 @@ void findPieces(const SoftModel& model, const CollisionModel& collision, std::ve
             ofNodes[static_cast<std::size_t>(node)] = self || piece.elements.empty() ? piece.number : -1;
     for (const geometry::Tetrahedron& nodes : collision.embedding.nodes)
         pieceOf.push_back(ofNodes[static_cast<std::size_t>(nodes[0])]);
+}
+
+// A body that has a model for each group of tools met itself in each of them once it was cut: the torn polyp of the
+// hysteroscopy trainer three times, with three contacts at each place.
+bool isSpared(const SoftModel& model, const CollisionModel& collision)
+{
+    return collision.own && !collision.shape->self &&
+           std::ranges::any_of(model.collision, [&](const CollisionModel& each) {
+               return &each != &collision && replaces(each, collision);
+           });
 }
 
 std::vector<SurfaceOwner> surfaceOwners(const Scene& scene)

@@ -24,6 +24,9 @@ const std::string& nameOf(const Scene& scene, const SurfaceOwner& owner);
 /// Appends, per vertex of a collision model, its piece (CollisionSurface::pieceOf). Small fragments meet nothing of
 /// their own body unless the Def says so: they would cost more than anyone sees of them.
 void findPieces(const SoftModel& model, const CollisionModel& collision, std::vector<int>& pieceOf);
+/// Whether the body need not meet itself in this surface, its own, because it does so in another one, at the same
+/// place.
+bool isSpared(const SoftModel& model, const CollisionModel& collision);
 /// Whether the surface is the centre line of a rod.
 bool isLine(const Scene& scene, const SurfaceOwner& owner);
 

@@ -150,11 +150,16 @@ private:
         }
     }
 
+    [[nodiscard]] bool isSpared(const SurfaceOwner& owner) const
+    {
+        return owner.soft && engine::isSpared(scene_.soft[owner.body].model, *owner.collision);
+    }
+
     /// Whether all surfaces of a body collide with it, so that contacts should have held it apart.
     [[nodiscard]] bool meetsItself(BodyId body) const
     {
         for (std::size_t s = 0; s < owners_.size(); ++s)
-            if (owners_[s].name.body == body && !detection_.surfaces[s].self) return false;
+            if (owners_[s].name.body == body && !detection_.surfaces[s].self && !isSpared(owners_[s])) return false;
         return true;
     }
 
@@ -304,7 +309,7 @@ private:
     {
         CollisionSurface& surface = detection_.surfaces[static_cast<std::size_t>(place)];
         const SurfaceOwner& owner = ownerOf(place);
-        if (surface.self || surface.shape->nodes.empty()) return;
+        if (surface.self || isSpared(owner) || surface.shape->nodes.empty()) return;
         findPieces(scene_.soft[owner.body].model, *owner.collision, surface.pieceOf);
         cross({place, place});
         eraseClipped(owner);
