@@ -11,6 +11,12 @@ namespace {
 
 constexpr double kNear = 1e-3; ///< [m] least distance of a hand from the origin
 
+Vec3 forceOf(AttachmentId grip, const frame::Frame& now)
+{
+    const auto held = std::ranges::find(now.attachments, grip, &frame::Attachment::id);
+    return held != now.attachments.end() ? held->force : Vec3{};
+}
+
 } // namespace
 
 Vec3 turnedTowards(Vec3 from, Vec3 to, double most)
@@ -28,11 +34,9 @@ void StrandHand::place(Vec3 at, Vec3 origin, Vec3 up)
 
 void StrandHand::moveBy(double way) { away = std::max(away + way, kNear); }
 
-double StrandHand::tension(const frame::Frame& now) const
-{
-    const auto held = std::ranges::find(now.attachments, grip, &frame::Attachment::id);
-    return held != now.attachments.end() ? dot(held->force, direction) : 0.0;
-}
+double StrandHand::tension(const frame::Frame& now) const { return dot(forceOf(grip, now), direction); }
+
+double StrandHand::pull(const frame::Frame& now) const { return length(forceOf(grip, now)); }
 
 double drawnBy(double missing, double stiffness, double most) { return std::clamp(missing / stiffness, -most, most); }
 

@@ -27,6 +27,7 @@ struct StrandHand {
     void moveBy(double way);                   ///< [m] away from the origin
     [[nodiscard]] Vec3 at(Vec3 origin) const { return origin + away * direction; }
     [[nodiscard]] double tension(const frame::Frame& now) const; ///< [N] in the last step, along its direction
+    [[nodiscard]] double pull(const frame::Frame& now) const;    ///< [N] the same in whatever direction
 };
 
 /// By how much [m] a hand moves along its strand in a step in which it wants this force [N]; at most `most`.

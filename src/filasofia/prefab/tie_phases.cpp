@@ -22,7 +22,7 @@ constexpr double kApart = 15e-3;   ///< [m] that it draws back from the tail
 void InstrumentTie::Impl::work(const frame::Frame& now, const frame::SoftBodyFrame& thread, double dt)
 {
     since += dt;
-    largest = std::max({largest, hand.tension(now), tail.tension(now)});
+    largest = std::max({largest, hand.tension(now), tail.pull(now)});
     switch (phase) {
     case TiePhase::Take:
         hold(hand, 0);
