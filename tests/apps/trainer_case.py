@@ -31,5 +31,16 @@ class Trainer(unittest.TestCase):
     def tearDown(self):
         self.folder.cleanup()
 
+    def check_case_files(self, cases):
+        """A case file with all settings of a case says what holds anyway."""
+        for case in cases:
+            file = Path(self.folder.name) / f"my-{case}.json"
+            self.assertEqual(run("--case", case, "--difficulty", "hard", "--new-case", str(file)).returncode, 0)
+            plain, filed = (run("--case", word, "--difficulty", "hard", "--headless", "--no-picture", "--steps", "20",
+                                "--session", self.session) for word in (case, str(file)))
+            self.assertEqual((plain.returncode, filed.returncode), (0, 0), filed.stderr)
+            hashes = [re.search(r"state hash (\w+)", done.stdout)[1] for done in (plain, filed)]
+            self.assertEqual(*hashes)
+
     def lines(self):
         return [json.loads(line) for line in Path(self.session).read_text().splitlines()]
