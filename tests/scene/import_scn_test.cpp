@@ -67,7 +67,8 @@ TEST_CASE("a beam of SOFA is the soft body that its components say")
     CHECK(beam.rayleigh.stiffness == 0.1);
     CHECK(beam.collision.empty()); // there is no CollisionPipeline
     REQUIRE(beam.attachments.size() == 1);
-    CHECK(beam.attachments[0].box->high.y == 0.7);
+    CHECK(beam.attachments[0].nodes.size() == 9);
+    CHECK(beam.attachments[0].nodes[1] == 9);
 }
 
 TEST_CASE("a beam of SOFA bends as the same body of ours, to the bit")
@@ -102,10 +103,10 @@ TEST_CASE("masses, forces, springs to the shape at rest and numbered nodes are r
     CHECK(std::get<physics::Density>(of("<DiagonalMass massDensity=\"7\"/>").mass).value == 7);
     CHECK(std::get<physics::TotalMass>(of("<MeshMatrixMass totalMass=\"2\"/>").mass).value == 2);
     CHECK(std::get<physics::TotalMass>(of("<UniformMass vertexMass=\"0.5\"/>").mass).value == 4); // 8 nodes
-    const SoftBodyDef fixed = of("<UniformMass totalMass=\"1\"/><FixedConstraint indices=\"3 5\"/>"
+    const SoftBodyDef fixed = of("<UniformMass totalMass=\"1\"/><FixedConstraint indices=\"3 5-7\"/>"
                                  "<RestShapeSpringsForceField points=\"1\" stiffness=\"40\"/>");
     REQUIRE(fixed.attachments.size() == 2);
-    CHECK(fixed.attachments[0].nodes == std::vector{3, 5});
+    CHECK(fixed.attachments[0].nodes == std::vector{3, 5, 6, 7});
     CHECK(fixed.attachments[1].stiffness == 40);
     const SoftBodyDef pulled =
         of("<UniformMass totalMass=\"1\"/><ConstantForceField indices=\"6 7\" totalForce=\"0 4 0\"/>");
@@ -174,16 +175,14 @@ TEST_CASE("rigid bodies, obstacles, friction and collision models of SOFA are re
     CHECK(most > 10.0); // 2 kg weigh 19.6 N
 }
 
-TEST_CASE("a scene of SOFA with gravity along z is turned to have y up, boxes and forces with it")
+TEST_CASE("a scene of SOFA with gravity along z is turned to have y up, and holds the same nodes")
 {
     std::string inside = kBeam;
     const Imported imported = scn(inside, R"(gravity="0 0 -9.81")");
     CHECK(imported.scene.physics.gravity.y == Approx(-9.81));
     const SoftBodyDef& beam = softOf(imported);
     CHECK(transform(beam.pose, Vec3{0, 0, 1}).y == Approx(1));
-    const Box box = *beam.attachments.at(0).box; // y in [0.4, 0.7] is z in [-0.7, -0.4]
-    CHECK(box.low.z == Approx(-0.7));
-    CHECK(box.high.z == Approx(-0.4));
+    CHECK(beam.attachments.at(0).nodes.size() == 9);
 }
 
 TEST_CASE("collision meshes of SOFA follow a body where its state places them, and those of a grid where the grid is")

@@ -2,7 +2,7 @@
 #include "filasofia/geometry/surface.h"
 #include "filasofia/scene/import.h"
 #include "filasofia/scene/rigid_tree.h"
-#include "filasofia/scene/scn_source.h"
+#include "filasofia/scene/scn_tissue.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,22 +13,6 @@ namespace {
 using geometry::TetMesh;
 using geometry::TriangleMesh;
 
-const std::vector<std::string_view> kElastic = {"TetrahedronFEMForceField",
-                                                "TetrahedralCorotationalFEMForceField",
-                                                "FastTetrahedralCorotationalForceField",
-                                                "ParallelTetrahedronFEMForceField",
-                                                "HexahedronFEMForceField",
-                                                "HexahedronFEMForceFieldAndMass",
-                                                "HexahedralFEMForceField",
-                                                "ParallelHexahedronFEMForceField"};
-const std::vector<std::string_view> kHyperelastic = {"TetrahedronHyperelasticityFEMForceField"};
-const std::vector<std::string_view> kSprings = {"MeshSpringForceField", "RegularGridSpringForceField"};
-const std::vector<std::string_view> kMasses = {"UniformMass", "DiagonalMass", "MeshMatrixMass"};
-const std::vector<std::string_view> kImplicit = {"EulerImplicitSolver", "EulerImplicit", "NewmarkImplicitSolver",
-                                                 "VariationalSymplecticSolver"};
-const std::vector<std::string_view> kExplicit = {"EulerExplicitSolver", "EulerSolver"};
-const std::vector<std::string_view> kFixed = {"FixedProjectiveConstraint", "FixedConstraint",
-                                              "FixedLagrangianConstraint"};
 const std::vector<std::string_view> kCollision = {"TriangleCollisionModel", "LineCollisionModel", "PointCollisionModel",
                                                   "SphereCollisionModel"};
 /// What a scene needs in SOFA and not here, or what is read of the node that holds it.
@@ -69,12 +53,6 @@ const std::vector<std::string_view> kSilent = {"RequiredPlugin",
                                                "BoxROI",
                                                "BoxConstraint"};
 
-bool isRigid(const Attributes& state)
-{
-    const auto found = state.find("template");
-    return found && found->words.starts_with("Rigid");
-}
-
 class ScnLoader {
 public:
     ScnLoader(const std::filesystem::path& file, const ImportOptions& options)
@@ -106,6 +84,7 @@ private:
         if (const Element near =
                 findEverywhere({"MinProximityIntersection", "LocalMinDistance", "NewProximityIntersection"}))
             proximity_ = 0.5 * reader_.number(Attributes(near), "contactDistance", 2 * proximity_, closed(0, 1e3));
+        tissue_.turn(world_);
         if (const Element response = findEverywhere({"CollisionResponse", "DefaultContactManager"}))
             readFriction(Attributes(response).find("responseParams"));
         if (const Element solver = findEverywhere({"LCPConstraintSolver"}))
@@ -138,7 +117,7 @@ private:
         if (isMapped(node)) {
             // It is read with the body that it follows.
         } else if (state) {
-            isRigid(Attributes(state)) ? addRigid(node, state) : addSoft(node, state);
+            addBody(node, state);
         } else if (source_.component(node, {"OglModel"})) {
             addPicture(node);
         }
@@ -188,12 +167,21 @@ private:
         for (const Vec3& each : points) around_ = merged(around_, transform(pose, each));
     }
 
+    void addBody(const Element& node, const Element& state)
+    {
+        const auto kind = Attributes(state).find("template");
+        const auto is = [&](const char* name) { return kind && kind->words.starts_with(name); };
+        if (is("Rigid2") || is("Vec1") || is("Vec2") || is("Vec6"))
+            reader_.tell(state, "template", text("a state of ", kind->words, " is not read"));
+        else if (is("Rigid"))
+            addRigid(node, state);
+        else
+            addSoft(node, state);
+    }
+
     void addSoft(const Element& node, const Element& state)
     {
-        const Element elastic = source_.component(node, kElastic), hyper = source_.component(node, kHyperelastic),
-                      springs = source_.component(node, kSprings);
-        const Element law = elastic ? elastic : hyper ? hyper : springs;
-        if (!law) {
+        if (!tissue_.lawOf(node)) {
             if (source_.component(node, kMasses))
                 reader_.tell(node, "no elasticity",
                              text("<Node> '", Attributes(node).find("name") ? Attributes(node).find("name")->words : "",
@@ -213,11 +201,7 @@ private:
         TetMesh moved = **solid;
         for (Vec3& each : moved.nodes) each = placing(each);
         physics::SoftBodyDef def{.name = nameOf(node), .pose = world_};
-        readMaterial(law, elastic, hyper, def);
-        readMass(node, moved, def);
-        readSolver(node, def);
-        pin(node, moved, def);
-        readForces(node, moved, def);
+        tissue_.read(node, moved, def);
         std::vector<runtime::ShowDef> show;
         if (collides_ && source_.component(node, kCollision)) collide(node, nullptr, def.collision);
         // What follows a grid is in the grid's coordinates, and what follows a mesh in those of the state.
@@ -228,175 +212,6 @@ private:
         grow(moved.nodes, world_);
         def.mesh = std::make_shared<const TetMesh>(std::move(moved));
         add(std::move(def), std::move(show), node);
-    }
-
-    void readMaterial(const Element& law, const Element& elastic, const Element& hyper, physics::SoftBodyDef& def)
-    {
-        const Attributes says(law);
-        if (elastic) {
-            physics::FemMaterial material;
-            material.law = physics::Corotational{};
-            material.youngModulus = firstOf(says, "youngModulus", 5000.0, closed(1e-9, 1e15));
-            material.poissonRatio = std::min(firstOf(says, "poissonRatio", 0.45, closedOpen(0, 0.5)), 0.4999);
-            if (reader_.word(says, "method") == "small")
-                reader_.note(law, "small", "method \"small\" is read as corotational elasticity");
-            def.material = material;
-        } else if (hyper) {
-            const auto parameters = says.find("ParameterSet");
-            const std::string name = reader_.word(says, "materialName");
-            const bool venant = name == "StVenantKirchhoff", stable = name == "StableNeoHookean";
-            if (!parameters || (!venant && !stable && name != "NeoHookean"))
-                reader_.refuse(
-                    law,
-                    "must have the material StVenantKirchhoff, NeoHookean or StableNeoHookean, and its ParameterSet");
-            const std::vector<double> values = reader_.numbers(*parameters, 2, 2, positive());
-            const double mu = values[0], lambda = name == "NeoHookean" ? values[1] - 2.0 / 3.0 * mu : values[1];
-            physics::FemMaterial material;
-            if (venant)
-                material.law = physics::StVenantKirchhoff{};
-            else
-                material.law = physics::NeoHookean{};
-            material.youngModulus = mu * (3 * lambda + 2 * mu) / (lambda + mu);
-            material.poissonRatio = std::clamp(lambda / (2 * (lambda + mu)), 0.0, 0.4999);
-            def.material = material;
-        } else {
-            def.material = physics::MassSpringMaterial{
-                .stiffness = firstOf(says, says.has("stiffness") ? "stiffness" : "linesStiffness", 100.0, positive()),
-                .damping = firstOf(says, says.has("damping") ? "damping" : "linesDamping", 0.0, nonNegative())};
-        }
-    }
-    /// A number, or the first of a list of one per element.
-    [[nodiscard]] double firstOf(const Attributes& from, std::string_view name, double standard, const Range& range)
-    {
-        const auto found = from.find(name);
-        if (!found || found->words.starts_with('@')) return standard;
-        const std::vector<double> all = reader_.numbers(*found, 1, 10'000'000, range);
-        if (std::ranges::any_of(all, [&](double each) { return each != all.front(); }))
-            reader_.tell(found->at, text("list ", name), text("of the list ", name, " only the first number is read"));
-        return all.front();
-    }
-
-    void readMass(const Element& node, const TetMesh& mesh, physics::SoftBodyDef& def)
-    {
-        const Element mass = source_.inherited(node, kMasses);
-        if (!mass) return reader_.note(node, "no mass", "a body without a mass gets 1000 kg/m^3");
-        const Attributes says(mass);
-        if (says.has("massDensity"))
-            def.mass = physics::Density{firstOf(says, "massDensity", 1.0, positive())};
-        else if (says.has("totalMass"))
-            def.mass = physics::TotalMass{firstOf(says, "totalMass", 1.0, positive())};
-        else
-            def.mass =
-                physics::TotalMass{firstOf(says, says.has("vertexMass") ? "vertexMass" : "mass", 1.0, positive()) *
-                                   static_cast<double>(mesh.nodes.size())};
-    }
-
-    void readSolver(const Element& node, physics::SoftBodyDef& def)
-    {
-        if (const Element implicit = source_.inherited(node, kImplicit)) {
-            const Attributes says(implicit);
-            def.rayleigh = {.mass = reader_.number(says, "rayleighMass", 0.0, nonNegative()),
-                            .stiffness = reader_.number(says, "rayleighStiffness", 0.0, nonNegative())};
-        } else if (source_.inherited(node, kExplicit)) {
-            def.integrator = physics::ExplicitEuler{};
-        } else {
-            reader_.note(node, "no solver", "a body without a solver that is read is solved implicitly");
-        }
-    }
-
-    /// The nodes that the indices of a component name; nothing if they are those of boxes, which go to `boxes`.
-    [[nodiscard]] std::vector<int> indicesOf(const Attributes& says, std::initializer_list<std::string_view> names,
-                                             std::size_t nodes, std::vector<geometry::Box>& boxes)
-    {
-        const auto found = says.findAny(names);
-        if (!found) return {0};
-        if (!found->words.starts_with('@')) {
-            std::vector<int> all = reader_.wholes(*found, nonNegative());
-            for (const int each : all)
-                if (each >= static_cast<int>(nodes)) reader_.refuse(*found, text("must be in [0, ", nodes, ")"));
-            return all;
-        }
-        const Element from = source_.linked(*found);
-        if (from && (from.tag() == "BoxROI" || from.tag() == "BoxConstraint")) {
-            addBoxes(from, boxes);
-            return {};
-        }
-        reader_.tell(says.element(), text("indices ", says.element().tag()),
-                     text("<", says.element().tag(), "> is read with indices that are numbers or those of a BoxROI"));
-        return {};
-    }
-    void addBoxes(const Element& roi, std::vector<geometry::Box>& boxes)
-    {
-        const auto box = Attributes(roi).find("box");
-        if (!box) return reader_.tell(roi, "BoxROI", "<BoxROI> without a box is not read");
-        const std::vector<double> v = reader_.numbers(*box, 6, 6000);
-        for (std::size_t i = 0; i + 6 <= v.size(); i += 6) {
-            geometry::Box made;
-            for (const Vec3 corner : {Vec3{v[i], v[i + 1], v[i + 2]}, Vec3{v[i + 3], v[i + 4], v[i + 5]}})
-                made = merged(made, transform(world_, corner));
-            boxes.push_back(made);
-        }
-    }
-    void attach(const Attributes& says, std::initializer_list<std::string_view> names, std::size_t nodes,
-                double stiffness, physics::SoftBodyDef& def)
-    {
-        std::vector<geometry::Box> boxes;
-        const std::vector<int> indices = indicesOf(says, names, nodes, boxes);
-        if (!indices.empty()) def.attachments.push_back({.nodes = indices, .stiffness = stiffness});
-        for (const geometry::Box& each : boxes) def.attachments.push_back({.box = each, .stiffness = stiffness});
-    }
-    void pin(const Element& node, const TetMesh& mesh, physics::SoftBodyDef& def)
-    {
-        for (const Element& each : source_.componentsIn(node)) {
-            const Attributes says(each);
-            if (std::ranges::find(kFixed, each.tag()) != kFixed.end()) {
-                if (reader_.flag(says, "fixAll", false)) {
-                    physics::AttachmentDef all;
-                    for (std::size_t i = 0; i < mesh.nodes.size(); ++i) all.nodes.push_back(static_cast<int>(i));
-                    def.attachments.push_back(all);
-                } else {
-                    attach(says, {"indices"}, mesh.nodes.size(), physics::kHard, def);
-                }
-            } else if (each.tag() == "RestShapeSpringsForceField") {
-                if (says.has("external_rest_shape"))
-                    reader_.tell(each, "external", "<RestShapeSpringsForceField> to another state is not read");
-                else
-                    attach(says, {"points", "indices"}, mesh.nodes.size(),
-                           firstOf(says, "stiffness", 100.0, positive()), def);
-            }
-        }
-    }
-
-    void readForces(const Element& node, const TetMesh& mesh, physics::SoftBodyDef& def)
-    {
-        for (const Element& each : source_.componentsIn(node)) {
-            if (each.tag() != "ConstantForceField") continue;
-            const Attributes says(each);
-            std::vector<geometry::Box> boxes;
-            std::vector<int> nodes =
-                says.has("indices") ? indicesOf(says, {"indices"}, mesh.nodes.size(), boxes) : std::vector<int>();
-            for (std::size_t i = 0; i < mesh.nodes.size(); ++i)
-                if (std::ranges::any_of(
-                        boxes,
-                        [&](const geometry::Box& box) { return contains(box, transform(world_, mesh.nodes[i])); }) ||
-                    !says.has("indices"))
-                    nodes.push_back(static_cast<int>(i));
-            if (nodes.empty()) continue;
-            const bool total = says.has("totalForce");
-            const auto given = says.findAny({"totalForce", "force", "forces"});
-            if (!given || given->words.starts_with('@')) {
-                reader_.tell(each, "ConstantForceField",
-                             "<ConstantForceField> is read with totalForce, force or forces");
-                continue;
-            }
-            const std::vector<double> v = reader_.numbers(*given, 3, 3'000'000);
-            for (std::size_t i = 0; i < nodes.size(); ++i) {
-                const std::size_t k = total || given->name == "force" ? 0 : std::min(3 * i, 3 * (v.size() / 3 - 1));
-                const Vec3 force =
-                    1.0 / (total ? static_cast<double>(nodes.size()) : 1.0) * Vec3{v[k], v[k + 1], v[k + 2]};
-                def.forces.push_back({nodes[i], rotate(world_.orientation, force)});
-            }
-        }
     }
 
     /// Adds a collision model of a node; `mesh`: null for the body's own surface.
@@ -537,7 +352,8 @@ private:
         const Attributes says(mass);
         double total = 1.0;
         if (const auto given = says.findAny({"totalMass", "vertexMass"}); given && !given->words.starts_with('@'))
-            total = reader_.numbers(*given, 1, 100).front();
+            total =
+                reader_.numbers({given->at, given->name, given->words.substr(0, given->words.find(' '))}, 1, 1).front();
         if (says.has("totalMass")) total /= static_cast<double>(def.elements.size());
         if (!(total > 0.0)) reader_.refuse(mass, "must be > 0");
         const auto* mesh = std::get_if<std::shared_ptr<const TriangleMesh>>(&def.mesh);
@@ -555,6 +371,7 @@ private:
 
     ScnSource source_;
     XmlReader& reader_;
+    ScnTissue tissue_{source_};
     Imported out_;
     Names names_;
     Pose world_; ///< from the scene's axes to ours, which have y up

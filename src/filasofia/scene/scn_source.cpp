@@ -133,8 +133,10 @@ ScnSource::Placing ScnSource::placingOf(const Element& component) const
     const Attributes says(component);
     Placing out;
     out.scale = reader.vector(says, "scale3d", {1, 1, 1});
-    const double scale = reader.number(says, "scale", 1.0);
-    out.scale = scale * out.scale;
+    if (const auto given = says.find("scale")) { // one number, or three
+        const std::vector<double> v = reader.numbers(*given, 1, 3);
+        out.scale = v.size() == 3 ? Vec3{v[0], v[1], v[2]} : v[0] * out.scale;
+    }
     const Vec3 turned =
         std::numbers::pi / 180.0 *
         reader.vector(says, "rotation",
@@ -165,17 +167,21 @@ std::filesystem::path ScnSource::fileOf(const Element& component, const char* at
                   " (--package names a folder)");
 }
 
-std::shared_ptr<const geometry::TetMesh> ScnSource::gridOf(const Element& grid) const
+std::shared_ptr<const geometry::TetMesh> ScnSource::gridOf(const Element& grid)
 {
     const Attributes says(grid);
     std::array<int, 3> n = {2, 2, 2};
     if (const auto given = says.find("n")) {
-        const std::vector<int> counts = reader.wholes(*given, closed(2, 201));
+        const std::vector<int> counts = reader.wholes(*given, closed(1, 201));
         if (counts.size() != 3) reader.refuse(*given, "must be three whole numbers");
         std::ranges::copy(counts, n.begin());
     } else {
-        n = {reader.whole(says, "nx", 2, closed(2, 201)), reader.whole(says, "ny", 2, closed(2, 201)),
-             reader.whole(says, "nz", 2, closed(2, 201))};
+        n = {reader.whole(says, "nx", 2, closed(1, 201)), reader.whole(says, "ny", 2, closed(1, 201)),
+             reader.whole(says, "nz", 2, closed(1, 201))};
+    }
+    if (std::ranges::min(n) < 2) {
+        reader.tell(grid, "flat grid", "a <RegularGridTopology> without cells along an axis is not read");
+        return {};
     }
     const Vec3 low = reader.vector(
         says, "min", {reader.number(says, "xmin", 0), reader.number(says, "ymin", 0), reader.number(says, "zmin", 0)});
@@ -241,12 +247,14 @@ ScnMesh ScnSource::meshOf(const Element& component, bool surface, int depth)
     const std::string_view tag = component.tag();
     if (tag.ends_with("Loader") && tag != "SphereLoader") return loaded(component, surface);
     if (tag == "RegularGridTopology") {
-        if (const auto mesh = gridOf(component); !surface)
+        if (const auto mesh = gridOf(component); !mesh)
+            return {};
+        else if (!surface)
             return mesh;
         else
             return std::make_shared<const geometry::TriangleMesh>(geometry::extractSurface(*mesh).mesh);
     }
-    if (depth > kMostLinks) reader.refuse(component, "must not be made of itself");
+    if (depth > kMostLinks) return {}; // it is made of itself
     const Attributes says(component);
     for (const char* name : {"src", "tetrahedra", "triangles", "position", "hexahedra", "input"})
         if (const auto link = says.find(name))

@@ -52,7 +52,7 @@ public:
 
 private:
     [[nodiscard]] Element find(const Element& node, std::string_view path) const;
-    [[nodiscard]] std::shared_ptr<const geometry::TetMesh> gridOf(const Element& grid) const;
+    [[nodiscard]] std::shared_ptr<const geometry::TetMesh> gridOf(const Element& grid);
     [[nodiscard]] ScnMesh loaded(const Element& loader, bool surface);
 
     Element root_;
