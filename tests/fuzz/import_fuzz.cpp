@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -54,7 +55,7 @@ void check(const filasofia::scene::SceneDef& scene)
 
 } // namespace
 
-// The input is a robot, a model of MuJoCo or a mesh in Collada, whichever its first element says.
+// The input is a robot, a model of MuJoCo, a scene of SOFA or a mesh in Collada, whichever its first element says.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
 {
     using namespace filasofia;
@@ -63,11 +64,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const std::string_view words(reinterpret_cast<const char*>(data), size);
     const bool mesh = words.starts_with("<COLLADA"); // a mesh in that format, and a robot of it
     const bool robot = mesh || words.find("<robot") < words.find("<mujoco");
+    const bool sofa = !mesh && words.find("<Node") < std::min(words.find("<robot"), words.find("<mujoco"));
     const std::filesystem::path file = folder / "model.xml";
     if (mesh) write(folder / "mesh.dae", words);
     write(file, mesh ? kMeshRobot : words);
     try {
-        check((robot ? scene::loadUrdf(file) : scene::loadMjcf(file)).scene);
+        check((sofa ? scene::loadScn(file) : robot ? scene::loadUrdf(file) : scene::loadMjcf(file)).scene);
     } catch (const Error&) {
     }
     return 0;

@@ -157,6 +157,11 @@ private:
     }
     void add(physics::BodyDef def, std::vector<runtime::ShowDef> show, const Element& place)
     {
+        try {
+            physics::check(def);
+        } catch (const Error& problem) {
+            fail(place.place(), ": ", problem.what());
+        }
         SceneBody body{.def = std::move(def), .show = std::move(show)};
         body.places.emplace("", place.place());
         out_.scene.bodies.push_back(std::move(body));

@@ -12,7 +12,7 @@
 namespace filasofia::scene {
 namespace {
 
-constexpr int kMostLinks = 20; // from topology to topology to a loader
+constexpr double kMostNodes = 300'000; // of a grid
 
 bool isNode(const pugi::xml_node& node) { return std::string_view(node.name()) == "Node"; }
 
@@ -183,6 +183,8 @@ std::shared_ptr<const geometry::TetMesh> ScnSource::gridOf(const Element& grid)
         reader.tell(grid, "flat grid", "a <RegularGridTopology> without cells along an axis is not read");
         return {};
     }
+    if (static_cast<double>(n[0]) * n[1] * n[2] > kMostNodes)
+        reader.refuse(grid, text("must have at most ", kMostNodes, " nodes"));
     const Vec3 low = reader.vector(
         says, "min", {reader.number(says, "xmin", 0), reader.number(says, "ymin", 0), reader.number(says, "zmin", 0)});
     const Vec3 high = reader.vector(
@@ -242,8 +244,17 @@ ScnMesh ScnSource::loaded(const Element& loader, bool surface)
     return mesh;
 }
 
-ScnMesh ScnSource::meshOf(const Element& component, bool surface, int depth)
+ScnMesh ScnSource::meshOf(const Element& component, bool surface)
 {
+    const auto [known, fresh] = known_.try_emplace({component.node, surface});
+    Seen seen;
+    if (fresh) known->second = meshOf(component, surface, seen);
+    return known->second;
+}
+
+ScnMesh ScnSource::meshOf(const Element& component, bool surface, Seen& seen)
+{
+    if (!seen.insert(component.node).second) return {};
     const std::string_view tag = component.tag();
     if (tag.ends_with("Loader") && tag != "SphereLoader") return loaded(component, surface);
     if (tag == "RegularGridTopology") {
@@ -254,17 +265,16 @@ ScnMesh ScnSource::meshOf(const Element& component, bool surface, int depth)
         else
             return std::make_shared<const geometry::TriangleMesh>(geometry::extractSurface(*mesh).mesh);
     }
-    if (depth > kMostLinks) return {}; // it is made of itself
     const Attributes says(component);
     for (const char* name : {"src", "tetrahedra", "triangles", "position", "hexahedra", "input"})
         if (const auto link = says.find(name))
             if (const Element from = linked(*link); from && from.node != component.node && from.tag() != "Node")
-                if (ScnMesh mesh = meshOf(from, surface, depth + 1); mesh.index() != 0) return mesh;
+                if (ScnMesh mesh = meshOf(from, surface, seen); mesh.index() != 0) return mesh;
     if (says.has("filename") && tag.ends_with("Topology")) return loaded(component, surface);
     // A container that a topological mapping of its node fills.
     for (const Element& each : componentsIn(nodeOf(component)))
         if (each.tag().ends_with("TopologicalMapping") && each.node != component.node)
-            if (ScnMesh mesh = meshOf(each, surface, depth + 1); mesh.index() != 0) return mesh;
+            if (ScnMesh mesh = meshOf(each, surface, seen); mesh.index() != 0) return mesh;
     return {};
 }
 

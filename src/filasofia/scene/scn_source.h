@@ -4,7 +4,10 @@
 #include "filasofia/geometry/triangle_mesh.h"
 #include "filasofia/scene/xml_source.h"
 
+#include <map>
 #include <memory>
+#include <set>
+#include <utility>
 #include <variant>
 
 /// A scene of SOFA as nodes and components that name each other.
@@ -32,7 +35,7 @@ public:
     /// The component that an attribute such as "@../loader.position" names; none if it is no link, or names none.
     [[nodiscard]] Element linked(const Attribute& attribute) const;
     /// The mesh of a loader, a grid, or a topology that is made of one. `surface`: triangles are wanted.
-    [[nodiscard]] ScnMesh meshOf(const Element& component, bool surface, int depth = 0);
+    [[nodiscard]] ScnMesh meshOf(const Element& component, bool surface);
     /// The mesh that a node's components give it.
     [[nodiscard]] ScnMesh meshIn(const Element& node, bool surface);
     /// The surface in a file that an attribute names; nothing if the file has no triangles.
@@ -53,11 +56,15 @@ public:
 private:
     [[nodiscard]] Element find(const Element& node, std::string_view path) const;
     [[nodiscard]] std::shared_ptr<const geometry::TetMesh> gridOf(const Element& grid);
+    using Seen = std::set<pugi::xml_node>;
+    /// The same by way of what `seen` does not hold: components may name each other in a circle.
+    [[nodiscard]] ScnMesh meshOf(const Element& component, bool surface, Seen& seen);
     [[nodiscard]] ScnMesh loaded(const Element& loader, bool surface);
 
     Element root_;
     std::filesystem::path folder_;
     std::vector<std::filesystem::path> packages_;
+    std::map<std::pair<pugi::xml_node, bool>, ScnMesh> known_; ///< of components, as surfaces or not
 };
 
 } // namespace filasofia::scene
