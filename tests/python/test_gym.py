@@ -482,3 +482,20 @@ def test_a_task_without_its_methods_names_them():
         type("Empty", (gym.SurgicalEnv,), {})()
     with pytest.raises(NotImplementedError, match=r"^Mute must override judge\(\)"):
         type("Mute", (Press,), {"judge": gym.SurgicalEnv.judge})().reset()
+def test_a_task_that_adds_or_removes_bodies_in_an_episode_is_told_where_and_what_to_do():
+    def ball(env):
+        env.sim.add(fs.RigidBodyDef(name="ball", mesh=fs.shapes.sphere(0.01)))
+
+    says = r"must not add or remove bodies, but {}: an episode begins by .* Add bodies in build\(\); arrange\(\) can move"
+    with pytest.raises(fs.Error, match="^Wrong: arrange\\(\\) " + says.format("'ball' was added")):
+        type("Wrong", (Press,), {"arrange": ball})()
+    with pytest.raises(fs.Error, match="^Wrong: arrange\\(\\) " + says.format(r"body \d+ was removed")):
+        type("Wrong", (Press,), {"arrange": lambda env: env.sim.remove(env.tools[0].body)})()
+    env = Press()
+    env.reset(seed=0)
+    ball(env)
+    with pytest.raises(fs.Error, match="^Press: an episode " + says.format("'ball' was added")):
+        env.reset()
+    env.close()
+
+

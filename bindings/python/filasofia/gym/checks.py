@@ -29,6 +29,19 @@ def check_tools(task: str, tools: typing.Any) -> list[Tool]:
     return list(tools)
 
 
+def check_bodies(task: str, who: str, sim: fs.Simulation, bodies: list[fs.BodyId]) -> None:
+    """Error if bodies were added to, or removed from, those that build() and prepare() left."""
+    now = sim.bodies
+    changed = [f"'{sim.definition(each).name}' was added" for each in now if each not in bodies]
+    changed += [f"body {int(each)} was removed" for each in bodies if each not in now]
+    if changed:
+        raise fs.Error(
+            f"{task}: {who} must not add or remove bodies, but {', '.join(changed)}: an episode begins by returning "
+            "to the state after prepare(). Add bodies in build(); arrange() can move them, out of sight, too "
+            "(put(), sim.set_pose())"
+        )
+
+
 def check_judgement(task: str, judgement: typing.Any) -> Judgement:
     """What judge() returned, if it is a Judgement whose terms are finite."""
     if not isinstance(judgement, Judgement):

@@ -11,7 +11,7 @@ import numpy as np
 import filasofia as fs
 
 from . import bodies
-from .checks import check_features, check_judgement, check_tools, missing
+from .checks import check_bodies, check_features, check_judgement, check_tools, missing
 from .judgement import Judgement
 from .state import EnvState, restore, saved
 from .tool import Array, Tool, aim, posed
@@ -100,9 +100,9 @@ class SurgicalEnv(gymnasium.Env):
         self._actions: list[Array] = []  # since then
         self.sim.step()
         self.prepare()
-        self._start = self.sim.save_state()
+        self._start, self._bodies = self.sim.save_state(), self.sim.bodies
         self.steps = 0
-        self.arrange()
+        self._arrange()
         if action == "box":
             self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (sum(self._sizes),), np.float32)
         else:
@@ -316,11 +316,12 @@ class SurgicalEnv(gymnasium.Env):
         self.steps = 0
         for tool in self.tools:
             tool.reset()
-        self.arrange()
+        self._arrange()
         self.sim.step()
         return self._judged()
 
     def _advance(self, action: typing.Any) -> tuple[bool, Judgement]:
+        self._check_bodies("an episode")
         """One action; whether the simulation broke, and how the state is judged."""
         moves = self._moves(action)
         self._actions.append(np.array(action))
@@ -330,6 +331,14 @@ class SurgicalEnv(gymnasium.Env):
             if tool.grips is not None:
                 self._grip(tool, move[-1])
         report = self.sim.step(self.frame_skip, self.moves())
+    def _arrange(self) -> None:
+        self.arrange()
+        self._check_bodies("arrange()")
+
+    def _check_bodies(self, who: str) -> None:
+        """Error if there are other bodies than those of the state that each episode returns to."""
+        check_bodies(type(self).__name__, who, self.sim, self._bodies)
+
         self.steps += 1
         judgement = self._judged()
         return fs.StepFlag.UNDONE in report.flags, judgement
