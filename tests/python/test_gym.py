@@ -158,6 +158,43 @@ def test_what_is_knocked_about_costs_a_bounded_reward(name, difficulty):
     env.close()
 
 
+@pytest.mark.parametrize("apart", [None, [-1, 0, 0, 1, 1, 0, 0, 1], [0, -1, 0, 1, 0, 1, 0, 1]])
+def test_hands_that_both_hold_a_ring_do_not_fight(apart):
+    """A hard grip pressed the ring onto the board with 316 N, and both hands strained it with 38 N while it was given."""
+    env = gym.PegTransfer()
+    breaks, most, both = [], 0.0, 0
+    env.sim.on(fs.BreakEvent, breaks.append)
+    env.reset(seed=0)
+    act = scripted(env)
+    for _ in range(130):
+        action = act()
+        both += env.has(0, 0) and env.has(1, 0)
+        *_, terminated, _, info = env.step(np.array(apart, float) if apart and both else action)
+        most = max(most, *(float(np.linalg.norm(env.force(tool))) for tool in env.tools))
+        if terminated:
+            break
+    assert both > 0 and most < 20
+    assert bool(breaks) == bool(apart) and all(each.attachment.force < 20 for each in breaks)  # pulled apart, it slips out
+    assert info["is_success"] == (apart is None)
+    env.close()
+
+
+def test_a_hand_of_finite_strength_does_not_move_against_a_larger_force():
+    deepest = []
+    for strength in (float("inf"), 0.05):
+        env = type("Weak", (gym.Reach,), {})()
+        env.tools[0].strength = strength
+        env.reset(seed=0)
+        for _ in range(60):
+            env.step([0, -1, 0])
+        deepest.append(env.tools[0].place[1])
+        low = env.tools[0].place[1]
+        env.step([0, 1, 0])  # away from what it presses
+        assert env.tools[0].place[1] > low
+        env.close()
+    assert deepest[1] > deepest[0] + 0.001
+
+
 def test_a_lost_ring_is_out_of_reach_and_never_pays():
     env = gym.PegTransfer()
     env.reset(seed=0)
@@ -424,12 +461,13 @@ class Press(gym.SurgicalEnv):
 
     start, low, high = (0.0, 0.025, 0.0), (-0.02, 0.005, -0.02), (0.02, 0.04, 0.02)
     joints = ()
+    strength = float("inf")
     answer = gym.Judgement({"force": 0.0}, False, {})
     seen = (0.5,)
 
     def build(self):
         tip = self.tip("tip", (0.0, 0.025, 0.0))
-        return [gym.Tool(tip, self.start, low=self.low, high=self.high, joints=self.joints)]
+        return [gym.Tool(tip, self.start, low=self.low, high=self.high, joints=self.joints, strength=self.strength)]
 
     def features(self):
         return self.seen
@@ -445,6 +483,7 @@ class Press(gym.SurgicalEnv):
         ({"low": (0, 0)}, r"tools\[0\].low must be three finite numbers \[m\], got \(0, 0\)"),
         ({"high": (np.inf, 1, 1)}, r"tools\[0\].high must be three finite numbers \[m\], got \(inf, 1, 1\)"),
         ({"start": (5, 5, 5)}, r"tools\[0\].start must be between low, .*, got \(5, 5, 5\)"),
+        ({"strength": 0}, r"tools\[0\].strength must be > 0 N, got 0"),
         ({"joints": (gym.Joint(1, 1, 1),)}, r"tools\[0\].joints\[0\].low must be < high, 1, got 1"),
         ({"joints": (gym.Joint(1, 2, 1),)}, r"tools\[0\].joints\[0\].start must be in \[1, 2\], got 0.0"),
         ({"answer": 5}, r"judge\(\) must return a Judgement, got 5"),
@@ -477,11 +516,6 @@ def test_a_task_of_a_user_returns_tools_and_always_as_many_features():
     env.close()
 
 
-def test_a_task_without_its_methods_names_them():
-    with pytest.raises(NotImplementedError, match=r"^Empty must override build\(\)"):
-        type("Empty", (gym.SurgicalEnv,), {})()
-    with pytest.raises(NotImplementedError, match=r"^Mute must override judge\(\)"):
-        type("Mute", (Press,), {"judge": gym.SurgicalEnv.judge})().reset()
 def test_a_task_that_adds_or_removes_bodies_in_an_episode_is_told_where_and_what_to_do():
     def ball(env):
         env.sim.add(fs.RigidBodyDef(name="ball", mesh=fs.shapes.sphere(0.01)))
@@ -499,3 +533,8 @@ def test_a_task_that_adds_or_removes_bodies_in_an_episode_is_told_where_and_what
     env.close()
 
 
+def test_a_task_without_its_methods_names_them():
+    with pytest.raises(NotImplementedError, match=r"^Empty must override build\(\)"):
+        type("Empty", (gym.SurgicalEnv,), {})()
+    with pytest.raises(NotImplementedError, match=r"^Mute must override judge\(\)"):
+        type("Mute", (Press,), {"judge": gym.SurgicalEnv.judge})().reset()

@@ -84,6 +84,8 @@ def _check_tool(name: str, tool: Tool) -> None:
         raise fs.Error(f"{name}.low must be <= high along each axis, {tool.high!r}, got {tool.low!r}")
     if not np.all((np.asarray(tool.low) <= tool.start) & (tool.start <= np.asarray(tool.high))):
         raise fs.Error(f"{name}.start must be between low, {tool.low!r}, and high, {tool.high!r}, got {tool.start!r}")
+    if not tool.strength > 0:
+        raise fs.Error(f"{name}.strength must be > 0 N, got {tool.strength!r}")
     for number, joint in enumerate(tool.joints):
         _check_joint(f"{name}.joints[{number}]", joint)
 

@@ -259,6 +259,16 @@ class SurgicalEnv(gymnasium.Env):
         away = np.linalg.norm(self.sim.frame[body].positions - np.array(place), axis=1)
         return int(away.argmin())
 
+    def force(self, tool: Tool) -> Array:
+        """What contacts, and what it holds, do to a tool in the last step [N]."""
+        frame = self.sim.frame
+        held = frame.attachments
+        return (
+            np.array(frame.contact_force(tool.body))
+            + held["force"][held["body"] == tool.body].sum(axis=0)
+            - held["force"][held["to"] == tool.body].sum(axis=0)
+        )
+
     def holds(self, tool: Tool) -> bool:
         """Whether it has grasped something, and still holds it."""
         if tool.grasp is None:
@@ -311,6 +321,7 @@ class SurgicalEnv(gymnasium.Env):
         """Begins an episode with the random numbers that are next."""
         self._began, self._actions = True, []
         self._random = copy.deepcopy(dict(self.np_random.bit_generator.state))
+        self._check_bodies("an episode")
         self.sim.restore(self._start)
         self.cuts.clear()
         self.steps = 0
@@ -320,17 +331,6 @@ class SurgicalEnv(gymnasium.Env):
         self.sim.step()
         return self._judged()
 
-    def _advance(self, action: typing.Any) -> tuple[bool, Judgement]:
-        self._check_bodies("an episode")
-        """One action; whether the simulation broke, and how the state is judged."""
-        moves = self._moves(action)
-        self._actions.append(np.array(action))
-        dt = self.frame_skip / self.rate
-        for tool, move in zip(self.tools, moves):
-            tool.place = self.limit(tool, tool.move(move, dt))
-            if tool.grips is not None:
-                self._grip(tool, move[-1])
-        report = self.sim.step(self.frame_skip, self.moves())
     def _arrange(self) -> None:
         self.arrange()
         self._check_bodies("arrange()")
@@ -339,6 +339,16 @@ class SurgicalEnv(gymnasium.Env):
         """Error if there are other bodies than those of the state that each episode returns to."""
         check_bodies(type(self).__name__, who, self.sim, self._bodies)
 
+    def _advance(self, action: typing.Any) -> tuple[bool, Judgement]:
+        """One action; whether the simulation broke, and how the state is judged."""
+        moves = self._moves(action)
+        self._actions.append(np.array(action))
+        dt = self.frame_skip / self.rate
+        for tool, move in zip(self.tools, moves):
+            tool.place = self._against(tool, self.limit(tool, tool.move(move, dt)))
+            if tool.grips is not None:
+                self._grip(tool, move[-1])
+        report = self.sim.step(self.frame_skip, self.moves())
         self.steps += 1
         judgement = self._judged()
         return fs.StepFlag.UNDONE in report.flags, judgement
@@ -357,6 +367,14 @@ class SurgicalEnv(gymnasium.Env):
     def _draw(self, body: fs.BodyId, **fields: typing.Any) -> None:
         """Shows a body; unlike self.sim.show() this leaves it at showing all others, too."""
         self.sim._show(body, fs.ShowDef(**fields), True)  # type: ignore[attr-defined]
+
+    def _against(self, tool: Tool, place: Array) -> Array:
+        """Where a hand of finite strength comes: it does not move on against a larger force."""
+        if np.isinf(tool.strength):
+            return place
+        force = self.force(tool)
+        against = force @ (place - tool.place) < 0.0
+        return tool.place if against and np.linalg.norm(force) > tool.strength else place
 
     def _grip(self, tool: Tool, command: float) -> None:
         if command < -0.3 and tool.grasp is not None:

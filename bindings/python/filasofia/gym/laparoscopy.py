@@ -48,6 +48,9 @@ class PegTransfer(SurgicalEnv):
 
     eye, looks_at = (0.0, 0.14, 0.13), (0.0, 0.005, 0.0)
     inner, wall, height, peg = 0.0055, 0.0033, 0.007, 0.0013  # [m]
+    grip = 20e3  #: [N/m], of each held point: the board, or the other hand, holds against a hard one without bound
+    bears = 10.0  #: [N], what a grip bears: a ring slips out if the hands pull against each other
+    strength = 5.0  #: [N], of a hand
 
     def build(self) -> list[Tool]:
         self.table((2.0, 0.1, 2.0), top=-0.01)
@@ -84,7 +87,8 @@ class PegTransfer(SurgicalEnv):
         for x in (-0.05, 0.05):
             start = (x, 0.045, 0.035)
             tip = self.tip(f"hand {x}", start, 0.003)
-            tools.append(Tool(tip, start, (-0.07, 0.006, -0.04), (0.07, 0.06, 0.05), 0.2, grips=self.rings[0]))
+            low, high = (-0.07, 0.006, -0.04), (0.07, 0.06, 0.05)
+            tools.append(Tool(tip, start, low, high, 0.2, grips=self.rings[0], strength=self.strength))
         self.held: list[int | None] = [None, None]
         return tools
 
@@ -122,7 +126,7 @@ class PegTransfer(SurgicalEnv):
             mine |= (contacts["first"] == ring) & (contacts["second"] == tool.body)
             if np.any(mine & (contacts["normal_force"] > 0)):
                 self.held[self.tools.index(tool)] = i
-                return self.sim.grasp(tool.body, ring)
+                return self.sim.grasp(tool.body, ring, fs.GraspDef(stiffness=self.grip, break_force=self.bears))
         return None
 
     def has(self, hand: int, ring: int) -> bool:

@@ -39,6 +39,7 @@ class Tool:
     grips: fs.BodyId | None = None  #: what it can grasp, by one more component of the action
     port: tuple[float, float, float] | None = None  #: [m], above the workspace
     joints: tuple[Joint, ...] = ()
+    strength: float = float("inf")  #: [N], > 0: its hand does not push or pull against a larger force
     place: Array = None  #: [m], now
     values: Array = None  #: those of the joints, now
     grasp: fs.AttachmentId | None = None  #: while it is closed
