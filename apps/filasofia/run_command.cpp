@@ -238,9 +238,9 @@ Option bounded(std::string name, OptionTarget target, Bound bound, std::string m
             .bound = bound};
 }
 
-constexpr const char* kSceneMeaning =
-    "a scene file (.json, .urdf, MuJoCo's .xml, SOFA's .scn), or bunny (pinned at the head, hanging by its own weight), poke, "
-    "grasp, friction, cut, tear, haptics or suture (a stitch with the mouse)";
+constexpr const char* kSceneMeaning = "a scene file (.json, .urdf, MuJoCo's .xml, SOFA's .scn), or bunny (pinned at "
+                                      "the head, hanging by its own weight), poke, "
+                                      "grasp, friction, cut, tear, haptics or suture (a stitch with the mouse)";
 
 std::vector<Option> optionsOf(RunCommandOptions& o)
 {
@@ -280,7 +280,8 @@ std::vector<Option> optionsOf(RunCommandOptions& o)
          "Write what a scene file measures to this .jsonl file, for report, or to a .csv file", "FILE"},
         {"--any-folder", &o.anyFolder, "The files that a scene file names may be outside its folder"},
         {"--strict", &o.strict, "URDF, MJCF and .scn: what is not read is an error"},
-        {"--package", &o.package, "URDF: the folder of package://NAME, or one that has it; .scn: one that has its files", "FOLDER"},
+        {"--package", &o.package,
+         "URDF: the folder of package://NAME, or one that has it; .scn: one that has its files", "FOLDER"},
     };
 }
 

@@ -356,7 +356,8 @@ TEST_CASE("imports: a file is what its name and its first element say")
               .bodies.size() == 1);
     const std::string scene = folder.write("c.json", "{}");
     CHECK(loadAnyScene(scene).bodies.empty());
-    CHECK_THROWS_WITH(loadAnyScene(scene, {.strict = true}), Catch::Contains("c.json: strict is for URDF, MJCF and .scn"));
+    CHECK_THROWS_WITH(loadAnyScene(scene, {.strict = true}),
+                      Catch::Contains("c.json: strict is for URDF, MJCF and .scn"));
     CHECK_THROWS_WITH(loadAnyScene(scene, {.packages = {"/tmp"}}), Catch::Contains("c.json: a package is for URDF"));
     CHECK_THROWS_WITH(loadUrdf(folder.file("a.xml"), {.packages = {"/nope"}}), "package must be a folder, got '/nope'");
 }
