@@ -209,8 +209,7 @@ TEST_CASE("collision meshes of SOFA follow a body where its state places them, a
                  "") == 5);
 }
 
-TEST_CASE(
-    "what is not read of a scene of SOFA is told once, and strict refuses it; what is wrong is an error with its place")
+TEST_CASE("what is not read of a scene of SOFA is told once, strict refuses it, and what is wrong has its place")
 {
     const Imported imported = scn(
         std::string(kBeam) + "<Node name=\"a\"><PlaneForceField/></Node><Node name=\"b\"><PlaneForceField/></Node>");
