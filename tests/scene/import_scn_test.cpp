@@ -225,6 +225,8 @@ TEST_CASE("what is not read of a scene of SOFA is told once, strict refuses it, 
             component + "</Node>");
     };
     CHECK(beamWith("<FixedConstraint indices=\"8\"/>").find("indices must be in [0, 8)") != std::string::npos);
+    CHECK(beamWith("<FixedConstraint indices=\"3-\"/>").find("indices must consist of whole numbers and ranges") !=
+          std::string::npos);
     CHECK(beamWith("<FixedConstraint indices=\"x\"/>").find("must consist of") != std::string::npos);
     CHECK(errorOf("<Node name=\"B\"><MeshGmshLoader name=\"l\" filename=\"none.msh\"/><MeshTopology "
                   "src=\"@l\"/><MechanicalObject/>"

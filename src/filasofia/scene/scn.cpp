@@ -5,6 +5,7 @@
 #include "filasofia/scene/scn_tissue.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 namespace filasofia::scene {
@@ -102,9 +103,8 @@ private:
     }
     [[nodiscard]] Element findEverywhere(const std::vector<std::string_view>& tags) const
     {
-        const pugi::xml_node found = source_.root().node.find_node([&](const pugi::xml_node& each) {
-            return std::ranges::find(tags, std::string_view(each.name())) != tags.end();
-        });
+        const pugi::xml_node found =
+            source_.root().node.find_node([&](const pugi::xml_node& each) { return isOneOf(each.name(), tags); });
         return found ? Element{found, source_.root().file} : Element{};
     }
 
@@ -133,14 +133,11 @@ private:
     }
     void tellRest(const Element& node)
     {
-        const auto isOf = [](const std::vector<std::string_view>& tags, std::string_view tag) {
-            return std::ranges::find(tags, tag) != tags.end();
-        };
         for (const Element& each : source_.componentsIn(node)) {
             const std::string_view tag = each.tag();
-            const bool read = isOf(kSilent, tag) || isOf(kElastic, tag) || isOf(kHyperelastic, tag) ||
-                              isOf(kSprings, tag) || isOf(kMasses, tag) || isOf(kImplicit, tag) ||
-                              isOf(kExplicit, tag) || isOf(kFixed, tag) || isOf(kCollision, tag) ||
+            const bool read = isOneOf(tag, kSilent) || isOneOf(tag, kElastic) || isOneOf(tag, kHyperelastic) ||
+                              isOneOf(tag, kSprings) || isOneOf(tag, kMasses) || isOneOf(tag, kImplicit) ||
+                              isOneOf(tag, kExplicit) || isOneOf(tag, kFixed) || isOneOf(tag, kCollision) ||
                               tag.ends_with("Loader") || tag.ends_with("Topology") ||
                               tag.ends_with("TopologyContainer") || tag.ends_with("TopologyModifier") ||
                               tag.ends_with("GeometryAlgorithms") || tag.ends_with("Mapping") ||
@@ -189,7 +186,7 @@ private:
         if (!tissue_.lawOf(node)) {
             if (source_.component(node, kMasses))
                 reader_.tell(node, "no elasticity",
-                             text("<Node> '", Attributes(node).find("name") ? Attributes(node).find("name")->words : "",
+                             text("<Node> '", reader_.word(Attributes(node), "name"),
                                   "' has a mass and no elasticity that is read"));
             else
                 addObstacle(node, state);
@@ -225,7 +222,7 @@ private:
         physics::CollisionDef def{.proximity = proximity_};
         if (mesh) def.mesh = std::move(mesh);
         for (const Element& each : source_.componentsIn(node))
-            if (std::ranges::find(kCollision, each.tag()) != kCollision.end())
+            if (isOneOf(each.tag(), kCollision))
                 def.self = def.self || reader_.flag(Attributes(each), "selfCollision", false);
         to.push_back(std::move(def));
     }

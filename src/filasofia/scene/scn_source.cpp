@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kMostNodes = 300'000; // of a grid
 
+constexpr int kMostBack = 10'000; // components before one that names another so
+
 bool isNode(const pugi::xml_node& node) { return std::string_view(node.name()) == "Node"; }
 
 /// A link such as "@../topology.position" without its data: "../topology".
@@ -61,14 +63,7 @@ std::vector<Element> ScnSource::componentsIn(const Element& node) const
 Element ScnSource::component(const Element& node, const std::vector<std::string_view>& tags) const
 {
     for (const Element& each : componentsIn(node))
-        if (std::ranges::find(tags, each.tag()) != tags.end()) return each;
-    return {};
-}
-
-Element ScnSource::componentEnding(const Element& node, std::string_view end) const
-{
-    for (const Element& each : componentsIn(node))
-        if (each.tag().ends_with(end)) return each;
+        if (isOneOf(each.tag(), tags)) return each;
     return {};
 }
 
@@ -115,7 +110,7 @@ Element ScnSource::linked(const Attribute& attribute) const
     if (path.starts_with('[')) { // a component before this one
         int back = 0;
         for (const char c : path)
-            if (c >= '0' && c <= '9') back = 10 * back + (c - '0');
+            if (c >= '0' && c <= '9') back = std::min(10 * back + (c - '0'), kMostBack);
         Element at = attribute.at;
         for (; back > 0 && at; --back) do
                 at.node = at.node.previous_sibling();

@@ -4,6 +4,7 @@
 #include "filasofia/geometry/triangle_mesh.h"
 #include "filasofia/scene/xml_source.h"
 
+#include <algorithm>
 #include <map>
 #include <memory>
 #include <set>
@@ -17,6 +18,11 @@ namespace filasofia::scene {
 using ScnMesh = std::variant<std::monostate, std::shared_ptr<const geometry::TetMesh>,
                              std::shared_ptr<const geometry::TriangleMesh>>;
 
+inline bool isOneOf(std::string_view tag, const std::vector<std::string_view>& tags)
+{
+    return std::ranges::find(tags, tag) != tags.end();
+}
+
 class ScnSource {
 public:
     ScnSource(const std::filesystem::path& file, const ImportOptions& options);
@@ -25,9 +31,8 @@ public:
     /// The nodes in a node, and its components, in order.
     [[nodiscard]] std::vector<Element> nodesIn(const Element& node) const;
     [[nodiscard]] std::vector<Element> componentsIn(const Element& node) const;
-    /// The first component of a node with one of these tags, or with a tag that ends so.
+    /// The first component of a node with one of these tags.
     [[nodiscard]] Element component(const Element& node, const std::vector<std::string_view>& tags) const;
-    [[nodiscard]] Element componentEnding(const Element& node, std::string_view end) const;
     /// The same in the node or, if it has none, in the nodes around it.
     [[nodiscard]] Element inherited(const Element& node, const std::vector<std::string_view>& tags) const;
     [[nodiscard]] static Element nodeOf(const Element& component);

@@ -44,12 +44,9 @@ void ScnTissue::read(const Element& node, const TetMesh& mesh, physics::SoftBody
 void ScnTissue::readMaterial(const Element& law, physics::SoftBodyDef& def)
 {
     const Attributes says(law);
-    const auto isOne = [&](const std::vector<std::string_view>& tags) {
-        return std::ranges::find(tags, law.tag()) != tags.end();
-    };
-    if (isOne(kHyperelastic)) {
+    if (isOneOf(law.tag(), kHyperelastic)) {
         def.material = hyperelastic(law);
-    } else if (isOne(kSprings)) {
+    } else if (isOneOf(law.tag(), kSprings)) {
         const auto named = [&](std::initializer_list<std::string_view> names, std::string_view standard) {
             const auto found = says.findAny(names);
             return found ? found->name : standard;
@@ -131,13 +128,14 @@ void ScnTissue::readSolver(const Element& node, physics::SoftBodyDef& def)
 
 std::vector<int> ScnTissue::numbered(const Attribute& indices, std::size_t nodes) const
 {
-    std::string words(indices.words); // "0-3" is 0 1 2 3
     std::vector<int> all;
-    std::istringstream stream(words);
+    std::istringstream stream{std::string(indices.words)}; // "0-3" is 0 1 2 3
     for (std::string word; stream >> word;) {
         const std::size_t dash = word.find('-', 1);
         const auto number = [&](const std::string& part) {
-            return reader_.wholes({indices.at, indices.name, part}, closed(0, 1e9)).at(0);
+            const std::vector<int> one = reader_.wholes({indices.at, indices.name, part}, closed(0, 1e9));
+            if (one.empty()) reader_.refuse(indices, "must consist of whole numbers and ranges such as 0-3");
+            return one.front();
         };
         const int first = number(word.substr(0, dash));
         const int last = dash == std::string::npos ? first : number(word.substr(dash + 1));
@@ -182,7 +180,7 @@ void ScnTissue::pin(const Element& node, const TetMesh& mesh, physics::SoftBodyD
     };
     for (const Element& each : source_.componentsIn(node)) {
         const Attributes says(each);
-        if (std::ranges::find(kFixed, each.tag()) != kFixed.end()) {
+        if (isOneOf(each.tag(), kFixed)) {
             std::vector<int> all(mesh.nodes.size());
             std::iota(all.begin(), all.end(), 0);
             attach(reader_.flag(says, "fixAll", false) ? all : nodesOf(says, {"indices"}, mesh), physics::kHard);
