@@ -9,6 +9,7 @@ namespace mesh_file_test {
 using namespace filasofia;
 using namespace filasofia::geometry;
 using Catch::Matchers::Contains;
+using Catch::Matchers::EndsWith;
 
 namespace {
 
@@ -197,6 +198,11 @@ TEST_CASE("what is no mesh file at all is refused by name")
     const std::filesystem::path folder = std::filesystem::path(FILASOFIA_BINARY_DIR) / "test_files" / "folder.obj";
     std::filesystem::create_directories(folder);
     CHECK_THAT(errorOf([&] { loadTriangleMesh(folder); }), Contains("folder.obj: must be a file, got a directory"));
+    for (const auto& any : {folder, folder.parent_path(), folder.parent_path() / ""}) {
+        CHECK(errorOf([&] { loadTriangleMesh(any); }) == any.string() + ": must be a file, got a directory");
+        CHECK(errorOf([&] { loadTetMesh(any); }) == any.string() + ": must be a file, got a directory");
+    }
+    CHECK_THAT(errorOf([] { loadTetMesh("liver"); }), EndsWith(".ele file, got a name without an ending"));
     CHECK_THAT(errorOf([] { loadTriangleMesh("nowhere.obj"); }), Contains("nowhere.obj: no such file"));
     CHECK_THAT(errorOf([] { loadTetMesh("nowhere.msh"); }), Contains("nowhere.msh: no such file"));
     CHECK_THAT(errorOf([] { loadTetMesh("nowhere.node"); }), Contains("nowhere.node: no such file"));

@@ -22,6 +22,11 @@ namespace {
 
 std::string extensionOf(const std::filesystem::path& file) { return lowered(file.extension().string()); }
 
+std::string shownExtension(const std::string& extension)
+{
+    return extension.empty() ? "a name without an ending" : text("'", extension, "'");
+}
+
 std::string bytesOf(const std::filesystem::path& file)
 {
     std::string bytes = readFile(file, file.string());
@@ -50,8 +55,8 @@ TetMesh readTetMesh(const std::filesystem::path& file, const std::string& labels
     if (extension == ".msh") return parseGmsh(bytesOf(file), file.string());
     if (extension == ".mesh") return parseMedit(bytesOf(file), file.string());
     if (extension == ".node" || extension == ".ele") return loadTetGen(file);
-    fail(file.string(), ": a tetrahedral mesh must be a .msh, .mesh, .vtk, .vtu, .node or .ele file, got '", extension,
-         "'");
+    fail(file.string(), ": a tetrahedral mesh must be a .msh, .mesh, .vtk, .vtu, .node or .ele file, got ",
+         shownExtension(extension));
 }
 
 TriangleMesh readTriangleMesh(const std::filesystem::path& file)
@@ -64,8 +69,8 @@ TriangleMesh readTriangleMesh(const std::filesystem::path& file)
     if (extension == ".mesh") return parseMeditSurface(bytesOf(file), file.string());
     if (std::ranges::find(kExtensions, extension) == std::end(kExtensions))
         fail(file.string(),
-             ": a triangle mesh must be an .obj, .stl, .ply, .gltf, .glb, .off, .vtk, .vtp, .vtu or .mesh file, got '",
-             extension, "'");
+             ": a triangle mesh must be an .obj, .stl, .ply, .gltf, .glb, .off, .vtk, .vtp, .vtu or .mesh file, got ",
+             shownExtension(extension));
     const std::string bytes = bytesOf(file);
     if (extension == ".obj") return readWithAssimp(file, checkedObj(bytes, file.string()));
     checkAnnouncedSizes(file, extension, bytes);
@@ -77,8 +82,10 @@ void multiply(std::vector<Vec3>& points, double scale)
     for (Vec3& point : points) point = scale * point;
 }
 
-void checkScale(const std::filesystem::path& file, double scale)
+void checkAsked(const std::filesystem::path& file, double scale)
 {
+    std::error_code none;
+    if (std::filesystem::is_directory(file, none)) fail(file.string(), ": must be a file, got a directory");
     if (!(scale > 0.0 && std::isfinite(scale))) fail(file.string(), ": scale must be in (0, inf), got ", scale);
 }
 
@@ -86,7 +93,7 @@ void checkScale(const std::filesystem::path& file, double scale)
 
 TetMesh loadTetMesh(const std::filesystem::path& file, double scale, const std::string& labels)
 {
-    checkScale(file, scale);
+    checkAsked(file, scale);
     TetMesh mesh = readTetMesh(file, labels);
     multiply(mesh.nodes, scale);
     return mesh;
@@ -94,7 +101,7 @@ TetMesh loadTetMesh(const std::filesystem::path& file, double scale, const std::
 
 TriangleMesh loadTriangleMesh(const std::filesystem::path& file, double scale)
 {
-    checkScale(file, scale);
+    checkAsked(file, scale);
     TriangleMesh mesh = readTriangleMesh(file);
     multiply(mesh.vertices, scale);
     return mesh;
