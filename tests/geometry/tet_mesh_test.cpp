@@ -110,6 +110,23 @@ TEST_CASE("the check of a tetrahedral mesh names what is wrong")
     }
 }
 
+TEST_CASE("nodes that no tetrahedron uses are dropped, and the others keep their order")
+{
+    TetMesh mesh = unitTetrahedron();
+    const TetMesh whole = mesh;
+    CHECK(dropUnusedNodes(mesh) == 0);
+    CHECK((mesh.nodes == whole.nodes && mesh.tetrahedra == whole.tetrahedra));
+    mesh.nodes.insert(mesh.nodes.begin() + 2, Vec3{7, 7, 7});
+    mesh.nodes.push_back({8, 8, 8});
+    for (int& node : mesh.tetrahedra[0]) node += node >= 2 ? 1 : 0;
+    CHECK(dropUnusedNodes(mesh) == 2);
+    CHECK((mesh.nodes == whole.nodes && mesh.tetrahedra == whole.tetrahedra));
+    mesh.nodes.push_back({8, 8, 8});
+    mesh.tetrahedra[0][1] = 9; // no such node: for check() to tell
+    CHECK(dropUnusedNodes(mesh) == 0);
+    CHECK(mesh.nodes.size() == 5);
+}
+
 TEST_CASE("the check of a triangle mesh names what is wrong")
 {
     TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {{0, 1, 2}, {2, 1, 3}}, {}};

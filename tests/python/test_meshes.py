@@ -22,6 +22,22 @@ def test_a_mesh_from_arrays_has_their_numbers():
     assert surface.uv.shape == (0, 2)
 
 
+def test_nodes_that_no_tetrahedron_uses_are_dropped_and_told_as_in_files(capfd):
+    extra = np.insert(NODES, [1, 4], [[5, 5, 5], [6, 6, 6]], axis=0)
+    mesh = fs.TetMesh(extra, [[0, 2, 3, 4]])
+    assert np.array_equal(mesh.nodes, NODES) and mesh.tetrahedra.tolist() == [[0, 1, 2, 3]]
+    assert "TetMesh: 2 nodes that no tetrahedron uses were dropped" in capfd.readouterr().err
+    with pytest.raises(fs.Error, match=r"names node 9; it must be in \[0, 6\)"):
+        fs.TetMesh(extra, [[0, 2, 3, 9]])
+    fs.TetMesh(NODES, [[0, 1, 2, 3]])
+    assert capfd.readouterr().err == ""
+
+
+def test_a_folder_is_no_mesh_file(tmp_path):
+    with pytest.raises(fs.Error, match="must be a file, got a directory"):
+        fs.Simulation().add(fs.SoftBodyDef(mesh=str(tmp_path)))
+
+
 def test_any_layout_of_an_array_is_read():
     wide = np.zeros((4, 6))
     wide[:, ::2] = NODES

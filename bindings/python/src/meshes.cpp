@@ -4,6 +4,7 @@
 #include "convert.h"
 
 #include "filasofia/core/hash.h"
+#include "filasofia/core/log.h"
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/geometry/mesh_pieces.h"
 #include "filasofia/geometry/shapes.h"
@@ -55,6 +56,8 @@ Tetrahedra makeTetMesh(nb::handle nodes, nb::handle tetrahedra, nb::handle label
     mesh.tetrahedra = readRows<geometry::Tetrahedron, int, 4>(tetrahedra, "TetMesh: tetrahedra");
     if (!labels.is_none()) mesh.labels = readRows<int, int, 1>(labels, "TetMesh: labels");
     mesh.labelNames = readLabelNames(names);
+    if (const std::size_t dropped = geometry::dropUnusedNodes(mesh); dropped > 0)
+        logInfo("TetMesh: ", dropped, " nodes that no tetrahedron uses were dropped");
     return shared(std::move(mesh), "TetMesh");
 }
 

@@ -51,4 +51,8 @@ double quality(const TetMesh& mesh, int tetrahedron);
 /// tetrahedron.
 void check(const TetMesh& mesh, std::string_view name);
 
+/// Drops the nodes that no tetrahedron uses; the others keep their order and get new numbers. Returns how many it
+/// dropped: none if a tetrahedron names a node that is not there, which check() refuses.
+std::size_t dropUnusedNodes(TetMesh& mesh);
+
 } // namespace filasofia::geometry

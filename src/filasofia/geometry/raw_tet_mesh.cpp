@@ -63,27 +63,16 @@ void warnOfMiddles(const RawTetMesh& raw, const TetMesh& mesh, const std::vector
                           " % of its length: the mesh is straight there now"));
 }
 
-TetMesh dropUnusedNodes(TetMesh mesh, const std::vector<int>& middles, std::string_view name)
+/// Drops unused nodes and tells, unless they are those in the middle of edges.
+void dropUnused(const std::vector<int>& middles, std::string_view name, TetMesh& mesh)
 {
-    std::vector<bool> used(mesh.nodes.size()), explained(mesh.nodes.size());
+    std::vector<bool> explained(mesh.nodes.size());
+    for (const int node : middles) explained[static_cast<std::size_t>(node)] = true;
     for (const Tetrahedron& t : mesh.tetrahedra)
-        for (int node : t) used[node] = true;
-    for (const int node : middles) explained[node] = true;
-    std::vector<int> renumbered(mesh.nodes.size(), -1);
-    int kept = 0, dropped = 0;
-    for (std::size_t i = 0; i < mesh.nodes.size(); ++i) {
-        if (!used[i]) {
-            dropped += explained[i] ? 0 : 1;
-            continue;
-        }
-        mesh.nodes[kept] = mesh.nodes[i];
-        renumbered[i] = kept++;
-    }
-    if (dropped > 0) logInfo(name, ": ", dropped, " nodes that no tetrahedron uses were dropped");
-    mesh.nodes.resize(kept);
-    for (Tetrahedron& t : mesh.tetrahedra)
-        for (int& node : t) node = renumbered[node];
-    return mesh;
+        for (const int node : t) explained[static_cast<std::size_t>(node)] = false;
+    const auto left = static_cast<std::size_t>(std::ranges::count(explained, true));
+    if (const std::size_t dropped = dropUnusedNodes(mesh) - left; dropped > 0)
+        logInfo(name, ": ", dropped, " nodes that no tetrahedron uses were dropped");
 }
 
 } // namespace
@@ -156,7 +145,8 @@ TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const Numbe
                            " lie on the same side of their common face; they must lie on opposite sides");
     }
     if (!middles.empty()) warnOfMiddles(raw, mesh, middles, name);
-    return dropUnusedNodes(std::move(mesh), middles, name);
+    dropUnused(middles, name, mesh);
+    return mesh;
 }
 
 } // namespace filasofia::geometry

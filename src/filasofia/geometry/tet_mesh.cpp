@@ -95,4 +95,25 @@ void check(const TetMesh& mesh, std::string_view name)
              " lie on the same side of their common face; they must lie on opposite sides");
 }
 
+std::size_t dropUnusedNodes(TetMesh& mesh)
+{
+    const std::size_t count = mesh.nodes.size();
+    std::vector<int> renumbered(count, -1);
+    for (const Tetrahedron& t : mesh.tetrahedra)
+        for (const int node : t) {
+            if (node < 0 || static_cast<std::size_t>(node) >= count) return 0;
+            renumbered[static_cast<std::size_t>(node)] = 0;
+        }
+    int kept = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (renumbered[i] < 0) continue;
+        mesh.nodes[static_cast<std::size_t>(kept)] = mesh.nodes[i];
+        renumbered[i] = kept++;
+    }
+    mesh.nodes.resize(static_cast<std::size_t>(kept));
+    for (Tetrahedron& t : mesh.tetrahedra)
+        for (int& node : t) node = renumbered[static_cast<std::size_t>(node)];
+    return count - mesh.nodes.size();
+}
+
 } // namespace filasofia::geometry
