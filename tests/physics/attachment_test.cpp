@@ -165,6 +165,12 @@ TEST_CASE_METHOD(Fixture,
     checkError([&] { server.grasp(BodyId{99}, soft); }, {"body 99", "no such body"});
     checkError([&] { server.grasp(tool, soft, {.stiffness = 0}); }, {"rigid body 'tool': grasp", "stiffness", "got 0"});
     checkError([&] { server.grasp(tool, soft, {.breakForce = kNan}); }, {"grasp", "breakForce", "got nan"});
+    const auto refuse = [&](const Mouth& mouth, std::initializer_list<std::string> words) {
+        checkError([&] { server.grasp(tool, soft, {.mouth = mouth}); }, words);
+    };
+    refuse({.element = 1}, {"rigid body 'tool': grasp: mouth.element", "[0, 1)", "got 1"});
+    refuse({.forward = {}}, {"grasp: mouth.forward", "length > 0", "got 0 0 0"});
+    refuse({.length = 0}, {"mouth.length", "> 0 m", "got 0"});
     checkError([&] { server.release({}); }, {"attachment 0", "no such attachment"});
     checkError([&] { server.release({1}); }, {"attachment 1", "no such attachment"});
     checkNothingCame();

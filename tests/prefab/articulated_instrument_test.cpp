@@ -4,6 +4,7 @@
 #include "filasofia/core/log.h"
 #include "filasofia/core/units.h"
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/runtime/assets.h"
 
 #include <catch2/catch.hpp>
 
@@ -87,6 +88,43 @@ TEST_CASE("jaws close on a soft block and hold it, it follows, and opening lets 
     CHECK(forceps.opening() == Approx(1.0).epsilon(1e-6));
     CHECK(sim.physics().latest()->attachments.size() == 1); // the block's own
     CHECK(std::abs(nearEnd(sim, block).x - before.x) < 0.3_mm);
+}
+
+TEST_CASE("jaws grasp what is between them, and not what touches their shaft")
+{
+    Simulation sim(weightless());
+    // Two blocks of one body: one reaches between the jaws, the other stands beside the shaft without touching it, but
+    // as near as contacts reach. Both are pinned at their far ends.
+    const auto block = geometry::shapes::block({2_mm, 2_mm, 4_mm}, {2, 2, 4});
+    auto both = std::make_shared<geometry::TetMesh>(*block);
+    const auto count = static_cast<int>(block->nodes.size());
+    const auto shaft = physics::loadMesh(runtime::asset("meshes/hysteroscopy/tool_shaft_collision.obj"), "shaft");
+    const double radius = geometry::boxAround(shaft->vertices).high.x;
+    for (const Vec3 p : block->nodes) both->nodes.push_back({p.z - 2_mm - 0.1_mm - radius, p.y, p.x + 14.5_mm});
+    for (const auto& t : block->tetrahedra)
+        both->tetrahedra.push_back({t[0] + count, t[2] + count, t[1] + count, t[3] + count});
+    physics::SoftBodyDef def{.name = "tissue",
+                             .mesh = std::shared_ptr<const geometry::TetMesh>(both),
+                             .pose = {{0, 0, -4.5_mm}, {}},
+                             .material = physics::FemMaterial{.youngModulus = 30_kPa},
+                             .collision = {{.proximity = 0.1_mm}},
+                             .friction = 0.8};
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, 1, -6.4_mm}}},
+                       {.box = geometry::Box{{-1, -1, 1_mm}, {-4_mm - radius, 1, 1}}}};
+    const BodyId tissue = sim.add(def);
+    ArticulatedInstrument forceps(sim, {.opening = 1.0});
+    forceps.close();
+    run(sim, 800);
+    REQUIRE(forceps.holding() == tissue);
+    const auto beside = [&] {
+        return sim.physics().latest()->softBody(tissue)->positions[static_cast<std::size_t>(count)];
+    };
+    const Vec3 before = beside();
+    const double start = sim.physics().latest()->time;
+    sim.everyStep([&](double time) { forceps.move({{1_mm * std::clamp((time - start) / 0.2, 0.0, 1.0), 0, 0}, {}}); });
+    run(sim, 300);
+    CHECK(forceps.holding() == tissue);
+    CHECK(distance(beside(), before) < 0.01_mm);
 }
 
 TEST_CASE("a grasp breaks beyond its break force, and holds again only after it was opened")

@@ -140,7 +140,12 @@ TEST_CASE("commands that attach and release come back bit for bit")
     CHECK(roundTrip(Release{{5}}).id == AttachmentId{5});
     const Grasp grasp = roundTrip(Grasp{{6}, {7}, {8}, {.stiffness = kThird, .breakForce = kLarge}});
     CHECK((grasp.id == AttachmentId{6} && grasp.rigid == BodyId{7} && grasp.target == BodyId{8}));
-    CHECK((sameBits(grasp.def.stiffness, kThird) && sameBits(grasp.def.breakForce, kLarge)));
+    CHECK((sameBits(grasp.def.stiffness, kThird) && sameBits(grasp.def.breakForce, kLarge) && !grasp.def.mouth));
+    const Mouth mouth{2, {kThird, 0, 1}, {0, 1, 0}, kThird, {kLarge, 0, 0}};
+    const Grasp jaws = roundTrip(Grasp{{6}, {7}, {8}, {.mouth = mouth}});
+    REQUIRE(jaws.def.mouth);
+    CHECK((jaws.def.mouth->element == 2 && jaws.def.mouth->length == kThird && jaws.def.mouth->pivot == mouth.pivot));
+    CHECK((jaws.def.mouth->forward == mouth.forward && jaws.def.mouth->opens == mouth.opens));
 }
 
 } // namespace recorded_bodies_test

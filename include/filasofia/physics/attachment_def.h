@@ -3,6 +3,7 @@
 #include "filasofia/core/body_id.h"
 #include "filasofia/core/fields.h"
 #include "filasofia/geometry/box.h"
+#include "filasofia/physics/mouth.h"
 
 #include <array>
 #include <limits>
@@ -75,6 +76,8 @@ struct RigidAttachmentDef {
 struct GraspDef {
     double stiffness = kHard;   ///< [N/m], in (0, inf], of each contact's spring; infinite: an equality constraint
     double breakForce = kNever; ///< [N], in (0, inf]: the grasp breaks if the sum of its contacts' forces is larger
+    /// Only what touches the body there is grasped; not given: whatever touches it. Instruments with jaws give theirs.
+    std::optional<Mouth> mouth = {};
 };
 
 constexpr auto fields(const Ball*)
@@ -127,7 +130,9 @@ constexpr auto fields(const GraspDef*)
                     field("stiffness", &T::stiffness, "N/m", positiveOrInfinite(),
                           "stiffness of each contact's spring; infinite: an equality constraint"),
                     field("breakForce", &T::breakForce, "N", positiveOrInfinite(),
-                          "the grasp breaks if the sum of its contacts' forces is larger"));
+                          "the grasp breaks if the sum of its contacts' forces is larger"),
+                    field("mouth", &T::mouth, "only what touches the body there is grasped"));
 }
+constexpr std::size_t addedFields(const GraspDef*) { return 1; }
 
 } // namespace filasofia::physics

@@ -7,6 +7,7 @@
 #include "filasofia/physics/check_attachment.h"
 #include "filasofia/physics/check_clip.h"
 #include "filasofia/physics/check_field.h"
+#include "filasofia/physics/check_mouth.h"
 
 #include <algorithm>
 #include <cmath>
@@ -263,6 +264,8 @@ struct Registry::Check {
         if (grasp.target == grasp.rigid) fail(object, ": target must be another body, got the grasping body itself");
         const Body& target = registry.find(grasp.target);
         validate(grasp.def, object);
+        if (grasp.def.mouth)
+            physics::check(*grasp.def.mouth, static_cast<std::size_t>(body.nodeCount), object + ": mouth");
         const auto* other = std::get_if<RigidBodyDef>(target.def.get());
         if (other && !other->dynamic && !std::get<RigidBodyDef>(*body.def).dynamic)
             fail(object, " must have a dynamic or soft body on one side; both are kinematic");

@@ -27,7 +27,6 @@ std::shared_ptr<const geometry::TriangleMesh> blade(const JawDef& jaw)
         geometry::TriangleMesh{.vertices = {from, to, from - back}, .triangles = {{0, 1, 2}}, .uv = {}});
 }
 
-constexpr double kTooth = 0.3e-3;  ///< [m], by which a jaw reaches over the plane between them, where that faces it
 constexpr double kAcross = 0.7;    ///< [-] cosine between a thread and the way jaws open: beyond it is not between them
 constexpr double kRelief = 0.2e-3; ///< [m], by which jaws give way at a rigid body that they hold by a spring
 
@@ -51,29 +50,29 @@ bool isBetween(const frame::Contact& contact, BodyId one, BodyId two)
     return (contact.first == one && contact.second == two) || (contact.first == two && contact.second == one);
 }
 
-/// The jaws in the world.
+/// The mouth of an instrument, and where that is.
 struct Mouth {
     BodyId tool = {};
-    Vec3 pivot = {}, forward = {};
-    Vec3 opens = {};    ///< [-] where the first jaw opens to
-    double slope = 0.0; ///< [-] by which the plane between the jaws inclines towards `opens`
+    Pose shaft = {};
+    physics::Mouth jaws = {}; ///< in the coordinates of the shaft
+
+    [[nodiscard]] Vec3 pivot() const { return shaft.position; }
+    [[nodiscard]] Vec3 opens() const { return rotate(shaft.orientation, jaws.opens); } ///< in the world
 };
 
-/// [-] The part of a contact's push on the tool along the direction in which the first jaw opens.
-double opening(const frame::Contact& contact, const Mouth& mouth)
+/// Where a contact pushes the tool to.
+Vec3 pushOf(const frame::Contact& contact, const Mouth& mouth)
 {
-    return dot(contact.first == mouth.tool ? contact.normal : -contact.normal, mouth.opens);
+    return contact.first == mouth.tool ? contact.normal : -contact.normal;
 }
 
-/// Whether a contact is in front of the pivot, and pushes the jaw on its side open. A thread that is wound around the
-/// shaft, or around the jaws, presses both of their sides, too.
+/// Whether a contact is between the jaws. A thread that is wound around the shaft, or around the jaws, presses both of
+/// their sides, too.
 bool isInMouth(const frame::Contact& contact, const Mouth& mouth)
 {
-    const Vec3 from = contact.point - mouth.pivot;
-    const double ahead = dot(from, mouth.forward), aside = dot(from, mouth.opens) - ahead * mouth.slope;
-    const double push = opening(contact, mouth);
-    return ahead > 0.0 &&
-           push * aside > -kTooth * push * push; // teeth push obliquely: the less, the less they reach over
+    const Pose toShaft = inverse(mouth.shaft);
+    return physics::isInMouth(mouth.jaws, transform(toShaft, contact.point),
+                              rotate(toShaft.orientation, pushOf(contact, mouth)));
 }
 
 /// The forces of tissue on the two sides of the mouth [N]: across the shaft, along the direction in which a jaw opens
@@ -83,7 +82,7 @@ std::array<double, 2> squeezed(const frame::Frame& frame, const Mouth& mouth, Bo
     std::array<double, 2> sides = {};
     for (const frame::Contact& contact : frame.contacts) {
         if (!isBetween(contact, mouth.tool, target) || !isInMouth(contact, mouth)) continue;
-        const double press = opening(contact, mouth) * contact.normalForce;
+        const double press = dot(pushOf(contact, mouth), mouth.opens()) * contact.normalForce;
         sides[press > 0.0 ? 0 : 1] += std::abs(press);
     }
     return sides;
@@ -248,7 +247,7 @@ struct ArticulatedInstrument::Impl {
         double lever = 0.0, all = 0.0;
         for (const frame::Contact& contact : frame.contacts) {
             if (!isBetween(contact, body, held) || !isInMouth(contact, mouth)) continue;
-            lever += contact.normalForce * distance(contact.point, mouth.pivot);
+            lever += contact.normalForce * distance(contact.point, mouth.pivot());
             all += contact.normalForce;
         }
         const auto& poses = frame.rigidBody(held)->poses;
@@ -273,8 +272,8 @@ struct ArticulatedInstrument::Impl {
         };
         const auto wound = [&](const frame::Contact& each) { return touches(each, false); };
         if (rod == nullptr || std::ranges::none_of(frame.contacts, wound))
-            return simulation.physics().grasp(body, held,
-                                              {.stiffness = def.gripStiffness, .breakForce = def.breakForce});
+            return simulation.physics().grasp(
+                body, held, {.stiffness = def.gripStiffness, .breakForce = def.breakForce, .mouth = mouth.jaws});
         const std::vector<Vec3>& nodes = frame.softBody(held)->positions;
         physics::AttachmentDef jaws{.stiffness = def.gripStiffness, .to = body, .breakForce = def.breakForce};
         for (std::size_t i = 0; i < nodes.size(); ++i) {
@@ -282,7 +281,7 @@ struct ArticulatedInstrument::Impl {
             const double edge = std::max(distance(nodes[i], before), distance(nodes[i], after));
             const double near = rod->radius + def.proximity + 0.5 * edge; // so that each contact finds a node
             // A thread that lies around closed jaws touches the rims of their mouth, too, but it runs across it.
-            const bool across = std::abs(dot(normalized(after - before), mouth.opens)) > kAcross;
+            const bool across = std::abs(dot(normalized(after - before), mouth.opens())) > kAcross;
             if (!across && std::ranges::any_of(frame.contacts, [&](const frame::Contact& each) {
                     return touches(each, true) && distance(each.point, nodes[i]) <= near;
                 }))
@@ -294,16 +293,17 @@ struct ArticulatedInstrument::Impl {
 
     [[nodiscard]] Mouth mouthOf(const frame::RigidBodyFrame& now) const
     {
-        const auto turn = [&](Vec3 direction) { return rotate(now.poses.front().orientation, direction); };
         std::array<double, 2> angles = {};
         for (std::size_t i = 0; i < def.jaws.size(); ++i)
             if (const int element = elementOf(i); element != kShaft)
                 angles[i] = now.joints[static_cast<std::size_t>(element - 1)].position;
+        // If the jaws do not open by the same angle, the plane between them inclines.
+        const Vec3 forward = {0.0, 0.0, -1.0};
+        const double slope = std::tan(0.5 * (angles[0] - angles[1]));
+        const Vec3 opens = normalized(cross(def.jaws.front().axis, forward)) - slope * forward;
         return {.tool = body,
-                .pivot = now.poses.front().position,
-                .forward = turn({0.0, 0.0, -1.0}),
-                .opens = turn(normalized(cross(def.jaws.front().axis, Vec3{0.0, 0.0, -1.0}))),
-                .slope = std::tan(0.5 * (angles[0] - angles[1]))};
+                .shaft = now.poses.front(),
+                .jaws = {.element = kShaft, .forward = forward, .opens = normalized(opens)}};
     }
 
     /// The first of these bodies (their ids ascend) that both sides of the mouth press with `gripForce`; 0 if none.
@@ -336,7 +336,7 @@ struct ArticulatedInstrument::Impl {
         gripAt = transform(inverse(now.poses.front()), rigid ? nearest(rigid->poses, middle)->position : middle);
         // A spring that holds a rigid body and jaws that stand still would work against each other: the jaws give way.
         const bool springs = rigid != nullptr && std::isfinite(def.gripStiffness);
-        const double relief = springs ? kRelief / std::max(kRelief, distance(middle, mouth.pivot)) : 0.0;
+        const double relief = springs ? kRelief / std::max(kRelief, distance(middle, mouth.pivot())) : 0.0;
         commandJaws([&](std::size_t joint, const JawDef& each) {
             const double position = std::clamp(now.joints[joint].position + relief, 0.0, each.opensBy);
             return physics::JointCommand(JointPosition{position});

@@ -162,6 +162,15 @@ bool leaveOutGone(Half& body, Half& other)
     return !body.points.empty();
 }
 
+/// Whether a contact is where a body in these poses grasps.
+bool isGrasped(const physics::Grasp& grasp, const frame::Contact& contact, const std::vector<Pose>& poses)
+{
+    if (!grasp.def.mouth) return true;
+    const Pose toMouth = inverse(poses[static_cast<std::size_t>(grasp.def.mouth->element)]);
+    const Vec3 push = contact.first == grasp.rigid ? contact.normal : -contact.normal;
+    return physics::isInMouth(*grasp.def.mouth, transform(toMouth, contact.point), rotate(toMouth.orientation, push));
+}
+
 void keep(AttachmentId id, const Half& body, const Half& other, const TieLaw& law, bool grasp, SofaScene& scene)
 {
     TieState state{.body = body.end, .to = other.end, .law = law, .grasp = grasp};
@@ -246,11 +255,14 @@ bool addTie(const physics::Grasp& grasp, SofaScene& scene)
 {
     std::map<int, std::vector<Vec3>> touched; // per element
     std::map<int, int> targets;
+    RigidState now;
+    if (const RigidNode* jaw = findBody(scene.rigid, grasp.rigid)) jaw->read(now);
     for (const FoundContact& each : scene.contacts) {
         const frame::Contact& contact = each.contact;
         const bool turned = contact.first == grasp.target && contact.second == grasp.rigid;
         if (contact.normalForce <= 0.0 || !(turned || (contact.first == grasp.rigid && contact.second == grasp.target)))
             continue;
+        if (!isGrasped(grasp, contact, now.poses)) continue;
         touched[turned ? each.secondElement : each.firstElement].push_back(contact.point);
         targets[turned ? each.secondElement : each.firstElement] = turned ? each.firstElement : each.secondElement;
     }

@@ -191,6 +191,34 @@ TEST_CASE("a grasp without a contact logs a warning and does not wait for a late
     CHECK_FALSE(scene.stage.step(1e-3).has(physics::StepFlag::NothingAttached));
 }
 
+TEST_CASE("a grasp with a mouth takes what touches the body in front of the pivot, between the jaws, and nothing else")
+{
+    const auto graspedBy = [](const std::optional<physics::Mouth>& mouth) {
+        physics::SoftBodyDef def = cube();
+        def.collision = {{}};
+        AttachmentScene scene(def);
+        physics::RigidBodyDef tool = rigidBox({0.0301, 0.01, 0.01}, {0.01, 0.02, 0.02}); // 0.1 mm beside the cube
+        tool.collision = {{}};
+        scene.stage.add(tool);
+        scene.stage.post(physics::Grasp{{1}, {2}, {1}, {.mouth = mouth}});
+        scene.stage.step(1e-3);
+        std::vector<int> nodes;
+        if (!scene.state().attachments.empty()) nodes = scene.nodes();
+        std::ranges::sort(nodes);
+        return nodes;
+    };
+    const auto face = [](auto also) { return nodesOfCube([=](Vec3 p) { return p.x > 0.0199 && also(p); }); };
+    const Vec3 towards{-0.02, 0, 0}, behind{0.01, 0, 0}; // both sides of what touches
+    const Vec3 z{0, 0, -1}, x{1, 0, 0};
+    CHECK(graspedBy({}) == face([](Vec3) { return true; }));
+    CHECK(graspedBy(physics::Mouth{}) == face([](Vec3 p) { return p.z < 0.0099; }));
+    CHECK(graspedBy(physics::Mouth{.pivot = {0, 0, 0.005}, .length = 0.007}) ==
+          face([](Vec3 p) { return std::abs(p.z - 0.01) < 1e-6; }));
+    CHECK(graspedBy(physics::Mouth{.pivot = towards, .forward = z, .opens = x}) ==
+          face([](Vec3 p) { return p.z < 0.0099; }));
+    CHECK(graspedBy(physics::Mouth{.pivot = behind, .forward = z, .opens = x}).empty()); // the back of a jaw
+}
+
 TEST_CASE("a hard attachment replaces the contacts at its points, and a soft one works together with them")
 {
     for (const double stiffness : {physics::kHard, 100.0}) {

@@ -3,10 +3,12 @@
 #include "filasofia/core/attachment_id.h"
 #include "filasofia/core/body_id.h"
 #include "filasofia/math/vec3.h"
+#include "filasofia/physics/mouth.h"
 
 #include <array>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace filasofia::engine {
@@ -66,6 +68,7 @@ struct PendingGrasp {
     BodyId rigid, target;
     double stiffness = 0.0;  ///< [N/m]
     double breakForce = 0.0; ///< [N]
+    std::optional<physics::Mouth> mouth = {};
 };
 
 } // namespace filasofia::engine

@@ -36,6 +36,17 @@ Vec3 positionOf(const BodyPoint& point, const Scene& scene)
     return place;
 }
 
+/// Whether a contact is where the body grasps.
+bool isGrasped(const PendingGrasp& wanted, const Constraint& constraint, bool targetFirst, const Scene& scene)
+{
+    if (!wanted.mouth) return true;
+    const auto& poses = scene.rigid[findBody(scene, wanted.rigid)->index].state.poses;
+    const Pose toMouth = inverse(poses[static_cast<std::size_t>(wanted.mouth->element)]);
+    const Vec3 push = targetFirst ? -constraint.frame[0] : constraint.frame[0];
+    return physics::isInMouth(*wanted.mouth, transform(toMouth, constraint.contact.cached.point),
+                              rotate(toMouth.orientation, push));
+}
+
 void grasp(const PendingGrasp& wanted, const Coupling& coupling, Scene& scene, physics::StepReport& report)
 {
     Attachment attachment{wanted.id, wanted.target, wanted.rigid, {}, {}, wanted.stiffness, wanted.breakForce};
@@ -46,6 +57,7 @@ void grasp(const PendingGrasp& wanted, const Coupling& coupling, Scene& scene, p
         const bool targetFirst = contact.first == wanted.target && contact.second == wanted.rigid;
         if (!targetFirst && !(contact.first == wanted.rigid && contact.second == wanted.target)) continue;
         if (!(constraint.contact.gap < constraint.contact.proximity)) continue;
+        if (!isGrasped(wanted, constraint, targetFirst, scene)) continue;
         // Both are attached at the target's place: the gap is kept, they are not drawn together.
         const BodyPoint& target = constraint.sides[targetFirst ? 0 : 1];
         const BodyPoint& rigid = constraint.sides[targetFirst ? 1 : 0];
@@ -57,8 +69,8 @@ void grasp(const PendingGrasp& wanted, const Coupling& coupling, Scene& scene, p
     if (!attachment.pairs.empty()) return addAttachment(std::move(attachment), std::move(forces), scene);
     report.set(physics::StepFlag::NothingAttached);
     report.nothingHeld.push_back({.id = wanted.id, .body = wanted.rigid, .to = wanted.target, .grasp = true});
-    logWarning("rigid body '", scene.rigid[findBody(scene, wanted.rigid)->index].model.name,
-               "': grasp.target: no contact with ", nameOf(scene, wanted.target), "; nothing is attached");
+    logWarning(nameOf(scene, wanted.rigid), ": grasp.target: no contact ", wanted.mouth ? "in its mouth " : "", "with ",
+               nameOf(scene, wanted.target), "; nothing is attached");
 }
 
 /// The points by which one hard attachment fixes two bodies to each other.

@@ -4,6 +4,7 @@
 #include "filasofia/engine/collision/proximity.h"
 #include "filasofia/engine/constraint/body_point.h"
 #include "filasofia/engine/scene/find_body.h"
+#include "filasofia/physics/check_mouth.h"
 
 #include <cmath>
 #include <tuple>
@@ -83,6 +84,8 @@ void checkAttachments(const Scene& scene)
         if (findBody(scene, each.rigid)->soft) fail(object, ": only a rigid body can grasp");
         if (!positiveOrInfinite().contains(each.stiffness)) fail(object, ": stiffness must be > 0 N/m");
         if (!positiveOrInfinite().contains(each.breakForce)) fail(object, ": breakForce must be > 0 N");
+        const std::size_t elements = scene.rigid[findBody(scene, each.rigid)->index].state.poses.size();
+        if (each.mouth) physics::check(*each.mouth, elements, object + ": mouth");
     }
 }
 

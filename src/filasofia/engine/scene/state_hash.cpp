@@ -119,6 +119,13 @@ void add(Hasher& hash, const AttachedPoint& point)
     add(hash, point.place);
 }
 
+void add(Hasher& hash, const physics::Mouth& mouth)
+{
+    hash.add(static_cast<std::uint64_t>(mouth.element));
+    for (const Vec3& each : {mouth.pivot, mouth.forward, mouth.opens}) add(hash, each);
+    hash.add(mouth.length);
+}
+
 void addAttachments(Hasher& hash, const Scene& scene)
 {
     addCount(hash, scene.attachments.size());
@@ -145,6 +152,7 @@ void addAttachments(Hasher& hash, const Scene& scene)
         for (std::uint32_t id : {each.id.value, each.rigid.value, each.target.value}) hash.add(std::uint64_t{id});
         hash.add(each.stiffness);
         hash.add(each.breakForce);
+        if (each.mouth) add(hash, *each.mouth); // the hash of others stays
     }
 }
 

@@ -137,7 +137,8 @@ struct ApplyCommand {
     {
         // Ids may arrive slightly out of order: threads take them before their commands are queued.
         const auto place = std::ranges::upper_bound(scene.grasps, grasp.id, {}, &PendingGrasp::id);
-        scene.grasps.insert(place, {grasp.id, grasp.rigid, grasp.target, grasp.def.stiffness, grasp.def.breakForce});
+        scene.grasps.insert(
+            place, {grasp.id, grasp.rigid, grasp.target, grasp.def.stiffness, grasp.def.breakForce, grasp.def.mouth});
     }
     void operator()(const physics::ApplyClip& clip) const { applyClip(clip, scene, report); }
     void operator()(const physics::RemovePiece& remove) const
