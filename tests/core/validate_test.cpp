@@ -67,6 +67,64 @@ TEST_CASE("an error names object, field, bound and value, wherever the field lie
     CHECK_THROWS_WITH(validate(thing, "thing 'a'"), "thing 'a': poisson must be in [0, 0.5), got nan");
 }
 
+namespace {
+
+struct Vector {
+    double x = 0.0, y = 0.0;
+};
+constexpr auto fields(const Vector*)
+{
+    return describe("Vector", field("x", &Vector::x, "", finite(), ""), field("y", &Vector::y, "", finite(), ""));
+}
+
+/// Numbers whose units have a largest magnitude.
+struct Quantities {
+    Vector gravity = {};
+    double modulus = 1e4, stiffness = std::numeric_limits<double>::infinity(), pressure = 0.0, size = 1.0, place = 0.0;
+    double friction = 0.5;
+};
+constexpr auto fields(const Quantities*)
+{
+    using T = Quantities;
+    return describe("Quantities", field("gravity", &T::gravity, "m/s^2", finite(), ""),
+                    field("modulus", &T::modulus, "Pa", positive(), ""),
+                    field("stiffness", &T::stiffness, "N/m", positiveOrInfinite(), ""),
+                    field("pressure", &T::pressure, "Pa", finite(), ""), field("size", &T::size, "m", positive(), ""),
+                    field("place", &T::place, "m", finite(), ""),
+                    field("friction", &T::friction, "-", within(nonNegative(), kLargestFriction), ""));
+}
+
+} // namespace
+
+TEST_CASE("a finite number far beyond what its unit can mean is refused, infinite ones and far places are not")
+{
+    const auto says = [](auto change) -> std::string {
+        Quantities it;
+        change(it);
+        try {
+            validate(it, "it");
+        } catch (const Error& error) {
+            return error.what();
+        }
+        return "";
+    };
+    CHECK(says([](Quantities&) {}).empty());
+    CHECK(says([](Quantities& q) { q.modulus = 1e13; }).empty());
+    CHECK(says([](Quantities& q) { q.modulus = 1e300; }) == "it: modulus must be <= 1e+13 Pa, got 1e+300");
+    CHECK(says([](Quantities& q) { q.modulus = -1e300; }) == "it: modulus must be > 0 Pa, got -1e+300");
+    CHECK(says([](Quantities& q) { q.modulus = std::numeric_limits<double>::infinity(); }) ==
+          "it: modulus must be > 0 Pa and finite, got inf");
+    CHECK(says([](Quantities& q) { q.pressure = -1e300; }) ==
+          "it: pressure must be in [-1e+13, 1e+13] Pa, got -1e+300");
+    CHECK(says([](Quantities& q) { q.stiffness = 1e300; }) == "it: stiffness must be <= 1e+15 N/m, got 1e+300");
+    CHECK(says([](Quantities& q) { q.gravity.y = -1e5; }).empty());
+    CHECK(says([](Quantities& q) { q.gravity.y = -1e30; }) ==
+          "it: gravity.y must be in [-100000, 100000] m/s^2, got -1e+30");
+    CHECK(says([](Quantities& q) { q.size = 1e300; }) == "it: size must be <= 1e+09 m, got 1e+300");
+    CHECK(says([](Quantities& q) { q.place = 1e300; }).empty());
+    CHECK(says([](Quantities& q) { q.friction = 1e30; }) == "it: friction must be <= 1000, got 1e+30");
+}
+
 TEST_CASE("bounds read as people write them")
 {
     CHECK(positive().text("Pa") == "must be > 0 Pa");

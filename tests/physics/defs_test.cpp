@@ -38,7 +38,7 @@ template <class Def> int checkEveryField()
     forEachField<Def>([&](const auto& each) {
         using Member = std::remove_cvref_t<decltype(Def{}.*(each.member))>;
         const auto expect = [&](const Def& def, const std::string& path, double value) {
-            const std::string bound = text(object, ": ", path, " ", each.range.text(each.unit));
+            const std::string bound = text(object, ": ", path, " ", each.range.refusal(each.unit, value));
             checkError([&] { validate(def, object); }, {bound, text(", got ", value == 0.0 ? 0.0 : value)});
             ++tried;
         };
@@ -72,6 +72,25 @@ template <class Change> std::string refusal(Change change)
 }
 
 } // namespace
+
+TEST_CASE("absurd numbers are refused when a body is made, with object, field, bound and value")
+{
+    CHECK(refusal([](SoftBodyDef& def) { def.material = FemMaterial{.youngModulus = 1e300}; }) ==
+          "soft body 'liver': material.youngModulus must be <= 1e+13 Pa, got 1e+300");
+    CHECK(refusal([](SoftBodyDef& def) { def.mass = Density{1e30}; }) ==
+          "soft body 'liver': mass.value must be <= 10000000 kg/m^3, got 1e+30");
+    CHECK(refusal([](SoftBodyDef& def) { def.pressure = -1e20; }) ==
+          "soft body 'liver': pressure must be in [-1e+13, 1e+13] Pa, got -1e+20");
+    CHECK(refusal([](SoftBodyDef& def) { def.velocity.z = 1e7; }) ==
+          "soft body 'liver': velocity.z must be in [-100000, 100000] m/s, got 10000000");
+    CHECK(refusal([](SoftBodyDef& def) { def.friction = 1e9; }) ==
+          "soft body 'liver': friction must be <= 1000, got 1e+09");
+    CHECK(refusal([](SoftBodyDef& def) { def.rayleigh.mass = 1e20; }) ==
+          "soft body 'liver': rayleigh.mass must be <= 1e+09 1/s, got 1e+20");
+    CHECK(refusal([](SoftBodyDef& def) { def.attachments = {{.nodes = {0}, .stiffness = 1e300}}; }) ==
+          "soft body 'liver': attachments[0].stiffness must be <= 1e+15 N/m, got 1e+300");
+    CHECK(refusal([](SoftBodyDef& def) { def.attachments = {{.nodes = {0}, .stiffness = kHard}}; }) == "accepted");
+}
 
 TEST_CASE("every number of every def has a range, and outside it is an Error with object, field, bound and value")
 {

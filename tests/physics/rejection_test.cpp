@@ -96,10 +96,15 @@ TEST_CASE_METHOD(Fixture, "an invalid pose is an error")
     checkError([&] { server.setPose(rigid, {}, -1); }, {"rigid body 'forceps'", "element", "[0, 2)", "got -1"});
 }
 
-TEST_CASE_METHOD(Fixture, "gravity that is not finite is an error")
+TEST_CASE_METHOD(Fixture, "gravity that is not finite, or absurd, is an error")
 {
     checkError([&] { server.setGravity({0, kInf, 0}); }, {"gravity", "must be finite", "inf"});
     checkError([&] { server.setGravity({kNan, 0, 0}); }, {"gravity", "must be finite", "nan"});
+    checkError(
+        [&] {
+            server.setGravity({0, -1e30, 0});
+        },
+        {"physics server: gravity.y must be in [-100000, 100000] m/s^2, got -1e+30"});
 }
 
 TEST_CASE_METHOD(Fixture, "a material out of its range, or of the other kind, is an error")
@@ -125,6 +130,12 @@ TEST_CASE_METHOD(Fixture, "a force on a node that does not exist, or one that is
 TEST_CASE_METHOD(Fixture, "a pressure that is not finite is an error")
 {
     checkError([&] { server.setPressure(soft, kNan); }, {"soft body 'liver'", "pressure", "must be finite", "got nan"});
+}
+
+TEST_CASE_METHOD(Fixture, "a pressure beyond all materials is an error")
+{
+    checkError([&] { server.setPressure(soft, 1e300); },
+               {"soft body 'liver': pressure must be in [-1e+13, 1e+13] Pa, got 1e+300"});
 }
 
 TEST_CASE("a server def out of its range is an error")

@@ -2,7 +2,6 @@
 
 #include "filasofia/core/error.h"
 
-#include <cmath>
 #include <string_view>
 
 namespace filasofia::python {
@@ -55,12 +54,7 @@ double readNumber(nb::handle value, const Where& where)
         }
         number = PyFloat_AsDouble(real.ptr());
     }
-    if (!where.range.contains(number)) {
-        // "must be > 0, got inf" would be no reason.
-        const bool endless =
-            std::isinf(number) && number > 0.0 && std::isfinite(where.range.low) && !std::isfinite(where.range.high);
-        failValue(where, text(where.range.text(where.unit), endless ? " and finite" : ""), value);
-    }
+    if (!where.range.contains(number)) failValue(where, where.range.refusal(where.unit, number), value);
     return number;
 }
 

@@ -27,7 +27,9 @@ template <class T> struct Check {
             forEachField<T>([&](const auto& each) {
                 using Value = std::remove_cvref_t<decltype(value.*(each.member))>;
                 const std::string inner = path.empty() ? std::string(each.name) : path + "." + std::string(each.name);
-                Check<Value>::apply(value.*(each.member), object, inner, each.range, each.unit);
+                const bool bare = each.unit.empty(); // a coordinate of a quantity with a unit
+                Check<Value>::apply(value.*(each.member), object, inner,
+                                    bare ? within(each.range, range.most) : each.range, bare ? unit : each.unit);
             });
         }
         // Texts, flags, enumerations and shared immutable data have no bounds.

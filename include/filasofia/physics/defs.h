@@ -132,7 +132,8 @@ constexpr auto fields(const SoftBodyDef*)
                     field("forces", &T::forces, "prescribed nodal forces"),
                     field("pressure", &T::pressure, "Pa", finite(), "pressure on the whole surface, positive inwards"),
                     field("collision", &T::collision, "its collision models"),
-                    field("friction", &T::friction, "-", nonNegative(), "friction coefficient mu of Coulomb's law"),
+                    field("friction", &T::friction, "-", within(nonNegative(), kLargestFriction),
+                          "friction coefficient mu of Coulomb's law"),
                     field("dynamicTopology", &T::dynamicTopology, "whether it may be cut and may tear"),
                     field("puncture", &T::puncture, "how it resists needles; none: they cannot pierce it"),
                     field("cavities", &T::cavities, "spaces that its surface encloses, and what fills them"));

@@ -62,7 +62,8 @@ constexpr auto fields(const FemMaterial*)
         field("regions", &T::regions, "parts of the body that differ"),
         field("fibres", &T::fibres, "families of fibres"),
         field("relaxation", &T::relaxation, "terms of a Prony series"),
-        field("stiffnessField", &T::stiffnessField, "-", positive(), "factors of Young's modulus, per tetrahedron"),
+        field("stiffnessField", &T::stiffnessField, "-", within(positive(), 1e9),
+              "factors of Young's modulus, per tetrahedron"),
         field("validStrain", &T::validStrain, "-", positiveOrInfinite(),
               "strain up to which the constants were measured"),
         field("yieldStress", &T::yieldStress, "Pa", positiveOrInfinite(), "von Mises stress beyond which it flows"));

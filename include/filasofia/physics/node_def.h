@@ -20,8 +20,9 @@ struct NodalForce {
 constexpr auto fields(const Rayleigh*)
 {
     using T = Rayleigh;
-    return describe("Rayleigh", field("mass", &T::mass, "1/s", nonNegative(), "factor of the mass matrix"),
-                    field("stiffness", &T::stiffness, "s", nonNegative(), "factor of the stiffness matrix"));
+    return describe(
+        "Rayleigh", field("mass", &T::mass, "1/s", within(nonNegative(), 1e9), "factor of the mass matrix"),
+        field("stiffness", &T::stiffness, "s", within(nonNegative(), 1e9), "factor of the stiffness matrix"));
 }
 constexpr auto fields(const NodalForce*)
 {

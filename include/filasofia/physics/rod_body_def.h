@@ -95,7 +95,8 @@ constexpr auto fields(const RodBodyDef*)
         field("dynamicTopology", &T::dynamicTopology, "whether it may be cut and may tear"),
         field("breakForce", &T::breakForce, "N", positiveOrInfinite(), "tension beyond which it tears"),
         field("needle", &T::needle, "its first node is a sharp tip"),
-        field("friction", &T::friction, "-", nonNegative(), "friction coefficient mu of Coulomb's law"));
+        field("friction", &T::friction, "-", within(nonNegative(), kLargestFriction),
+              "friction coefficient mu of Coulomb's law"));
 }
 
 /// The nodes of a rod at the start, in world coordinates. Throws an Error naming the rod if its points are none of a

@@ -28,15 +28,16 @@ struct ShellMaterial {
 constexpr auto fields(const ShellMaterial*)
 {
     using T = ShellMaterial;
-    return describe(
-        "ShellMaterial", field("youngModulus", &T::youngModulus, "Pa", positive(), "Young's modulus of the sheet"),
-        field("poissonRatio", &T::poissonRatio, "-", closedOpen(0, 0.5), "Poisson's ratio"),
-        field("thickness", &T::thickness, "m", positive(), "thickness at rest"),
-        field("bendingScale", &T::bendingScale, "-", nonNegative(), "bending stiffness relative to that of a plate"),
-        field("validStrain", &T::validStrain, "-", positiveOrInfinite(),
-              "strain up to which the constants were measured"),
-        field("tearingThreshold", &T::tearingThreshold, "Pa", positiveOrInfinite(),
-              "largest principal stress at which it tears"));
+    return describe("ShellMaterial",
+                    field("youngModulus", &T::youngModulus, "Pa", positive(), "Young's modulus of the sheet"),
+                    field("poissonRatio", &T::poissonRatio, "-", closedOpen(0, 0.5), "Poisson's ratio"),
+                    field("thickness", &T::thickness, "m", positive(), "thickness at rest"),
+                    field("bendingScale", &T::bendingScale, "-", within(nonNegative(), 1e9),
+                          "bending stiffness relative to that of a plate"),
+                    field("validStrain", &T::validStrain, "-", positiveOrInfinite(),
+                          "strain up to which the constants were measured"),
+                    field("tearingThreshold", &T::tearingThreshold, "Pa", positiveOrInfinite(),
+                          "largest principal stress at which it tears"));
 }
 
 } // namespace filasofia::physics

@@ -115,7 +115,7 @@ constexpr auto fields(const ArticulatedInstrumentDef*)
               "torque that closes each jaw; not given: the kind's"),
         field("speed", &T::speed, "rad/s", positive(), "largest speed of a jaw"),
         field("proximity", &T::proximity, "m", nonNegative(), "distance at which contacts are found"),
-        field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"),
+        field("friction", &T::friction, "-", within(nonNegative(), kLargestFriction), "mu of Coulomb's law"),
         field("grasps", &T::grasps, "whether its jaws can hold something"),
         field("gripForce", &T::gripForce, "N", positive(), "force on each side at which tissue is grasped"),
         field("gripStiffness", &T::gripStiffness, "N/m", positiveOrInfinite(), "stiffness of each held point"),

@@ -75,7 +75,7 @@ constexpr auto fields(const EndoscopeDef*)
         field("collision", &T::collision, "collision mesh"),
         field("groups", &T::groups, "collision groups of its models"),
         field("proximity", &T::proximity, "m", nonNegative(), "distance at which contacts are found"),
-        field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"),
+        field("friction", &T::friction, "-", within(nonNegative(), kLargestFriction), "mu of Coulomb's law"),
         field("lens", &T::lens, "m", finite(), "place of the camera, from the tip"),
         field("inclination", &T::inclination, "rad", closed(0, 1.5), "angle between view and shaft"),
         field("fieldOfView", &T::fieldOfView, "rad", closed(0.2, 2.6), "angle over the height of the picture"),

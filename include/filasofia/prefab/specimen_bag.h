@@ -25,20 +25,21 @@ struct SpecimenBagDef {
 constexpr auto fields(const SpecimenBagDef*)
 {
     using T = SpecimenBagDef;
-    return describe("SpecimenBagDef", field("name", &T::name, "what errors and reports call its film"),
-                    field("arms", &T::arms, "m", positive(), "length of each arm that the mouth is fixed to"),
-                    field("depth", &T::depth, "m", positive(), "from its mouth to its bottom"),
-                    field("cells", &T::cells, "-", closed(3, 100), "of its mesh, along each arm"),
-                    field("film", &T::film, "what it is made of"),
-                    field("density", &T::density, "kg/m^3", positive(), "of the film"),
-                    field("rayleigh", &T::rayleigh, "damping of the film"),
-                    field("rimStiffness", &T::rimStiffness, "N/m", positiveOrInfinite(),
-                          "with which each node of the mouth is held by its arm"),
-                    field("groups", &T::groups, "collision groups of the film"),
-                    field("proximity", &T::proximity, "m", nonNegative(), "distance at which contacts are found"),
-                    field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"),
-                    field("self", &T::self, "whether the film collides with itself"),
-                    field("material", &T::material, "what it looks like"));
+    return describe(
+        "SpecimenBagDef", field("name", &T::name, "what errors and reports call its film"),
+        field("arms", &T::arms, "m", positive(), "length of each arm that the mouth is fixed to"),
+        field("depth", &T::depth, "m", positive(), "from its mouth to its bottom"),
+        field("cells", &T::cells, "-", closed(3, 100), "of its mesh, along each arm"),
+        field("film", &T::film, "what it is made of"),
+        field("density", &T::density, "kg/m^3", positive(), "of the film"),
+        field("rayleigh", &T::rayleigh, "damping of the film"),
+        field("rimStiffness", &T::rimStiffness, "N/m", positiveOrInfinite(),
+              "with which each node of the mouth is held by its arm"),
+        field("groups", &T::groups, "collision groups of the film"),
+        field("proximity", &T::proximity, "m", nonNegative(), "distance at which contacts are found"),
+        field("friction", &T::friction, "-", within(nonNegative(), kLargestFriction), "mu of Coulomb's law"),
+        field("self", &T::self, "whether the film collides with itself"),
+        field("material", &T::material, "what it looks like"));
 }
 
 /// Hangs a bag on an instrument, whose two jaws are the arms that spread its mouth (InstrumentKind::SpecimenBag). The

@@ -30,19 +30,19 @@ struct WireLoopDef {
 constexpr auto fields(const WireLoopDef*)
 {
     using T = WireLoopDef;
-    return describe("WireLoopDef", field("name", &T::name, "what errors and reports call it"),
-                    field("pose", &T::pose, "pose at the start"),
-                    field("width", &T::width, "m", positive(), "between the arms"),
-                    field("depth", &T::depth, "m", positive(), "from the arms to the bottom of the loop"),
-                    field("wire", &T::wire, "m", positive(), "thickness"),
-                    field("arms", &T::arms, "m", positive(), "length of the arms"),
-                    field("cutting", &T::cutting, "W", openClosed(0, 1e6), "power of the yellow pedal"),
-                    field("drying", &T::drying, "W", openClosed(0, 1e6), "power of the blue pedal"),
-                    field("reach", &T::reach, "m", openClosed(0, 1), "how far from the wire tissue is heated"),
-                    field("groups", &T::groups, "collision groups"),
-                    field("proximity", &T::proximity, "m", nonNegative(), "distance at which contacts are found"),
-                    field("friction", &T::friction, "-", nonNegative(), "mu of Coulomb's law"),
-                    field("material", &T::material, "what it looks like"));
+    return describe(
+        "WireLoopDef", field("name", &T::name, "what errors and reports call it"),
+        field("pose", &T::pose, "pose at the start"), field("width", &T::width, "m", positive(), "between the arms"),
+        field("depth", &T::depth, "m", positive(), "from the arms to the bottom of the loop"),
+        field("wire", &T::wire, "m", positive(), "thickness"),
+        field("arms", &T::arms, "m", positive(), "length of the arms"),
+        field("cutting", &T::cutting, "W", openClosed(0, 1e6), "power of the yellow pedal"),
+        field("drying", &T::drying, "W", openClosed(0, 1e6), "power of the blue pedal"),
+        field("reach", &T::reach, "m", openClosed(0, 1), "how far from the wire tissue is heated"),
+        field("groups", &T::groups, "collision groups"),
+        field("proximity", &T::proximity, "m", nonNegative(), "distance at which contacts are found"),
+        field("friction", &T::friction, "-", within(nonNegative(), kLargestFriction), "mu of Coulomb's law"),
+        field("material", &T::material, "what it looks like"));
 }
 
 /// A wire loop that cuts with current and shaves chips off tissue. It is a kinematic rigid body with two electrodes. A

@@ -60,20 +60,21 @@ struct BurningDef {
 constexpr auto fields(const BurningDef*)
 {
     using T = BurningDef;
-    return describe("BurningDef", field("depth", &T::depth, "m", positive(), "of the layer that is heated"),
-                    field("density", &T::density, "kg/m^3", positive(), "of the tissue"),
-                    field("heatCapacity", &T::heatCapacity, "J/(kg K)", positive(), "of the tissue"),
-                    field("conductivity", &T::conductivity, "W/(m K)", nonNegative(), "of the tissue"),
-                    field("perfusion", &T::perfusion, "1/s", nonNegative(), "blood through tissue, by volume"),
-                    field("bloodHeatCapacity", &T::bloodHeatCapacity, "J/(m^3 K)", positive(), "of blood"),
-                    field("loss", &T::loss, "W/(m^2 K)", nonNegative(), "to what is below and to the air"),
-                    field("temperature", &T::temperature, "K", closed(250, 370), "at rest"),
-                    field("water", &T::water, "-", closed(0, 1), "share of the mass"),
-                    field("frequencyFactor", &T::frequencyFactor, "1/s", nonNegative(), "of the damage; 0: none"),
-                    field("activationEnergy", &T::activationEnergy, "J/mol", positive(), "of the damage"),
-                    field("target", &T::target, "false: its burn is an injury"),
-                    field("rate", &T::rate, "1/s", closed(1, 1000), "steps of the heat per simulated second"),
-                    field("tissue", &T::tissue, "what heat does to its mechanics; none: nothing"));
+    return describe(
+        "BurningDef", field("depth", &T::depth, "m", positive(), "of the layer that is heated"),
+        field("density", &T::density, "kg/m^3", positive(), "of the tissue"),
+        field("heatCapacity", &T::heatCapacity, "J/(kg K)", positive(), "of the tissue"),
+        field("conductivity", &T::conductivity, "W/(m K)", nonNegative(), "of the tissue"),
+        field("perfusion", &T::perfusion, "1/s", within(nonNegative(), 1e9), "blood through tissue, by volume"),
+        field("bloodHeatCapacity", &T::bloodHeatCapacity, "J/(m^3 K)", positive(), "of blood"),
+        field("loss", &T::loss, "W/(m^2 K)", nonNegative(), "to what is below and to the air"),
+        field("temperature", &T::temperature, "K", closed(250, 370), "at rest"),
+        field("water", &T::water, "-", closed(0, 1), "share of the mass"),
+        field("frequencyFactor", &T::frequencyFactor, "1/s", nonNegative(), "of the damage; 0: none"),
+        field("activationEnergy", &T::activationEnergy, "J/mol", positive(), "of the damage"),
+        field("target", &T::target, "false: its burn is an injury"),
+        field("rate", &T::rate, "1/s", closed(1, 1000), "steps of the heat per simulated second"),
+        field("tissue", &T::tissue, "what heat does to its mechanics; none: nothing"));
 }
 /// The last field is younger than the first recordings of burns.
 constexpr std::size_t addedFields(const BurningDef*) { return 1; }

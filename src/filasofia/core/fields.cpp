@@ -16,12 +16,21 @@ std::string Range::text(std::string_view unit) const
     return filasofia::text("must be in ", lowOpen ? "(" : "[", low, ", ", high, highOpen ? ")" : "]", suffix);
 }
 
+std::string Range::refusal(std::string_view unit, double value) const
+{
+    if (isAbsurd(value) && Range{low, high, lowOpen, highOpen}.contains(value)) {
+        if (low < 0.0) return closed(-most, most).text(unit);
+        return Range{.high = most, .highOpen = false}.text(unit);
+    }
+    // "must be > 0, got inf" would be no reason.
+    const bool endless = std::isinf(value) && value > 0.0 && std::isfinite(low) && !std::isfinite(high);
+    return text(unit) + (endless ? " and finite" : "");
+}
+
 void detail::failRange(std::string_view object, std::string_view path, const Range& range, std::string_view unit,
                        double value)
 {
-    // "must be > 0, got inf" would be no reason.
-    const bool endless = std::isinf(value) && value > 0.0 && std::isfinite(range.low) && !std::isfinite(range.high);
-    fail(object, ": ", path, " ", range.text(unit), endless ? " and finite" : "", ", got ", value);
+    fail(object, ": ", path, " ", range.refusal(unit, value), ", got ", value);
 }
 
 } // namespace filasofia

@@ -69,7 +69,8 @@ double realNumber(std::string_view name, std::string_view word, const Bound& bou
 {
     const std::optional<double> value = parsed<double>(word);
     if (value && bound.range.contains(*value)) return *value;
-    fail(name, " ", bound.range.text(bound.unit), ", got ", shownWord(word));
+    const std::string must = value ? bound.range.refusal(bound.unit, *value) : bound.range.text(bound.unit);
+    fail(name, " ", must, ", got ", shownWord(word));
 }
 
 } // namespace filasofia

@@ -123,6 +123,7 @@ struct Registry::Check {
     {
         const Vec3 g = set.gravity;
         if (!isFinite(g)) fail("physics server: gravity must be finite, got ", g.x, " ", g.y, " ", g.z);
+        validate(set, "physics server");
     }
     void operator()(const SetMaterial& set) const
     {
@@ -225,6 +226,7 @@ struct Registry::Check {
         const Body& body = find<SoftBodyDef>(set.id, "must be a soft body to have its pressure set");
         if (!std::isfinite(set.pressure))
             fail(describeBody(*body.def), ": pressure must be finite, got ", set.pressure);
+        validate(set, describeBody(*body.def));
     }
     void operator()(const Attach& attach) const
     {

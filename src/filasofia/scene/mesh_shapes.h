@@ -191,13 +191,13 @@ constexpr auto fields(const ScaledSurface*)
 {
     using T = ScaledSurface;
     return describe("surface", field("file", &T::file, "a surface file"),
-                    field("scale", &T::scale, "-", positive(), "metres per unit of the file"));
+                    field("scale", &T::scale, "-", within(positive(), 1e9), "metres per unit of the file"));
 }
 constexpr auto fields(const ScaledTetrahedra*)
 {
     using T = ScaledTetrahedra;
     return describe("tetrahedra", field("file", &T::file, "a mesh file"),
-                    field("scale", &T::scale, "-", positive(), "metres per unit of the file"),
+                    field("scale", &T::scale, "-", within(positive(), 1e9), "metres per unit of the file"),
                     field("labels", &T::labels, "which list of numbers per cell of a VTK file are labels"),
                     field("join", &T::join, "nodes that lie on each other become one"));
 }

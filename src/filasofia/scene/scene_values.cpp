@@ -53,10 +53,7 @@ double SceneReader::number(const Json& json, const Place& place, const Bound& bo
     } else {
         refuse(json, place, "must be a number");
     }
-    if (!bound.range.contains(value)) {
-        const std::string must = bound.range.text(bound.unit);
-        refuse(json, place, text(must, std::isinf(value) && must != "must be finite" ? " and finite" : ""));
-    }
+    if (!bound.range.contains(value)) refuse(json, place, bound.range.refusal(bound.unit, value));
     return value;
 }
 
@@ -101,7 +98,7 @@ void SceneReader::readNumbers(const Json& json, const Place& place, const Bound&
     if (!quantity || quantity->values.size() != out.size()) refuseCount();
     for (std::size_t i = 0; i < out.size(); ++i) {
         out[i] = inUnit(json, place, bound, quantity->values[i], quantity->unit);
-        if (!bound.range.contains(out[i])) refuse(json, Place{&place, {}, i}, bound.range.text(bound.unit));
+        if (!bound.range.contains(out[i])) refuse(json, Place{&place, {}, i}, bound.range.refusal(bound.unit, out[i]));
     }
 }
 

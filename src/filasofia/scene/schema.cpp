@@ -18,6 +18,9 @@ void addBounds(const Range& range, Schema& to)
 {
     if (std::isfinite(range.low)) to[range.lowOpen ? "exclusiveMinimum" : "minimum"] = range.low;
     if (std::isfinite(range.high)) to[range.highOpen ? "exclusiveMaximum" : "maximum"] = range.high;
+    if (!std::isfinite(range.most)) return;
+    if (!std::isfinite(range.low)) to["minimum"] = -range.most;
+    if (!std::isfinite(range.high)) to["maximum"] = range.most;
 }
 
 // What needs no types is no template: JSON is built by much code, which took each of hundreds of types a third of a
