@@ -18,6 +18,7 @@ struct Mouth {
     /// [-], where the first jaw opens to, at right angles to the plane between the jaws. A contact counts if it pushes
     /// the jaw on its side open; zeros: every one in front of the pivot counts
     Vec3 opens = {};
+    friend bool operator==(const Mouth&, const Mouth&) = default;
 };
 
 constexpr auto fields(const Mouth*)
