@@ -68,9 +68,10 @@ private:
     {
         Json json = IsPlaces<T> ? Json::array() : Json::object();
         [[maybe_unused]] std::size_t index = 0;
+        [[maybe_unused]] const T usual{};
         forEachField<T>([&](const auto& each) {
             if constexpr (HasAddedFields<T>)
-                if (index++ >= firstFields<T>() && value.*(each.member) == T{}.*(each.member)) return;
+                if (index++ >= firstFields<T>() && value.*(each.member) == usual.*(each.member)) return;
             if constexpr (IsPlaces<T>)
                 json.push_back(write(value.*(each.member)));
             else
