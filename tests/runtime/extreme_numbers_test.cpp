@@ -52,7 +52,7 @@ TEST_CASE("coordinates of any size are refused by object, field, bound and value
         holds(add(SoftBodyDef{.name = "it", .mesh = block, .pose = away}), "soft body 'it': pose: ", "within 10000 m");
         holds(add(RigidBodyDef{.name = "it", .elements = {away}}), "rigid body 'it': elements[0]: ", "within 10000 m");
         holds(add(RigidBodyDef{.name = "it", .mesh = ball, .dynamic = true, .velocity = {far, 0, 0}}),
-              "rigid body 'it': velocity ", "< 10000");
+              "rigid body 'it': velocity", "10000");
         holds(refusal([&](Simulation& sim) { sim.physics().setPose(sim.add(RigidBodyDef{.name = "it"}), away); }),
               "rigid body 'it': ", "within 10000 m");
 

@@ -247,6 +247,7 @@ struct Sandwich {
     double force = 0.0;     ///< [N] on the plate in the last step
     double between = 0.0;   ///< the lower organ on the upper one [N]
     int inverted = 0;       ///< most elements inside out in a step
+    int iterations = 0;     ///< in all steps
     std::uint32_t flags = 0;
 
     explicit Sandwich(int cells)
@@ -277,6 +278,7 @@ struct Sandwich {
         const StepReport report = stage.step(kStep);
         flags |= report.flags;
         inverted = std::max(inverted, report.inverted.count);
+        iterations += report.iterations();
         force = between = 0.0;
         for (const frame::Contact& each : stage.world.scene().contactReports) {
             const bool pressed = each.first == plate || each.second == plate;
@@ -327,6 +329,9 @@ TEST_CASE("two organs that a plate presses with 20 N have no element inside out 
     verifyWithin("two organs under a plate, force of the plate after 3 s [N]", scene.force, 19.0, 21.0);
     verifyWithin("two organs under a plate, force of one on the other over that of the plate",
                  scene.between / scene.force, 0.99, 1.01);
+    scene.iterations = 0;
+    scene.bear(1.0);
+    verify("two organs under a plate after 3 s, iterations a step", Sandwich::kStep * scene.iterations, 4.0);
 }
 
 TEST_CASE("two organs bear a plate of 20 N for 60 s with no element inside out, and have their shape again without it",

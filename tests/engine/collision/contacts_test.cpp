@@ -3,6 +3,7 @@
 #include "filasofia/core/units.h"
 
 #include <map>
+#include <numbers>
 #include <set>
 
 namespace filasofia::engine::contacts_test {
@@ -249,6 +250,45 @@ TEST_CASE("a needle of segments touches by points on faces and segments across e
         CHECK(points == 5);    // the others are beyond the box
         CHECK(crossings == 2); // over the two edges of the box's top
     }
+}
+
+TEST_CASE("edges of tissue that have become flat or lead a little towards each other touch only if they pushed before")
+{
+    // Two roofs, ridge across ridge, whose slopes lead away from each other, or towards each other if they are
+    // negative.
+    const auto touch = [](double slope, bool soft, bool pushed) {
+        const double half = 0.005;
+        const geometry::TriangleMesh roof{
+            .vertices = {{-half, 0, 0}, {half, 0, 0}, {0, half, slope * half}, {0, -half, slope * half}},
+            .triangles = {{0, 1, 2}, {1, 0, 3}},
+            .uv = {}};
+        Scene scene;
+        scene.add(roof, kPlain, {{0, 0, 4e-4}, {}});
+        scene.add(roof, kPlain, {{0, 0, 0}, axisAngle({1, 1, 0}, std::numbers::pi)}); // x to y, z to -z
+        if (soft) scene.surfaces[0].element = -1;
+        const auto ridge = [](const CollisionShape& shape) {
+            const auto isRidge = [](const std::array<int, 2>& edge) { return edge[0] + edge[1] == 1; };
+            return shape.edgeFeature(
+                static_cast<int>(std::ranges::find_if(shape.edges, isRidge) - shape.edges.begin()));
+        };
+        const std::array features{ridge(*scene.surfaces[0].shape), ridge(*scene.surfaces[1].shape)};
+        const std::uint64_t both = featureNumber(FeaturePair{.features = features});
+        if (pushed) scene.pushed = {{{1}, {2}, both - 1}, {{1}, {2}, both}, {{1}, {2}, both + 1}};
+        scene.find();
+        const auto found = std::ranges::find(scene.found, both, &Proximity::feature);
+        if (found == scene.found.end()) return false;
+        CHECK(found->gap == Approx(4e-4));
+        CHECK(distance(found->normal, {0, 0, 1}) < 1e-12);
+        return true;
+    };
+    for (const bool soft : {true, false})
+        for (const bool pushed : {true, false}) {
+            CAPTURE(soft, pushed);
+            CHECK(touch(0.01, soft, pushed));
+            CHECK(touch(1e-4, soft, pushed) == (soft && pushed));
+            CHECK(touch(-0.17, soft, pushed) == (soft && pushed));
+            CHECK(!touch(-0.3, soft, pushed));
+        }
 }
 
 TEST_CASE("surfaces in other collision groups or of the same body do not collide")

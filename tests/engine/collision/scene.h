@@ -91,6 +91,7 @@ inline Vec3 randomVector(std::mt19937& random, double size)
 /// Surfaces with all state of their queries from step to step: rigid ones, and tissue if they collide with themselves.
 struct Scene {
     std::vector<CollisionSurface> surfaces;
+    std::vector<PushedFeatures> pushed; ///< in the last step
     std::vector<SheetSide> sides;
     ProximityScratch scratch;
     std::vector<Proximity> found;
@@ -116,7 +117,7 @@ struct Scene {
     const std::vector<Proximity>& find(int threads = 1)
     {
         WorkerPool pool(threads);
-        findProximities(surfaces, dt, pool, sides, scratch, found);
+        findProximities(surfaces, dt, pool, pushed, sides, scratch, found);
         return found;
     }
     /// The position of one side of a proximity.

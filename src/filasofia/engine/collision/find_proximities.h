@@ -4,11 +4,13 @@
 #include "filasofia/engine/collision/collision_surface.h"
 #include "filasofia/engine/collision/normal_bounds.h"
 #include "filasofia/engine/collision/proximity.h"
+#include "filasofia/engine/collision/pushed_features.h"
 #include "filasofia/engine/collision/sheet_side.h"
 
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace filasofia::engine {
@@ -64,7 +66,8 @@ struct ProximityScratch {
 /// The results are local minima of the distance, each once:
 ///   - a point's nearest place in a face, on an edge whose triangles have nothing nearer, or at such a vertex;
 ///   - edge against edge, if the nearest places lie inside both edges and their triangles have nothing nearer (so flat
-///     and concave edges do not collide).
+///     and concave edges do not collide). Edges of which one is tissue that pushed each other in the last step count
+///     for longer.
 /// If the nearest place is on an edge or vertex, the surface around the point must face it: nothing around the point
 /// leads there, within a degree. A face accepts any point.
 ///
@@ -73,12 +76,13 @@ struct ProximityScratch {
 /// beside the rim. A point is inside its own surface only if it has been seen outside before. Without
 /// triangles in use no gap is negative.
 ///
-/// `dt` must be > 0 [s]. `sides`, ascending, holds the sides known from the last step, and is replaced by those for the
-/// next. If a surface gets another shape, the caller must remove the entries of the old one. The same surfaces and
-/// sides give the same list in the same order for any number of threads. Once its buffers have grown, it allocates
-/// nothing.
+/// `dt` must be > 0 [s]. `pushed`, ascending, is what pushed in the last step. `sides`, ascending, holds the sides
+/// known from it, and is replaced by those for the next. If a surface gets another shape, the caller must remove the
+/// entries of the old one from both. The same input gives the same list in the same order for any number of threads.
+/// Once its buffers have grown, it allocates nothing.
 void findProximities(std::vector<CollisionSurface>& surfaces, double dt, WorkerPool& pool,
-                     std::vector<SheetSide>& sides, ProximityScratch& scratch, std::vector<Proximity>& found);
+                     std::span<const PushedFeatures> pushed, std::vector<SheetSide>& sides, ProximityScratch& scratch,
+                     std::vector<Proximity>& found);
 
 /// Whether two surfaces collide if they are near each other; a surface with itself, if both are the same.
 bool mayCollide(const CollisionSurface& a, const CollisionSurface& b);

@@ -2,7 +2,9 @@
 
 #include "filasofia/engine/collision/find_proximities.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <span>
 
 namespace filasofia::engine {
 
@@ -15,6 +17,7 @@ struct SurfacePair {
     /// surface by less may lead towards it by then: a box that fell on an edge and tipped had a contact there alone,
     /// and its other edge was a millimetre deep before it had one.
     double turn = 0.0;
+    std::span<const PushedFeatures> pushed = {};    ///< where their two bodies pushed each other in the last step
     const std::vector<Vec3>* edgeNormals = nullptr; ///< of a solid against itself: edgeNormal() of each edge
 
     [[nodiscard]] bool self() const { return places[0] == places[1]; }
@@ -35,6 +38,20 @@ struct SurfacePair {
 inline std::uint64_t featureNumber(const SurfacePair& meeting, int first, int second)
 {
     return featureNumber(FeaturePair{{meeting.sides[0]->name.model, meeting.sides[1]->name.model}, {first, second}});
+}
+
+/// Of two edges. Those of one surface find each other in either order.
+inline std::uint64_t edgesNumber(const SurfacePair& meeting, int first, int second)
+{
+    const int one = meeting.sides[0]->shape->edgeFeature(first), two = meeting.sides[1]->shape->edgeFeature(second);
+    return meeting.self() && two < one ? featureNumber(meeting, two, one) : featureNumber(meeting, one, two);
+}
+
+/// Whether two edges pushed each other in the last step.
+inline bool edgesPushed(const SurfacePair& meeting, int first, int second)
+{
+    return std::ranges::binary_search(meeting.pushed, edgesNumber(meeting, first, second), {},
+                                      &PushedFeatures::feature);
 }
 
 /// A place on a surface by up to three vertices: a vertex, or a point on an edge or in a face.

@@ -46,9 +46,10 @@ struct ContactDetection {
     std::set<int> warnedThin;      ///< collision groups for which the log has said that the proximities are too small
     ProximityScratch scratch;
     std::vector<Proximity> proximities;
-    std::vector<char> followed;   ///< per proximity: whether it is a contact
-    std::vector<SheetSide> sides; ///< sides for the next step
-    std::vector<Vec3> normals;    ///< scratch: the normals of a surface's triangles
+    std::vector<char> followed;         ///< per proximity: whether it is a contact
+    std::vector<SheetSide> sides;       ///< sides for the next step
+    std::vector<PushedFeatures> pushed; ///< what pushed in the last step, ascending
+    std::vector<Vec3> normals;          ///< scratch: the normals of a surface's triangles
 };
 
 /// The coupling of the bodies in a step: the unconstrained motion of the rigid ones, and all constraints.

@@ -262,7 +262,11 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
     const std::vector<SurfaceOwner> owners = surfaceOwners(scene);
     const std::vector<bool> added = placeSurfaces(dt, scene, owners, coupling);
     detection.sides = scene.sides;
-    findProximities(detection.surfaces, dt, context.pool, detection.sides, detection.scratch, detection.proximities);
+    detection.pushed.clear();
+    for (const CachedContact& each : scene.contacts)
+        detection.pushed.push_back({each.first, each.second, each.feature});
+    findProximities(detection.surfaces, dt, context.pool, detection.pushed, detection.sides, detection.scratch,
+                    detection.proximities);
     if (!added.empty()) noteStartsInside(owners, added, coupling);
     addDeepPoints(owners, detection);
     partCrossings(context, scene, owners, detection);

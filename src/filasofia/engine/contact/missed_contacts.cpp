@@ -163,7 +163,7 @@ std::vector<MissedContact> findUnforeseen(const StepContext& context, const Scen
     exchange();
     std::vector<SheetSide> sides = scene.sides;
     std::vector<Proximity> found;
-    findProximities(detection.surfaces, context.dt, context.pool, sides, detection.scratch, found);
+    findProximities(detection.surfaces, context.dt, context.pool, detection.pushed, sides, detection.scratch, found);
     std::vector<std::uint64_t> known;
     for (const Constraint& each : coupling.contacts()) known.push_back(each.contact.cached.feature);
     std::ranges::sort(known);
