@@ -256,7 +256,7 @@ TEST_CASE("edges of tissue that have become flat or lead a little towards each o
 {
     // Two roofs, ridge across ridge, whose slopes lead away from each other, or towards each other if they are
     // negative.
-    const auto touch = [](double slope, bool soft, bool pushed) {
+    const auto touch = [](double slope, bool soft, bool pushed, double past = 0.0) { // [m/s] sideways
         const double half = 0.005;
         const geometry::TriangleMesh roof{
             .vertices = {{-half, 0, 0}, {half, 0, 0}, {0, half, slope * half}, {0, -half, slope * half}},
@@ -266,6 +266,7 @@ TEST_CASE("edges of tissue that have become flat or lead a little towards each o
         scene.add(roof, kPlain, {{0, 0, 4e-4}, {}});
         scene.add(roof, kPlain, {{0, 0, 0}, axisAngle({1, 1, 0}, std::numbers::pi)}); // x to y, z to -z
         if (soft) scene.surfaces[0].element = -1;
+        scene.surfaces[0].v.assign(4, {past, 0, 0});
         const auto ridge = [](const CollisionShape& shape) {
             const auto isRidge = [](const std::array<int, 2>& edge) { return edge[0] + edge[1] == 1; };
             return shape.edgeFeature(
@@ -288,6 +289,8 @@ TEST_CASE("edges of tissue that have become flat or lead a little towards each o
             CHECK(touch(1e-4, soft, pushed) == (soft && pushed));
             CHECK(touch(-0.17, soft, pushed) == (soft && pushed));
             CHECK(!touch(-0.3, soft, pushed));
+            CHECK(touch(1e-4, soft, pushed, 0.19) == (soft && pushed)); // by 0.285 mm in a step and a half
+            CHECK(!touch(1e-4, soft, pushed, 0.21));
         }
 }
 

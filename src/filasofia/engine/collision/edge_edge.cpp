@@ -21,8 +21,9 @@ constexpr double kNearly = 0.1, kSharp = 0.3;
 // [-] Edges of tissue that pushed each other in the last step count until one leads towards the other by more than
 // this, also if it has become flat. Surfaces that are pressed together are flat within kFlat: their edges counted and
 // did not count in turn, and what one had borne fell on its neighbours at once. Two organs that a plate pressed with
-// 20 N then took 12 iterations a step for ever, 30 in each eighth step; now 0.5.
-constexpr double kStillNearly = 0.15;
+// 20 N then took 12 iterations a step for ever, 30 in each eighth step; now 0.5. What slides past by more than kPast of
+// both proximities in a step and a half is at other edges anyway.
+constexpr double kStillNearly = 0.15, kPast = 0.3;
 constexpr double kWall = 1e-3;   // [-] least thickness of a wall relative to the proximities
 constexpr double kFacing = 0.5;  // [-] cosine of the angle between outsides that face each other at rest, at most
 constexpr double kPressed = 0.3; // [-] these only count if they are this near, relative to both proximities and insets
@@ -114,6 +115,19 @@ struct Facing {
     bool nearest = false; // this place is nearer than all others around it, or was
 };
 
+// Whether two edges, of which one is tissue, pushed each other in the last step and are still at this place.
+bool stay(const SurfacePair& meeting, int first, int second, const EdgeCrossing& at)
+{
+    const CollisionSurface &one = *meeting.sides[0], &two = *meeting.sides[1];
+    const auto velocity = [](const CollisionSurface& surface, int edge, double part) {
+        const auto [a, b] = surface.shape->edges[edge];
+        return (1.0 - part) * surface.v[a] + part * surface.v[b];
+    };
+    const Vec3 passing = velocity(one, first, at.s) - velocity(two, second, at.t);
+    const Vec3 past = meeting.reach * (passing - dot(passing, at.across) * at.across);
+    return length(past) < kPast * meeting.proximities() && edgesPushed(meeting, first, second);
+}
+
 Facing facingOf(const SurfacePair& meeting, int first, int second, const EdgeCrossing& at)
 {
     const CollisionSurface &one = *meeting.sides[0], &two = *meeting.sides[1];
@@ -128,7 +142,7 @@ Facing facingOf(const SurfacePair& meeting, int first, int second, const EdgeCro
             if (b.faces && bends && a.nearly() && b.nearly() &&
                 ((a.away() && b.away()) || sharp(one, first, toOne) || sharp(two, second, toTwo)))
                 return {side, false};
-            if (b.faces && bends && edgesPushed(meeting, first, second)) return {side, true};
+            if (b.faces && bends && stay(meeting, first, second, at)) return {side, true};
         }
         if (!solid(one, first) && !solid(two, second)) return {}; // nothing indicates that they have passed each other
     }

@@ -40,7 +40,7 @@ inline std::uint64_t featureNumber(const SurfacePair& meeting, int first, int se
     return featureNumber(FeaturePair{{meeting.sides[0]->name.model, meeting.sides[1]->name.model}, {first, second}});
 }
 
-/// Of two edges. Those of one surface find each other in either order.
+/// The same for two edges. Those of one surface find each other in either order.
 inline std::uint64_t edgesNumber(const SurfacePair& meeting, int first, int second)
 {
     const int one = meeting.sides[0]->shape->edgeFeature(first), two = meeting.sides[1]->shape->edgeFeature(second);
