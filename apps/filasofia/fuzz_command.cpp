@@ -32,7 +32,8 @@ struct FuzzCommandOptions {
     int scenes = kNotGiven;
     double seconds = std::numeric_limits<double>::quiet_NaN(); ///< [s] knots only; NaN if not given
     int first = kNotGiven;
-    bool tools = false, twice = false;
+    std::string law; ///< laws only; empty if not given
+    bool fibres = false, tools = false, twice = false;
 };
 
 constexpr double kKnotSeconds = 60.0; ///< [s]
@@ -231,10 +232,15 @@ int fuzzLaws(const FuzzCommandOptions& options)
     JsonFile file(options.file);
     const testing::LawFuzzReport report = testing::fuzzLaws({.seed = static_cast<std::uint64_t>(options.seed),
                                                              .scenes = given(options.scenes, kFuzzScenes),
-                                                             .first = given(options.first, 0)});
+                                                             .first = given(options.first, 0),
+                                                             .law = options.law,
+                                                             .fibres = options.fibres});
     printLaws(report);
     json all = lawsToJson(report);
-    all.update({{"fuzz", options.what}, {"seed", options.seed}, {"first", given(options.first, 0)}});
+    all.update({{"fuzz", options.what},
+                {"seed", options.seed},
+                {"first", given(options.first, 0)},
+                {"only", {{"law", options.law}, {"fibres", options.fibres}}}});
     file.write(all);
     return report.sound() ? 0 : kFailed;
 }
@@ -285,6 +291,8 @@ int fuzz(const FuzzCommandOptions& options)
     only(contact || laws, options.scenes != kNotGiven, "--scenes", "contact and laws");
     only(knots, !std::isnan(options.seconds), "--seconds", "knots");
     only(!cuts, options.first != kNotGiven, "--first", "contact, knots and laws");
+    only(laws, !options.law.empty(), "--law", "laws");
+    only(laws, options.fibres, "--fibres", "laws");
     only(contact || knots, options.tools, "--tools", "contact and knots");
     if (options.twice && cuts)
         fail("fuzz: --twice applies to contact and knots only; cut and shells cut each body twice");
@@ -345,6 +353,12 @@ Command fuzzCommand()
               .type = "N",
               .bound = {closed(0, 100000000), "-"},
               .standard = "0"},
+             {.name = "--law",
+              .target = &options.law,
+              .meaning = "laws only: leave out scenes of other laws, or all but those of shells",
+              .type = "NAME",
+              .choices = testing::lawFuzzKinds()},
+             {"--fibres", &options.fibres, "laws only: leave out scenes whose tissue begins without fibres"},
              {"--tools", &options.tools,
               "contact and knots only: scenes of blades, threads and needles, or of needles, jaws and soft cylinders"},
              {"--twice", &options.twice, "contact and knots only: run every scene a second time and compare"},

@@ -1057,6 +1057,19 @@ class Fuzz(Program):
         self.assertEqual((report["seed"], report["replays"], report["hashes_that_differ"]), (3, 9, 0))
         self.assertIn(report["hash"], said)
 
+    def test_scenes_of_one_law_with_fibres_can_be_run_alone(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "laws.json")
+            self.output("fuzz", "laws", "--seed", "3", "--scenes", "2", "--law", "NeoHookean", "--fibres", "--json", str(path))
+            report = json.loads(path.read_text())
+        self.assertEqual([kind["scenes"] for kind in report["kinds"]], [2] + [0] * 8)
+        self.assertGreaterEqual(report["tissue"]["fibres"], 2)
+        self.assertEqual(report["only"], {"law": "NeoHookean", "fibres": True})
+        self.refused("fuzz", "laws", "--law", "Hooke", says=["--law", "'Hooke'", "NeoHookean, Corotational"])
+        self.refused("fuzz", "laws", "--law", "shell", "--fibres", says=["shells have no fibres"])
+        self.refused("fuzz", "cut", "--law", "Fung", says=["--law applies to laws only"])
+        self.refused("fuzz", "contact", "--fibres", says=["--fibres applies to laws only"])
+
     def test_unknown_subjects_and_illegal_values_are_refused(self):
         self.refused("fuzz", "laws", "--twice", says=["--twice applies to contact and knots only"])
         self.refused("fuzz", "cat", says=["'cat'", "known are contact, cut, knots, laws and shells"])

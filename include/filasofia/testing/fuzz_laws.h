@@ -12,8 +12,13 @@ struct LawFuzzDef {
     std::uint64_t seed = 1;
     int scenes = 200;                              ///< [-], > 0
     int first = 0;                                 ///< [-], >= 0: number of the first scene
+    std::string law = {};                          ///< only scenes of this kind, see lawFuzzKinds(); all if empty
+    bool fibres = false;                           ///< only scenes whose tissue begins with fibres
     std::function<void(int scenes)> progress = {}; ///< called after every scene
 };
+
+/// The kinds of scenes in the order of their numbers: scene n is of kind n modulo their number.
+std::vector<std::string> lawFuzzKinds();
 
 /// The scenes of one law.
 struct LawFuzzKind {
@@ -62,7 +67,7 @@ struct LawFuzzReport {
 /// gone, and the energy of motion, weight and strain must not grow by more than 5 %, unless a flag said before that a
 /// solver did not converge, a state was restored, or elements were inside out. Energy is not checked where muscle
 /// contracts, nor in scenes that end early; tissue that relaxes may give back what it has stored. The same seed gives
-/// the same report everywhere.
+/// the same report everywhere. A scene keeps its number if others are left out: `scenes` are counted without these.
 LawFuzzReport fuzzLaws(const LawFuzzDef& def);
 
 } // namespace filasofia::testing

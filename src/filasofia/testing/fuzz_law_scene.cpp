@@ -17,7 +17,6 @@ using Bodies = std::vector<BodyId>;
 
 constexpr double kGap = 1e-3;                         ///< [m] between bodies at the start
 constexpr double kStride = 0.05, kBladeStride = 0.15; ///< [-] the longest way of a tool in a step, over the body's size
-constexpr std::size_t kTissue = 1;                    ///< index of the body that tools act on
 constexpr double kLargeChance = 0.01;                 ///< [-] for a body that several threads share
 
 class LawSceneMaker {

@@ -14,6 +14,8 @@ namespace filasofia::testing {
 inline constexpr std::size_t kLawKinds = std::variant_size_v<physics::ElasticLaw> + 1;
 std::string nameOfLawKind(std::size_t kind);
 
+inline constexpr std::size_t kTissue = 1; ///< index of the body that tools act on
+
 /// Something that happens at a time, before the step that begins there.
 struct LawEvent {
     double time = 0.0; ///< [s]

@@ -57,4 +57,20 @@ TEST_CASE("a scene of a law is the same whatever ran before it")
     CHECK(second.kinds[1].cuts == both.kinds[1].cuts);
 }
 
+TEST_CASE("scenes of one law, or with fibres only, are the same as among all others")
+{
+    const auto only = [](const char* law, bool fibres, int scenes) {
+        return fuzzLaws({.seed = 6, .scenes = scenes, .law = law, .fibres = fibres});
+    };
+    const std::string law = lawFuzzKinds().front();
+    const LawFuzzReport fibred = only(law.c_str(), true, 2), plain = only(law.c_str(), false, 1),
+                        any = only("", true, 2), first = fuzzLaws({.seed = 6, .scenes = 1});
+    CHECK((fibred.scenes == 2 && fibred.kinds[0].scenes == 2));
+    CHECK(fibred.fibres >= 2); // a second body may have some too
+    CHECK((any.scenes == 2 && any.fibres >= 2 && any.kinds[0].scenes < 2));
+    CHECK(plain.hash == first.hash); // scene 0 is of the first law
+    CHECK_THROWS_WITH(only("Hooke", false, 1), "fuzz: unknown law 'Hooke'");
+    CHECK_THROWS_WITH(only("shell", true, 1), "fuzz: shells have no fibres");
+}
+
 } // namespace fuzz_laws_test
