@@ -11,4 +11,13 @@ def cells(data):
                  map(row, data["cells"]))
 
 
-TABLES = {"cells": cells}
+def incompressible(data):
+    def row(cell):
+        step = cell["step_s"]
+        return [str(cell["tetrahedra"]), f'{cell["poisson_ratio"]:g}', ms(step["median"]), ms(step["p99"]), ratio(cell["over_045"]),
+                f'{cell["iterations_mean"]:.1f}', f'{cell["error"]:.1e}', "yes" if cell["flags"] else ""]
+    return table(["tetrahedra", "nu", "median [ms]", "p99 [ms]", "over 0.45", "iterations", "error", "flags"],
+                 map(row, data["incompressible"]))
+
+
+TABLES = {"cells": cells, "incompressible": incompressible}

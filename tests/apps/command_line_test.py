@@ -975,6 +975,12 @@ class BenchSolver(Program):
         self.assertEqual(met("a step of 5 ms"), max(run_["step_over_floor"]["median"] for run_ in alone(5e-3)) <= 4)
         errors = [max(cell["error"][scene] for scene in ("hanging", "standing")) for cell in self.report["cells"]]
         self.assertEqual(met("the default tolerance"), max(errors) <= 1e-3)
+        judged = next(limit for name, limit in limits.items() if "the default tolerance and steps of 5 ms" in name)
+        missed = [(cell["mesh"], scene) for cell in self.report["cells"] for scene in ("hanging", "standing")
+                  if cell["dt_s"] == 5e-3 and cell["error"][scene] > 1e-4]
+        self.assertIs(judged["met"], not missed)
+        named = re.findall(r"\((\d+) tetrahedra, 5 ms, (\w+)\)", judged["measured"])
+        self.assertEqual(named, missed or named[:1])  # all that miss, or the highest
         self.assertIs(met("raises a flag"), True)
         self.assertIs(met("converge"), True)
         for part in ("at 10000 tetrahedra and 5 ms", "from 3004 to 30000", "from 10000 tetrahedra"):
@@ -988,6 +994,38 @@ class BenchSolver(Program):
         self.refused("bench", "solver", "--seconds", "3", says=["--seconds", "bunny"])
         self.refused("bench", "solver", "--quik", says=["'--quik'", "did you mean '--quick'?"])
         self.refused("bench", "solver", "bunny", says=["'bunny'"])
+
+
+class BenchLaws(Program):
+    def test_every_law_and_poisson_ratio_is_measured_and_judged(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "laws.json")
+            done = run("bench", "laws", "--quick", "--json", str(path), timeout=280)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            report, said = json.loads(path.read_text()), done.stdout
+        for size in (754, 3011):
+            laws = [cell["law"] for cell in report["cells"] if cell["tetrahedra"] == size]
+            self.assertEqual((len(laws), laws[:2]), (8, ["Corotational", "NeoHookean"]))
+        rows = report["incompressible"]
+        self.assertEqual([(row["tetrahedra"], row["poisson_ratio"]) for row in rows],
+                         [(754, ratio) for ratio in (0.45, 0.49, 0.499, 0.4999)])
+        self.assertEqual(rows[0]["over_045"]["median"], 1)
+        iterations = [row["iterations_mean"] for row in rows]
+        self.assertEqual(iterations, sorted(iterations))
+        for cell in report["cells"] + rows:
+            self.assertGreater(cell["step_s"]["median"], 0)
+            self.assertLess(cell["error"], 1e-2)
+        limits = {limit["limit"]: limit for limit in report["limits"]}
+        step = next(limit for name, limit in limits.items() if "0.07 ms at 3004 tetrahedra" in name)
+        bound = 0.07e-3 * float(re.search(r"times ([\d.]+) for", step["limit"])[1])
+        named = re.findall(r"\((\w+)\)", step["measured"])
+        medians = {cell["law"]: cell["step_s"]["median"] for cell in report["cells"] if cell["tetrahedra"] == 3011}
+        dearer = [law for law in medians if medians[law] > bound]
+        self.assertEqual((named, step["met"]), (dearer or [max(medians, key=medians.get)], not dearer))
+        ratio = limits["756 tetrahedra: a step at a Poisson ratio of 0.4999 takes at most 1.5 of those at 0.45"]
+        self.assertEqual(ratio["met"], rows[-1]["over_045"]["median"] <= 1.5)
+        for limit in report["limits"]:
+            self.assertIn(limit["limit"] + ": " + limit["measured"], said)
 
 
 class Fuzz(Program):

@@ -19,6 +19,18 @@ struct Verdict {
     std::string measured = {};    ///< the worst case, in words
 };
 
+/// A figure and what it was measured with, in words.
+struct Measured {
+    double value = 0.0;
+    std::string where = {};
+};
+
+/// Whether all figures are at most `bound`. Names each that is not, or the highest; shows them in `unit`.
+Verdict atMost(const std::vector<Measured>& figures, double bound, std::string limit, double unit = 1.0);
+
+/// Rounded to four digits.
+double fourDigits(double value);
+
 /// Prints one line per verdict.
 nlohmann::json printVerdicts(const std::vector<Verdict>& verdicts);
 
@@ -40,8 +52,9 @@ nlohmann::json benchEngines(const std::string& other, bool quick);
 /// double-precision reference solver. If `quick`, only the small meshes are measured, with fewer steps.
 nlohmann::json benchSolver(bool quick);
 
-/// A step's cost by elastic law and mesh size, each law relative to the corotational one, with the error. If `quick`,
-/// only the small meshes are measured, with fewer repetitions.
+/// A step's cost in processor time by elastic law and mesh size, each law relative to the corotational one, with the
+/// error; and by Poisson ratio, relative to 0.45. If `quick`, only the small meshes are measured, with fewer
+/// repetitions.
 nlohmann::json benchLaws(bool quick);
 
 /// A step's cost with bodies in contact, detection and response apart, relative to a step of the same bodies without

@@ -2,8 +2,10 @@
 #include "apps/filasofia/commands.h"
 #include "apps/filasofia/json_file.h"
 #include "filasofia/core/error.h"
+#include "filasofia/core/text.h"
 #include "filasofia/runtime/engines.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -79,6 +81,25 @@ int bench(const BenchCommandOptions& options)
 }
 
 } // namespace
+
+double fourDigits(double value)
+{
+    const double digits = std::pow(10.0, 3.0 - std::floor(std::log10(std::max(std::abs(value), 1e-300))));
+    return std::round(value * digits) / digits;
+}
+
+Verdict atMost(const std::vector<Measured>& figures, double bound, std::string limit, double unit)
+{
+    if (figures.empty()) return {std::move(limit), {}, "not measured"};
+    const auto named = [unit](const Measured& each) {
+        return text(fourDigits(each.value / unit), " (", each.where, ")");
+    };
+    std::string missed;
+    for (const Measured& each : figures)
+        if (!(each.value <= bound)) missed += (missed.empty() ? "" : ", ") + named(each);
+    const Measured& highest = *std::ranges::max_element(figures, {}, &Measured::value);
+    return {std::move(limit), missed.empty(), missed.empty() ? "highest " + named(highest) : missed};
+}
 
 json printVerdicts(const std::vector<Verdict>& verdicts)
 {

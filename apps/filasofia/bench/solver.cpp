@@ -1,11 +1,9 @@
 #include "apps/filasofia/bench/bench.h"
 #include "apps/filasofia/bench/solver_limits.h"
+#include "apps/filasofia/bench/solver_run.h"
 #include "filasofia/core/text.h"
 #include "filasofia/core/worker_pool.h"
 #include "filasofia/engine/native_engine.h"
-#include "filasofia/geometry/mesh_file.h"
-#include "filasofia/geometry/refine.h"
-#include "filasofia/runtime/assets.h"
 
 #include <cstdio>
 
@@ -21,16 +19,7 @@ struct Row {
     SolverEffort effort;
 };
 
-geometry::TetMesh bunny(int tets) { return geometry::loadTetMesh(runtime::asset(text("meshes/bunny_", tets, ".msh"))); }
-
-SolverMesh meshOf(int tets) { return {text(tets), std::make_shared<const geometry::TetMesh>(bunny(tets)), true}; }
-
-/// No file holds a mesh of this size: 64 times 1495 is nearest to 100000.
-SolverMesh largestMesh()
-{
-    auto mesh = std::make_shared<const geometry::TetMesh>(geometry::refined(geometry::refined(bunny(1492))));
-    return {text(mesh->tetrahedra.size()), mesh, false};
-}
+SolverMesh meshOf(int tets) { return {text(tets), bunnyMesh(tets), tets != kLargestBunny}; }
 
 /// The reference solver takes seconds per step on the largest mesh, so fewer steps are made there.
 std::vector<Row> table(bool quick)
@@ -48,7 +37,7 @@ std::vector<Row> table(bool quick)
     if (quick) return rows;
     rows.push_back({meshOf(10000), {}});
     rows.push_back({meshOf(30000), {.referenceWindows = 4, .referenceSteps = 2}});
-    rows.push_back({largestMesh(),
+    rows.push_back({meshOf(kLargestBunny),
                     {.errorSteps = 20,
                      .stiffSteps = 0,
                      .repetitions = 5,

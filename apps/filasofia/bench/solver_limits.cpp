@@ -17,14 +17,6 @@ constexpr double kTwoThreads = 1.6, kDisturbed = 1.0 / 1.2; ///< [-] speed-up ov
 constexpr int kLargeFrom = 29000;  ///< number of tetrahedra of "30000"; the true number is a little less
 constexpr int kFirstForTwo = 9000; ///< number of tetrahedra of "10000"; the true number is a little less
 
-/// What one thread may take for a step of 5 ms, on a machine whose lower bound is kFloorAvx512.
-struct StepLimit {
-    std::string mesh;
-    double seconds;
-};
-const std::array kStepLimits{StepLimit{"3004", 0.07e-3}, StepLimit{"10000", 0.24e-3}, StepLimit{"30000", 0.8e-3},
-                             StepLimit{"95680", 3.5e-3}};
-
 std::string nameOf(const SolverCell& cell) { return text(cell.mesh.name, " tetrahedra, ", 1e3 * cell.dt, " ms"); }
 
 /// The worst of many figures.
@@ -42,10 +34,8 @@ struct Worst {
     [[nodiscard]] Verdict against(double bound, std::string limit, double unit = 1.0) const
     {
         if (!value) return {std::move(limit), {}, "not measured"};
-        const double shown = *value / unit; // rounded to four digits
-        const double digits = std::pow(10.0, 3.0 - std::floor(std::log10(std::max(std::abs(shown), 1e-300))));
         return {std::move(limit), wantsHigh ? *value >= bound : *value <= bound,
-                text(wantsHigh ? "lowest " : "highest ", std::round(shown * digits) / digits, " (", where, ")")};
+                text(wantsHigh ? "lowest " : "highest ", fourDigits(*value / unit), " (", where, ")")};
     }
 };
 
@@ -64,38 +54,26 @@ Verdict judgeErrors(const std::vector<SolverCell>& cells, bool tight)
 
 Verdict judgeErrorsAtLongSteps(const std::vector<SolverCell>& cells)
 {
-    Worst worst;
+    std::vector<Measured> errors;
     for (const SolverCell& cell : cells)
         for (std::size_t h = 0; h < 2; ++h)
             if (cell.dt == kSolverSteps.back())
-                worst.add(cell.errors.standard[h], text(nameOf(cell), h == 0 ? ", hanging" : ", standing"));
-    return worst.against(kErrorAtLongSteps,
-                         text("error at the default tolerance and steps of ", 1e3 * kSolverSteps.back(),
-                              " ms is at most ", kErrorAtLongSteps, " of the displacement"));
-}
-
-/// [-] By how much the lower bound at 3004 tetrahedra exceeds kFloorAvx512, at least 1: limits of time grow with it.
-double slownessOf(const std::vector<SolverCell>& cells)
-{
-    double slowness = 1.0;
-    for (const SolverCell& cell : cells)
-        if (cell.mesh.name == "3004" && cell.dt == kSolverSteps.back())
-            slowness = std::max(slowness, cell.find({1, false})->floorPerElement() / kFloorAvx512);
-    return slowness;
+                errors.push_back({cell.errors.standard[h], text(nameOf(cell), h == 0 ? ", hanging" : ", standing")});
+    return atMost(errors, kErrorAtLongSteps,
+                  text("error at the default tolerance and steps of ", 1e3 * kSolverSteps.back(), " ms is at most ",
+                       kErrorAtLongSteps, " of the displacement"));
 }
 
 Verdict judgeStep(const std::vector<SolverCell>& cells, const StepLimit& limit)
 {
-    const double slowness = slownessOf(cells);
-    Worst worst;
-    for (const SolverCell& cell : cells)
-        if (cell.mesh.name == limit.mesh && cell.dt == kSolverSteps.back())
-            worst.add(cell.find({1, false})->step().median, nameOf(cell));
-    return worst.against(slowness * limit.seconds,
-                         text("a step of ", 1e3 * kSolverSteps.back(), " ms takes one thread at most ",
-                              std::round(1e5 * limit.seconds) / 100.0, " ms at ", limit.mesh, " tetrahedra, times ",
-                              std::round(100.0 * slowness) / 100.0, " for this machine's lower bound"),
-                         1e-3);
+    std::vector<Measured> steps;
+    double floor = 0.0;
+    for (const SolverCell& cell : cells) {
+        if (cell.dt != kSolverSteps.back()) continue;
+        if (cell.mesh.name == limit.mesh) steps.push_back({cell.find({1, false})->step().median, nameOf(cell)});
+        if (cell.mesh.name == "3004") floor = cell.find({1, false})->floorPerElement();
+    }
+    return judgeSteps(steps, limit, floor);
 }
 
 Verdict judgeFloor(const std::vector<SolverCell>& cells, std::size_t d)
@@ -198,6 +176,16 @@ Verdict judgeFlags(const std::vector<SolverCell>& cells)
 }
 
 } // namespace
+
+Verdict judgeSteps(const std::vector<Measured>& steps, const StepLimit& limit, double floorPerElement)
+{
+    const double slowness = std::max(1.0, floorPerElement / kFloorAvx512);
+    return atMost(steps, slowness * limit.seconds,
+                  text("a step of ", 1e3 * kSolverSteps.back(), " ms takes one thread at most ",
+                       rounded(1e3 * limit.seconds, 100), " ms at ", limit.mesh, " tetrahedra, times ",
+                       rounded(slowness, 100), " for this machine's lower bound"),
+                  1e-3);
+}
 
 std::vector<Verdict> judgeSolver(const std::vector<SolverCell>& cells, const std::vector<StiffRun>& stiff,
                                  const std::string& simdTarget)

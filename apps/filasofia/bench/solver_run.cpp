@@ -1,13 +1,25 @@
 #include "apps/filasofia/bench/solver_run.h"
 
+#include "filasofia/core/text.h"
 #include "filasofia/engine/native/native.h"
 #include "filasofia/engine/native_engine.h"
+#include "filasofia/geometry/mesh_file.h"
+#include "filasofia/geometry/refine.h"
+#include "filasofia/runtime/assets.h"
 #include "filasofia/runtime/clock.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace filasofia::app {
+
+std::shared_ptr<const geometry::TetMesh> bunnyMesh(int tets)
+{
+    const int file = tets == kLargestBunny ? 1492 : tets;
+    geometry::TetMesh mesh = geometry::loadTetMesh(runtime::asset(text("meshes/bunny_", file, ".msh")));
+    if (tets == kLargestBunny) mesh = geometry::refined(geometry::refined(mesh));
+    return std::make_shared<const geometry::TetMesh>(std::move(mesh));
+}
 
 physics::SoftBodyDef solverBunny(std::shared_ptr<const geometry::TetMesh> mesh, Hold hold,
                                  const physics::Solver& solver, const physics::FemMaterial& material)

@@ -9,6 +9,11 @@
 /// The bunny in an engine of its own, without a server, a picture or a clock around it.
 namespace filasofia::app {
 
+/// No file holds the largest mesh: it is that of 1495 tetrahedra, refined twice, which is nearest to 100000.
+inline constexpr int kLargestBunny = 95680;
+/// The mesh with this number in its file's name, or the largest.
+std::shared_ptr<const geometry::TetMesh> bunnyMesh(int tets);
+
 enum class Hold { Head, Feet };
 
 inline constexpr Vec3 kSolverGravity{0.0, -9.81, 0.0};
