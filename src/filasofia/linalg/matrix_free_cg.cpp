@@ -49,6 +49,7 @@ NodeSolveReport MatrixFreeCg::solve(const NodeSystem& system, NodeArray& x, cons
         const bool number = rzNew >= 0.0 && std::isfinite(rzNew);
         report.residual = rzNew == 0.0 ? 0.0 : number ? std::sqrt(rzNew / (rzNew + std::max(energy, small))) : 1.0;
         report.converged = report.residual <= limits.tolerance;
+        report.small = energy < small;
         if (report.converged || !number) break;
         if (report.iterations >= limits.maxIterations) break;
         report.outOfTime = report.iterations == limits.stopAt ||

@@ -21,6 +21,7 @@ struct SolveLimits {
 /// How a solve went; `residual` is the error that the tolerance is about.
 struct NodeSolveReport : SolveReport {
     bool outOfTime = false; ///< it stopped because outOfTime or stopAt said so
+    bool small = false;     ///< the answer has less energy than SolveLimits::smallAnswer
 };
 
 /// A system A x = b of one solve.
