@@ -20,23 +20,11 @@ constexpr double kLength = 0.06, kRing = 0.005;        // [m] the tube's, and a 
 constexpr double kFirst = 0.5 * (kLength - 4 * kRing); // [m] where the first ring begins
 
 /// A tube along z in so many layers, parts of the circle and parts of its length.
-geometry::TetMesh tube(std::array<int, 3> n)
+std::shared_ptr<const geometry::TetMesh> tube(std::array<int, 3> n)
 {
-    geometry::TetMesh mesh = boxMesh(n, {1, 1, 1});
-    const int row = n[2] + 1;
-    std::vector<int> place(mesh.nodes.size());
-    std::vector<Vec3> nodes;
-    for (int node = 0; node < static_cast<int>(place.size()); ++node) {
-        const int layer = node / row / (n[1] + 1), part = node / row % (n[1] + 1), along = node % row;
-        place[node] = (layer * n[1] + part % n[1]) * row + along; // the last part is followed by the first
-        if (part == n[1]) continue;
-        const double r = kInner + (kOuter - kInner) * layer / n[0], angle = 2 * std::numbers::pi * part / n[1];
-        nodes.push_back({r * std::cos(angle), r * std::sin(angle), kLength * along / n[2]});
-    }
-    for (geometry::Tetrahedron& t : mesh.tetrahedra)
-        for (int& node : t) node = place[node];
-    mesh.nodes = std::move(nodes);
-    return mesh;
+    std::vector<Vec3> line;
+    for (int k = 0; k <= n[2]; ++k) line.push_back({0, 0, kLength * k / n[2]});
+    return geometry::shapes::vessel(line, kInner, kOuter - kInner, {n[1], n[0]});
 }
 
 FibreFamily ring(int k)
@@ -80,7 +68,7 @@ double lumen(const SoftModel& model, const std::vector<Vec3>& x)
 SoftBodyDef gut(std::array<int, 3> cells)
 {
     return {.name = "gut",
-            .mesh = shared(tube(cells)),
+            .mesh = tube(cells),
             .material = FemMaterial{.youngModulus = kYoung, .poissonRatio = kNu},
             .gravity = false};
 }
