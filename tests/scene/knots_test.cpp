@@ -15,6 +15,7 @@ using Catch::Matchers::Contains;
 namespace {
 
 const std::string kTie = text(FILASOFIA_SOURCE_DIR, "/examples/scenes/tie.json");
+const std::string kInstrumentTie = text(FILASOFIA_SOURCE_DIR, "/examples/scenes/instrument_tie.json");
 
 /// A thread, and a knot of these fields.
 std::string thread(const std::string& knot)
@@ -35,6 +36,41 @@ TEST_CASE("scenes: a knot is saved as it is")
     REQUIRE(scene.knots.size() == 1);
     saveScene(scene, folder.file("again.json"));
     CHECK(loadScene(folder.file("again.json")).knots[0].release == scene.knots[0].release);
+}
+
+TEST_CASE("scenes: a knot around an instrument is saved as it is")
+{
+    const SceneFolder folder;
+    const SceneDef scene = loadScene(kInstrumentTie);
+    REQUIRE(scene.knots.size() == 1);
+    saveScene(scene, folder.file("again.json"));
+    const SceneDef again = loadScene(folder.file("again.json"));
+    const auto& def = std::get<prefab::InstrumentTieDef>(scene.knots[0].def);
+    const auto& read = std::get<prefab::InstrumentTieDef>(again.knots[0].def);
+    CHECK(read.turns == def.turns);
+    CHECK(read.nodes == def.nodes);
+    CHECK(read.driver.kind == prefab::InstrumentKind::NeedleDriver);
+    CHECK(read.driver.friction == def.driver.friction); // that of the tie's Def, not that of an instrument
+}
+
+TEST_CASE("scenes: a needle driver comes to tie a knot at its time, also after restoring")
+{
+    SceneDef scene = loadScene(kInstrumentTie);
+    std::get<prefab::InstrumentTieDef>(scene.knots[0].def).turns = {1};
+    Simulation sim(simulationDef(scene));
+    const AddedScene added = addScene(sim, scene);
+    CHECK(added.bodies.size() == 3); // hand and driver have no number
+    runtime::SteppedRun run(sim);
+    const auto held = [&] { return sim.physics().latest()->attachments.size(); };
+    run.step();
+    CHECK(held() == 1); // the thread's own
+    const auto state = run.save();
+    for (int i = 0; i < 100; ++i) run.step();
+    CHECK(held() == 4); // by the hand, and by two fingers of an assistant
+    const std::uint64_t hash = sim.physics().hash();
+    run.restore(*state);
+    for (int i = 0; i < 100; ++i) run.step();
+    CHECK(sim.physics().hash() == hash);
 }
 
 TEST_CASE("scenes: hands tie a knot at its time, let go, and the knot holds, also after restoring", "[long]")
@@ -83,6 +119,13 @@ TEST_CASE("scenes: a wrong knot is an Error with its place")
     CHECK_THAT(problem(R"("thread": "silk", "begin": "2 s", "release": "2 s")"),
                Contains("knots[0]: release must be > begin = 2 s, got 2"));
     CHECK_THAT(problem(R"("thread": "silk", "nodes": [0, 9999])"), Contains("nodes must be in [0, "));
+    const std::string tie = R"("type": "InstrumentTieDef", "thread": )";
+    CHECK(problem(tie + R"("silk", "turns": [1])") == "no error");
+    CHECK_THAT(problem(tie + R"("bar")"), Contains("knots[0]: instrument tie 'instrument tie': thread must be a rod"));
+    CHECK_THAT(problem(tie + R"("silk", "driver": {"grasps": false})"), Contains("driver.grasps must be true"));
+    CHECK_THAT(folder.errorOf(thread(tie + R"("silk", "loop": 1)")), Contains("loop"));
+    CHECK_THAT(folder.errorOf(thread(R"("thread": "silk", "type": "Tie")")),
+               Contains("KnotDef") && Contains("InstrumentTieDef"));
 }
 
 } // namespace knots_test

@@ -11,6 +11,7 @@
 #include "filasofia/core/suggestion.h"
 #include "filasofia/runtime/show.h"
 
+#include <algorithm>
 #include <array>
 #include <concepts>
 #include <cstdint>
@@ -233,6 +234,27 @@ template <class T> struct Convert<std::vector<T>> {
     }
     static bool takes(nb::handle value) { return isSequence(value); }
     static std::string typing() { return "Sequence[" + Convert<T>::typing() + "]"; }
+};
+
+/// As many of a kind as the member has.
+template <class T, std::size_t n> struct Convert<std::array<T, n>> {
+    using List = Convert<std::vector<T>>;
+    static std::array<T, n> read(nb::handle value, const Where& where)
+    {
+        const std::vector<T> members = List::read(value, where);
+        if (members.size() != n) failValue(where, text("must be a list of ", n), value);
+        std::array<T, n> out = {};
+        std::ranges::copy(members, out.begin());
+        return out;
+    }
+    static nb::object make(const std::array<T, n>& value) { return List::make({value.begin(), value.end()}); }
+    static nb::object keep(nb::handle value, const Where& where)
+    {
+        read(value, where);
+        return List::keep(value, where);
+    }
+    static bool takes(nb::handle value) { return List::takes(value) && nb::len(value) == n; }
+    static std::string typing() { return List::typing(); }
 };
 
 /// An argument of a function, whose errors begin "set_pose: pose must be ...".

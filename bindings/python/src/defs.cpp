@@ -3,6 +3,7 @@
 #include "def_table.h"
 
 #include "filasofia/prefab/clip_applier.h"
+#include "filasofia/prefab/instrument_tie.h"
 #include "filasofia/prefab/knot_hands.h"
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/specimen_bag.h"
@@ -37,6 +38,7 @@ const DefTable& table()
         out.add<surface::DistensionDef>();
         out.add<surface::Distend>();
         out.add<prefab::ClipApplierDef>();
+        out.add<prefab::InstrumentTieDef>();
         out.add<prefab::KnotDef>();
         out.add<prefab::SpecimenBagDef>();
         out.add<runtime::PictureDef>();

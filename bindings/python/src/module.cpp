@@ -53,6 +53,7 @@ NB_MODULE(_core, module)
     bindFrames(module);
     bindSimulation(module);
     addClipApplier(module);
+    addInstrumentTie(module);
     addKnotHands(module);
     addSpecimenBag(module);
     module.def("set_own_names", [](const std::vector<std::string>& names) {

@@ -62,7 +62,10 @@ void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle 
         ofSceneFile([&] { session->add(scene, {.file = written}); });
     }
     new (self) HeldSimulation{.session = std::move(session)};
-    self->shown = !scene.instruments.empty() ||
+    const auto drawn = [](const scene::SceneKnot& each) { // its driver
+        return std::holds_alternative<prefab::InstrumentTieDef>(each.def);
+    };
+    self->shown = !scene.instruments.empty() || std::ranges::any_of(scene.knots, drawn) ||
                   std::ranges::any_of(scene.bodies, [](const scene::SceneBody& each) { return !each.show.empty(); });
 }
 

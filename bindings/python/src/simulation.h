@@ -11,6 +11,7 @@ void addCommands(nb::class_<HeldSimulation>& simulation);
 void addPictures(nb::class_<HeldSimulation>& simulation);
 void addMeasures(nb::module_& module, nb::class_<HeldSimulation>& simulation);
 void addClipApplier(nb::module_& module);
+void addInstrumentTie(nb::module_& module);
 void addKnotHands(nb::module_& module);
 void addSpecimenBag(nb::module_& module);
 void addStates(nb::module_& module, nb::class_<HeldSimulation>& simulation);

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "filasofia/core/fields.h"
-#include "filasofia/math/vec3.h"
+#include "filasofia/math/pose.h"
 
 #include <limits>
 
@@ -36,16 +36,17 @@ constexpr auto fields(const Mouth*)
 /// [m], by which a jaw reaches over the plane between the jaws, where that faces it.
 inline constexpr double kTooth = 0.3e-3;
 
-/// Whether a contact is in the mouth. `point` [m] is where it is, and the unit vector `push` the direction in which it
-/// pushes on the instrument, both in the coordinates of the mouth's element.
-inline bool isInMouth(const Mouth& mouth, Vec3 point, Vec3 push)
+/// Whether a contact is in the mouth, whose element has this pose. `point` [m] is where it is, and the unit vector
+/// `push` the direction in which it pushes on the instrument.
+inline bool isInMouth(const Mouth& mouth, const Pose& element, Vec3 point, Vec3 push)
 {
-    const Vec3 from = point - mouth.pivot;
+    const Pose toElement = inverse(element);
+    const Vec3 from = transform(toElement, point) - mouth.pivot;
     const double ahead = dot(from, normalized(mouth.forward));
     if (!(ahead > 0.0 && ahead <= mouth.length)) return false;
     if (mouth.opens == Vec3{}) return true;
     const Vec3 opens = normalized(mouth.opens);
-    const double opening = dot(push, opens);
+    const double opening = dot(rotate(toElement.orientation, push), opens);
     return opening * dot(from, opens) > -kTooth * opening * opening; // teeth push obliquely the less they reach over
 }
 

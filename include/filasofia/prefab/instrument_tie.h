@@ -9,7 +9,7 @@
 
 namespace filasofia::prefab {
 
-/// A knot that a hand and a needle driver tie: one or two throws around the driver's shaft, each tightened before the
+/// A knot that a hand and a needle driver tie: one to three throws around the driver's shaft, each tightened before the
 /// next.
 struct InstrumentTieDef {
     std::string name = "instrument tie";
@@ -21,8 +21,8 @@ struct InstrumentTieDef {
     Vec3 place = {};               ///< [m], where the knot is to lie: on the tissue, above the middle of the wound
     Vec3 up = {0.0, 1.0, 0.0};     ///< [-], any length > 0, away from the tissue
     Vec3 across = {1.0, 0.0, 0.0}; ///< [-], any length > 0, across the wound: the throws are tightened along it
-    /// [-], how often the thread goes around the shaft, for each throw: one entry in [1, 2], and a second one, 1, if
-    /// there are two throws.
+    /// [-], how often the thread goes around the shaft, for each throw: one to three entries, the first in [1, 2], the
+    /// others 1.
     std::vector<int> turns = {2, 1};
     /// The driver. Its pose is where it waits, before the knot and after it. Its friction is that of thread on shaft.
     ArticulatedInstrumentDef driver = {.name = "needle driver",
@@ -30,7 +30,7 @@ struct InstrumentTieDef {
                                        .pose = {{0.0, 0.15, 0.0}, {0.70710678118654752, -0.70710678118654752, 0, 0}},
                                        .friction = 0.03};
     double mouth = 10.5e-3;   ///< [m], > 0, from the driver's pivot to where its jaws hold
-    double force = 1.0;       ///< [N], > 0, with which hand and driver each tighten a throw
+    double force = 1.0;       ///< [N], > 0, with which hand and driver each tighten a throw; neither draws harder
     double holding = 0.1;     ///< [N], > 0, with which they keep their strands taut meanwhile
     double speed = 0.2;       ///< [m/s], > 0, largest speed of hand and driver
     double stiffness = 300.0; ///< [N/m], > 0, of the hand's grip
@@ -63,7 +63,7 @@ constexpr auto fields(const InstrumentTieDef*)
 /// the thread with contact and friction, and holds it between its jaws. Hand, assistant and fingers touch nothing.
 ///
 /// Every function may be called from any thread and takes effect at the next step. A reset of the simulation does not
-/// let go: call release() before. Two throws of two turns and one are a surgeon's knot without its third throw.
+/// let go: call release() before. Throws of two turns, one and one are a surgeon's knot.
 class InstrumentTie {
 public:
     /// Adds the hand and the driver. Throws an Error if the Def is wrong. Construct it before a run and destroy it
@@ -80,7 +80,8 @@ public:
 
     [[nodiscard]] int tied() const;  ///< [-], throws that are tied and tightened
     [[nodiscard]] bool done() const; ///< whether all are
-    /// Whether it has given up, since the driver did not get the tail between its jaws; the log says at which throw.
+    /// Whether it has given up, since the tail was too short, did not come between the jaws, or not through the loops.
+    /// The log says why, and at which throw.
     [[nodiscard]] bool failed() const;
     /// [N], largest force with which the hand has drawn at its strand since begin(), and the driver at the tail.
     [[nodiscard]] double largestForce() const;

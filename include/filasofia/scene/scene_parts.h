@@ -3,6 +3,7 @@
 #include "filasofia/prefab/articulated_instrument.h"
 #include "filasofia/prefab/clip_applier.h"
 #include "filasofia/prefab/endoscope.h"
+#include "filasofia/prefab/instrument_tie.h"
 #include "filasofia/prefab/knot_hands.h"
 #include "filasofia/prefab/laparoscope.h"
 #include "filasofia/prefab/laparoscopic_instrument.h"
@@ -92,10 +93,12 @@ constexpr auto fields(const SceneInstrument*)
                     field("shears", &T::shears, "how it seals and parts what it holds"));
 }
 
-/// A knot that two hands tie with the ends of a thread of the scene. In a file, the fields of its Def stand beside the
-/// others.
+using SceneKnotDef = std::variant<prefab::KnotDef, prefab::InstrumentTieDef>;
+
+/// A knot that two hands, or a hand and a needle driver, tie with the ends of a thread of the scene. In a file, the
+/// fields of its Def stand beside the others.
 struct SceneKnot {
-    prefab::KnotDef def = {};
+    SceneKnotDef def = prefab::KnotDef{};
     double begin = 0.0;                 ///< [s], >= 0, when the hands take the thread
     std::optional<double> release = {}; ///< [s], > begin, when they let it go; not given: never
 };

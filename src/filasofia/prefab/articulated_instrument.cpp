@@ -70,9 +70,7 @@ Vec3 pushOf(const frame::Contact& contact, const Mouth& mouth)
 /// their sides, too.
 bool isInMouth(const frame::Contact& contact, const Mouth& mouth)
 {
-    const Pose toShaft = inverse(mouth.shaft);
-    return physics::isInMouth(mouth.jaws, transform(toShaft, contact.point),
-                              rotate(toShaft.orientation, pushOf(contact, mouth)));
+    return physics::isInMouth(mouth.jaws, mouth.shaft, contact.point, pushOf(contact, mouth));
 }
 
 /// The forces of tissue on the two sides of the mouth [N]: across the shaft, along the direction in which a jaw opens

@@ -13,16 +13,18 @@
 namespace filasofia::prefab {
 namespace {
 
+constexpr double kBeside = 1.2e-3; ///< [m] between the assistant's fingers, along the thread
+
 InstrumentTieDef checkedTie(runtime::Simulation& simulation, InstrumentTieDef def)
 {
     const std::string object = text("instrument tie '", def.name, "'");
     validate(def, object);
     def.nodes = heldNodes(simulation, def.thread, def.nodes, object);
-    // A third throw was a knot, too, but drew with fourteen times the force. A second one of two turns, after a first
-    // one of two, pressed the thread through the driver for a few steps.
-    if (def.turns.empty() || def.turns.size() > 2)
-        fail(object, ": turns must have one or two entries, got ", def.turns.size());
-    if (def.turns.back() > 1 && def.turns.size() > 1) fail(object, ": turns[1] must be 1, got ", def.turns.back());
+    if (def.turns.empty() || def.turns.size() > 3)
+        fail(object, ": turns must have one to three entries, got ", def.turns.size());
+    // A second throw of two turns, after a first one of two, pressed the thread through the driver for a few steps.
+    for (std::size_t i = 1; i < def.turns.size(); ++i)
+        if (def.turns[i] > 1) fail(object, ": turns[", i, "] must be 1, got ", def.turns[i]);
     makeAxes(def.up, def.across, object);
     if (!def.driver.grasps) fail(object, ": driver.grasps must be true, got false");
     return def;
@@ -35,8 +37,8 @@ InstrumentTie::Impl::Impl(runtime::Simulation& sim, const InstrumentTieDef& give
       def(checkedTie(sim, given)), driver{.instrument = ArticulatedInstrument(sim, def.driver), .mouth = def.mouth}
 {
     hand.body = sim.add(physics::RigidBodyDef{.name = text(def.name, ": hand"), .elements = {Pose{def.place}}});
-    assistant.body =
-        sim.add(physics::RigidBodyDef{.name = text(def.name, ": assistant"), .elements = {Pose{def.place}}});
+    assistant.body = sim.add(physics::RigidBodyDef{.name = text(def.name, ": assistant"),
+                                                   .elements = std::vector<Pose>(2, Pose{def.place})});
     fingersBody = sim.add(physics::RigidBodyDef{
         .name = text(def.name, ": fingers"),
         .elements = std::vector<Pose>(static_cast<std::size_t>(mostFingers()) + 2, Pose{def.place})});
@@ -54,7 +56,7 @@ void InstrumentTie::Impl::release()
 {
     turns.take(!simulation.physics().stepsHere(), [this] {
         letGo(hand);
-        letGo(assistant);
+        leaveTail();
         openFingers();
         if (driver.instrument.holding()) driver.instrument.open(kOpen);
         wanted = false;
@@ -89,7 +91,7 @@ void InstrumentTie::Impl::seize(const frame::Frame& now, const frame::SoftBodyFr
     if (dot(plan.strandBase - plan.tailBase, def.across) < 0.0) plan.side = -1.0;
     const HandStep moves = handStep(now, 0.0);
     moves.put(hand, nodeOf(thread, 0));
-    moves.put(assistant, nodeOf(thread, 1));
+    reachTail(now, thread);
     next(TiePhase::Take);
 }
 
@@ -106,10 +108,33 @@ void InstrumentTie::Impl::letGo(StrandHand& with)
     with.grip = {};
 }
 
+/// The assistant's second finger goes to a node beside the one that the driver will take; takeTail() may follow in the
+/// next step.
+void InstrumentTie::Impl::reachTail(const frame::Frame& now, const frame::SoftBodyFrame& thread)
+{
+    handStep(now, 0.0).put(assistant, nodeOf(thread, 1));
+    const std::vector<int> nodes = fingerNodes(thread, def.nodes[1], {.base = def.nodes[0]},
+                                               {.apart = kBeside, .most = 1, .wanted = [](Vec3) { return true; }});
+    second.reach(simulation, assistant.body, 1, thread, nodes);
+    beside = nodes.empty() ? Vec3{} : thread.positions[static_cast<std::size_t>(nodes[0])] - nodeOf(thread, 1);
+}
+
+void InstrumentTie::Impl::takeTail()
+{
+    hold(assistant, 1);
+    second.close(simulation, assistant.body, 1, def.thread, def.stiffness);
+}
+
+void InstrumentTie::Impl::leaveTail()
+{
+    letGo(assistant);
+    second.open(simulation);
+}
+
 void InstrumentTie::Impl::next(TiePhase to)
 {
     phase = to;
-    since = still = 0.0;
+    since = still = drawn = 0.0;
     way = 0;
 }
 

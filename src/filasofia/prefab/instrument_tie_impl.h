@@ -11,6 +11,7 @@
 #include "filasofia/prefab/turns.h"
 
 #include <algorithm>
+#include <string_view>
 #include <tuple>
 #include <vector>
 
@@ -33,7 +34,7 @@ enum class TiePhase {
     Leave,   ///< lets go of it and draws back
     Go,      ///< it goes back to where it waits
     Done,    ///< all throws are tied; hand and assistant hold their strands, slack
-    Failed   ///< the tail has not come between the jaws
+    Failed   ///< the tail has not come between the jaws, or not through the loops
 };
 
 /// What an InstrumentTie does. Its phases are in tie_phases.cpp, the rest in instrument_tie.cpp.
@@ -57,6 +58,9 @@ struct InstrumentTie::Impl {
     void seize(const frame::Frame& now, const frame::SoftBodyFrame& thread);
     void hold(StrandHand& with, int node);
     void letGo(StrandHand& with);
+    void reachTail(const frame::Frame& now, const frame::SoftBodyFrame& thread);
+    void takeTail(); ///< the assistant does
+    void leaveTail();
     void next(TiePhase to);
     [[nodiscard]] Vec3 nodeOf(const frame::SoftBodyFrame& thread, int which) const;
     void measure(const frame::SoftBodyFrame& thread); ///< where the strands leave the tissue, and how long they are
@@ -70,6 +74,7 @@ struct InstrumentTie::Impl {
     // The phases.
     void work(const frame::Frame& now, const frame::SoftBodyFrame& thread, double dt); ///< a step of the present one
     bool lift(const frame::Frame& now, double aside, double dt);
+    bool bring(const frame::Frame& now, Vec3 to, Vec3 inwards, double dt);
     [[nodiscard]] bool rests() const;
     void show(const frame::Frame& now, const frame::SoftBodyFrame& thread, double dt);
     void come(const frame::Frame& now, double dt);
@@ -80,9 +85,11 @@ struct InstrumentTie::Impl {
     void reach(const frame::Frame& now, double dt);
     void feed(const frame::Frame& now, double dt);
     void close(const frame::Frame& now, double dt);
+    void giveUp(std::string_view why);
     void pinch(const frame::SoftBodyFrame& thread);
     [[nodiscard]] std::vector<int> loopNodes(const frame::SoftBodyFrame& thread) const;
-    void drawThrough(double dt);
+    double driverStep(const frame::Frame& now, double force, double dt); ///< [m]
+    void drawThrough(const frame::Frame& now, double dt);
     bool drawTail(const frame::Frame& now, double force, double dt);
     bool part(const frame::Frame& now, double force, double dt);
     void spread(const frame::Frame& now, double dt);
@@ -96,12 +103,12 @@ struct InstrumentTie::Impl {
         told.write(
             {.tied = throws, .done = phase == TiePhase::Done, .failed = phase == TiePhase::Failed, .largest = largest});
     }
-    using Kept = std::tuple<StrandHand, StrandHand, StrandHand, Fingers, Fingers, std::vector<int>, TiePlan, Pose, Pose,
-                            TiePhase, bool, int, int, double, double, double, double>;
+    using Kept = std::tuple<StrandHand, StrandHand, StrandHand, Fingers, Vec3, Fingers, Fingers, std::vector<int>,
+                            TiePlan, Pose, Pose, TiePhase, bool, int, int, double, double, double, double, double>;
     auto kept()
     {
-        return std::tie(hand, tail, assistant, fingers, pinching, bases, plan, driver.pose, parting, phase, wanted,
-                        throws, way, angle, since, still, largest);
+        return std::tie(hand, tail, assistant, second, beside, fingers, pinching, bases, plan, driver.pose, parting,
+                        phase, wanted, throws, way, angle, since, still, drawn, largest);
     }
 
     runtime::Simulation& simulation;
@@ -111,7 +118,9 @@ struct InstrumentTie::Impl {
     Turns turns; // guards the members below
     StrandHand hand;
     StrandHand tail;                 ///< where the driver holds the tail
-    StrandHand assistant;            ///< shows the tail to the driver
+    StrandHand assistant;            ///< shows the tail to the driver, with two fingers, so that it can turn it
+    Fingers second;                  ///< the second of them
+    Vec3 beside = {};                ///< [m] from the first one to it
     Fingers fingers;                 ///< hold the loops while the tail is drawn through them
     Fingers pinching;                ///< hold the last throw while the next one is made
     std::vector<int> bases = {0, 0}; ///< [-] nodes of the strands where they leave the tissue
@@ -124,6 +133,7 @@ struct InstrumentTie::Impl {
     double angle = 0.0;   ///< [rad] by which the strand is wound
     double since = 0.0;   ///< [s] in this phase
     double still = 0.0;   ///< [s] since anything has moved
+    double drawn = 0.0;   ///< [m] by which the driver has moved away in the last step, to draw at the tail
     double largest = 0.0; ///< [N]
     Published<Told> told;
 };

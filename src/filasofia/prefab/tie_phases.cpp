@@ -1,4 +1,5 @@
 #include "filasofia/core/log.h"
+#include "filasofia/core/text.h"
 #include "filasofia/prefab/instrument_tie_impl.h"
 #include "filasofia/prefab/standing_strand.h"
 
@@ -14,6 +15,7 @@ constexpr double kFlat = 0.15;     ///< [-] height of what tightens over the pla
 constexpr double kClear = 8e-3;    ///< [m] least height of the hand over the long strand's base, below the shaft
 constexpr double kPitch = 1e-3;    ///< [m] from loop to loop
 constexpr double kFinger = 1.6e-3; ///< [m] along the strand, from finger to finger
+constexpr double kSwing = 20e-3;   ///< [m] radius at which the assistant's turning counts as a way
 constexpr double kLaid = 3e-3;     ///< [m] by which the driver slackens the tail before it lets go
 constexpr double kApart = 15e-3;   ///< [m] that it draws back from the tail
 
@@ -26,7 +28,7 @@ void InstrumentTie::Impl::work(const frame::Frame& now, const frame::SoftBodyFra
     switch (phase) {
     case TiePhase::Take:
         hold(hand, 0);
-        hold(assistant, 1);
+        takeTail();
         return next(TiePhase::Show);
     case TiePhase::Show:
         return show(now, thread, dt);
@@ -43,7 +45,7 @@ void InstrumentTie::Impl::work(const frame::Frame& now, const frame::SoftBodyFra
     case TiePhase::Pinch:
         return pinch(thread);
     case TiePhase::Draw:
-        return drawThrough(dt);
+        return drawThrough(now, dt);
     case TiePhase::Spread:
         return spread(now, dt);
     case TiePhase::Tighten:
@@ -67,6 +69,16 @@ bool InstrumentTie::Impl::lift(const frame::Frame& now, double aside, double dt)
     return handStep(now, dt).turn(hand, plan.direction(aside, 1.0, 0.9), def.holding);
 }
 
+/// The assistant brings the tail there and turns it; returns whether it is there.
+bool InstrumentTie::Impl::bring(const frame::Frame& now, Vec3 to, Vec3 inwards, double dt)
+{
+    const bool there = handStep(now, dt).goTo(assistant, to);
+    const Vec3 turned = length(beside) * inwards;
+    beside = turnedTowards(beside, turned, def.speed * dt / kSwing);
+    simulation.physics().setPose(assistant.body, Pose{assistant.at(def.place) + beside}, 1);
+    return there && beside == turned;
+}
+
 bool InstrumentTie::Impl::rests() const { return still > kStill || since > def.patience; }
 
 void InstrumentTie::Impl::show(const frame::Frame& now, const frame::SoftBodyFrame& thread, double dt)
@@ -75,11 +87,14 @@ void InstrumentTie::Impl::show(const frame::Frame& now, const frame::SoftBodyFra
         measure(thread);
         way = 1;
     }
-    const bool there = handStep(now, dt).goTo(assistant, plan.aside());
+    const bool there = bring(now, plan.aside(), plan.tailwards(), dt);
     const bool rest = lift(now, 0.3, dt);
     still = there && rest ? still + dt : 0.0;
     if (way == 1 && there && rests()) {
         measure(thread);
+        if (plan.tail < plan.leastTail())
+            return giveUp(
+                text("of the tail ", plan.tail, " m stand over the tissue, and ", plan.leastTail(), " m must"));
         // While the tail is slack, the last throw would slip: fingers pinch the strands where they leave it.
         if (throws > 0) pinching.reach(simulation, fingersBody, mostFingers(), thread, bases);
         way = 2;
@@ -92,7 +107,7 @@ void InstrumentTie::Impl::show(const frame::Frame& now, const frame::SoftBodyFra
 void InstrumentTie::Impl::come(const frame::Frame& now, double dt)
 {
     lift(now, 0.3, dt);
-    handStep(now, dt).goTo(assistant, plan.aside());
+    bring(now, plan.aside(), plan.tailwards(), dt);
     const std::array ways{plan.above(def.place), plan.coming(), plan.winding()};
     if (!driver.goAlong(ways, way, def.speed * dt)) return;
     angle = 0.0;
@@ -141,7 +156,7 @@ void InstrumentTie::Impl::reach(const frame::Frame& now, double dt)
 void InstrumentTie::Impl::feed(const frame::Frame& now, double dt)
 {
     handStep(now, dt).draw(hand, leavesAt(), def.holding);
-    if (!handStep(now, dt).goTo(assistant, plan.shown())) return;
+    if (!bring(now, plan.shown(), plan.inwards(), dt)) return;
     driver.instrument.close();
     next(TiePhase::Close);
 }
@@ -151,14 +166,18 @@ void InstrumentTie::Impl::close(const frame::Frame& now, double dt)
     handStep(now, dt).draw(hand, leavesAt(), def.holding);
     if (driver.instrument.holding() == def.thread) {
         tail.grip = driver.gripOn(def.thread, now);
-        letGo(assistant);
+        leaveTail();
         hand.place(hand.at(leavesAt()), def.place, def.up);
         next(TiePhase::Pinch);
     } else if (since > def.patience) {
-        logWarning("instrument tie '", def.name, "': the tail is not between the driver's jaws at throw ", throws + 1,
-                   ": given up");
-        next(TiePhase::Failed);
+        giveUp("the tail is not between the driver's jaws");
     }
+}
+
+void InstrumentTie::Impl::giveUp(std::string_view why)
+{
+    logWarning("instrument tie '", def.name, "', throw ", throws + 1, ": ", why, ": given up");
+    next(TiePhase::Failed);
 }
 
 /// Loops that only their strands hold back grip the jaws, and cross each other: they do not come off.
@@ -181,9 +200,23 @@ std::vector<int> InstrumentTie::Impl::loopNodes(const frame::SoftBodyFrame& thre
         {.apart = kFinger, .most = mostFingers(), .wanted = [this](Vec3 at) { return driver.isWound(at); }});
 }
 
-void InstrumentTie::Impl::drawThrough(double dt)
+/// By how much the driver moves in a step in which it wants this force at the tail. Thread between jaws is held so
+/// stiffly that steps of a fixed gain made the force swing about what is wanted; so they shrink while it does.
+double InstrumentTie::Impl::driverStep(const frame::Frame& now, double force, double dt)
 {
-    if (!driver.go(plan.drawn(), def.speed * dt)) return;
+    const double missing = force - tail.pull(now), last = std::abs(drawn);
+    const double most = missing * drawn < 0.0 ? 0.5 * last : 1.25 * last + 0.1 * kCreep * dt;
+    drawn = drawnBy(missing, def.stiffness, std::min(most, def.speed * dt));
+    return drawn;
+}
+
+/// No harder than a throw is tightened: a tail that is too short for the way would only be stretched.
+void InstrumentTie::Impl::drawThrough(const frame::Frame& now, double dt)
+{
+    const double by = driverStep(now, def.force, dt);
+    still = by > kCreep * dt ? 0.0 : still + dt;
+    if (still > def.patience) return giveUp("the tail cannot be drawn through the loops with the force given");
+    if (by <= 0.0 || !driver.go(plan.drawn(), by)) return;
     fingers.open(simulation);
     tail.place(driver.holdsAt(), def.place, def.up);
     next(TiePhase::Spread);
@@ -193,8 +226,8 @@ void InstrumentTie::Impl::drawThrough(double dt)
 bool InstrumentTie::Impl::drawTail(const frame::Frame& now, double force, double dt)
 {
     const Vec3 to = plan.direction(1.0, kFlat, 0.0);
-    const double most = def.speed * dt, by = drawnBy(force - tail.tension(now), def.stiffness, most);
-    tail.direction = turnedTowards(tail.direction, to, most / tail.away);
+    const double by = driverStep(now, force, dt);
+    tail.direction = turnedTowards(tail.direction, to, def.speed * dt / tail.away);
     tail.moveBy(by);
     driver.move(plan.holding(tail.at(def.place)));
     return distance(tail.direction, to) < 1e-6 && std::abs(by) <= kCreep * dt;
@@ -237,11 +270,11 @@ void InstrumentTie::Impl::lay(const frame::Frame& now, const frame::SoftBodyFram
         return;
     }
     if (way == 0) {
-        handStep(now, dt).put(assistant, nodeOf(thread, 1));
+        reachTail(now, thread);
         way = 1;
         return;
     }
-    hold(assistant, 1);
+    takeTail();
     tail.grip = {};
     driver.instrument.open(kOpen);
     // Not along the plan's axis: its side is that of the next throw.

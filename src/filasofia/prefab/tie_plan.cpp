@@ -16,6 +16,7 @@ constexpr double kLean = 0.12;    ///< [-] along the shaft, for each length of t
 constexpr double kComing = 60e-3; ///< [m] that the driver comes along its shaft
 constexpr double kTurning = 0.11; ///< [m] over the place, where it turns to the other side
 constexpr double kOut = 10e-3;    ///< [m] from the loops back to the mouth once they are off
+constexpr double kLow = 5e-3;     ///< [m] least height over the tail's base in which the jaws take it
 
 } // namespace
 
@@ -25,12 +26,21 @@ Vec3 TiePlan::direction(double toStrand, double upwards, double forwards) const
 }
 Vec3 TiePlan::along() const { return direction(-std::cos(kTilt), -std::sin(kTilt), 0.0); }
 Vec3 TiePlan::over() const { return direction(-std::sin(kTilt), std::cos(kTilt), 0.0); }
-Vec3 TiePlan::aside() const { return tailBase + kTaut * tail * direction(-std::cos(kRise), std::sin(kRise), 0.0); }
+Vec3 TiePlan::aside() const { return tailBase - kTaut * tail * tailwards(); }
+Vec3 TiePlan::tailwards() const { return direction(std::cos(kRise), -std::sin(kRise), 0.0); }
+/// To the tip and down: the loops then slide off the jaws over the tail. Where it bowed aside, and so lay in the jaws
+/// towards the shaft, it hooked a loop, and the driver drew in vain.
+Vec3 TiePlan::inwards() const { return normalized(along() - over()); }
+/// So low that the tail suffices for the way up to the loops, which fingers hold, and through them back to the mouth;
+/// taken higher it would be stretched.
 Vec3 TiePlan::shown() const
 {
-    const double ahead = kAhead - dot(tailBase - strandBase, along()), all = kTaut * tail;
-    return tailBase + ahead * along() + std::sqrt(std::max(all * all - ahead * ahead, 0.0)) * over();
+    const double ahead = kAhead - between(), all = kTaut * tail, toLoops = std::max(all - kOut, 0.0);
+    const double squared = std::min(toLoops * toLoops - between() * between(), all * all - ahead * ahead);
+    return tailBase + ahead * along() + std::sqrt(std::max(squared, kLow * kLow)) * over();
 }
+double TiePlan::between() const { return dot(tailBase - strandBase, along()); }
+double TiePlan::leastTail() const { return (std::hypot(between(), kLow) + kOut) / kTaut; }
 /// Then there is as much strand for the loops and the hand as for the way to them: the hand passes below the shaft, and
 /// above the tissue.
 double TiePlan::high() const { return 0.5 * strand; }

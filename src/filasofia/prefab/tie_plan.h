@@ -21,10 +21,14 @@ struct TiePlan {
     double strand = 0.0, tail = 0.0;       ///< [m] their lengths from there to what is held of them
 
     [[nodiscard]] Vec3 direction(double toStrand, double upwards, double forwards) const; ///< [-] a unit vector
-    [[nodiscard]] Vec3 along() const;  ///< [-] where the driver points
-    [[nodiscard]] Vec3 over() const;   ///< [-] at right angles to it, upwards
-    [[nodiscard]] Vec3 aside() const;  ///< [m] where the end of the tail is out of the hand's way
-    [[nodiscard]] Vec3 shown() const;  ///< [m] where the driver takes it: before the loops, which are over their base
+    [[nodiscard]] Vec3 along() const;     ///< [-] where the driver points
+    [[nodiscard]] Vec3 over() const;      ///< [-] at right angles to it, upwards
+    [[nodiscard]] Vec3 aside() const;     ///< [m] where the end of the tail is out of the hand's way
+    [[nodiscard]] Vec3 tailwards() const; ///< [-] from there to its base
+    [[nodiscard]] Vec3 inwards() const;   ///< [-] from the end of the tail inwards, as the driver takes it
+    [[nodiscard]] Vec3 shown() const; ///< [m] where the driver takes it: before the loops, which are over their base
+    [[nodiscard]] double between() const;   ///< [m] from the loops to the tail's base, along the shaft
+    [[nodiscard]] double leastTail() const; ///< [m] a shorter one does not suffice for that way
     [[nodiscard]] double high() const; ///< [m] from the long strand's base to the shaft while it is wound around it
     [[nodiscard]] Vec3 loops(const Pose& driver) const; ///< [m] on the shaft's axis, beside the long strand's base
     /// [-] from the axis to the hand, after so large an angle [rad].

@@ -9,10 +9,10 @@ namespace filasofia::scene {
 namespace {
 
 /// Lets hands begin and let go when the times have come.
-class KnotFollower {
+template <class Hands> class KnotFollower {
 public:
-    KnotFollower(runtime::Simulation& simulation, const SceneKnot& knot)
-        : begin_(knot.begin), release_(knot.release), hands_(simulation, knot.def)
+    template <class Def> KnotFollower(runtime::Simulation& simulation, const SceneKnot& knot, const Def& def)
+        : begin_(knot.begin), release_(knot.release), hands_(simulation, def)
     {
     }
 
@@ -34,19 +34,32 @@ public:
 private:
     double begin_;
     std::optional<double> release_;
-    prefab::KnotHands hands_;
+    Hands hands_;
     int past_ = 0; ///< 1: the hands have begun, 2: they have let go
+};
+
+template <class Hands, class Def> void follow(runtime::Simulation& simulation, const SceneKnot& knot, const Def& def)
+{
+    const auto follower = std::make_shared<KnotFollower<Hands>>(simulation, knot, def);
+    simulation.everyStep([follower](double time) { follower->follow(time); });
+    rememberPast(simulation, text("the times of knot '", def.name, "'"), follower);
+}
+
+struct KnotAdder {
+    runtime::Simulation& simulation;
+    const SceneKnot& knot;
+
+    void operator()(const prefab::KnotDef& def) const { follow<prefab::KnotHands>(simulation, knot, def); }
+    void operator()(const prefab::InstrumentTieDef& def) const { follow<prefab::InstrumentTie>(simulation, knot, def); }
 };
 
 void addKnot(runtime::Simulation& simulation, SceneKnot knot, const std::vector<BodyId>& ids)
 {
-    if (!knot.def.thread) fail("thread must be a body of the scene");
+    if (!std::visit([](const auto& def) { return def.thread; }, knot.def)) fail("thread must be a body of the scene");
     SceneNumbers(ids).replaceIn(knot);
     if (knot.release && !(*knot.release > knot.begin))
         fail("release must be > begin = ", knot.begin, " s, got ", *knot.release);
-    const auto follower = std::make_shared<KnotFollower>(simulation, knot);
-    simulation.everyStep([follower](double time) { follower->follow(time); });
-    rememberPast(simulation, text("the times of knot '", knot.def.name, "'"), follower);
+    std::visit(KnotAdder{simulation, knot}, knot.def);
 }
 
 } // namespace

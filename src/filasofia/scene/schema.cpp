@@ -211,7 +211,7 @@ template <class Flat, class... Each> Schema flatSchema(const std::variant<Each..
         Schema out = objectOf(std::move(members));
         std::vector<std::string_view> names = required<Flat>();
         for (const std::string_view each : required<T>()) names.push_back(each);
-        const bool first = std::is_same_v<T, physics::SoftBodyDef>; // it needs no type
+        const bool first = IsAnyOf<T, physics::SoftBodyDef, prefab::KnotDef>; // they need no type
         if (!first && std::ranges::find(names, "type") == names.end()) names.emplace_back("type");
         if (!names.empty()) out["required"] = names;
         return out;

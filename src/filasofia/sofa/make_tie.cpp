@@ -166,9 +166,8 @@ bool leaveOutGone(Half& body, Half& other)
 bool isGrasped(const physics::Grasp& grasp, const frame::Contact& contact, const std::vector<Pose>& poses)
 {
     if (!grasp.def.mouth) return true;
-    const Pose toMouth = inverse(poses[static_cast<std::size_t>(grasp.def.mouth->element)]);
-    const Vec3 push = contact.first == grasp.rigid ? contact.normal : -contact.normal;
-    return physics::isInMouth(*grasp.def.mouth, transform(toMouth, contact.point), rotate(toMouth.orientation, push));
+    return physics::isInMouth(*grasp.def.mouth, poses[static_cast<std::size_t>(grasp.def.mouth->element)],
+                              contact.point, contact.first == grasp.rigid ? contact.normal : -contact.normal);
 }
 
 void keep(AttachmentId id, const Half& body, const Half& other, const TieLaw& law, bool grasp, SofaScene& scene)

@@ -41,10 +41,9 @@ bool isGrasped(const PendingGrasp& wanted, const Constraint& constraint, bool ta
 {
     if (!wanted.mouth) return true;
     const auto& poses = scene.rigid[findBody(scene, wanted.rigid)->index].state.poses;
-    const Pose toMouth = inverse(poses[static_cast<std::size_t>(wanted.mouth->element)]);
-    const Vec3 push = targetFirst ? -constraint.frame[0] : constraint.frame[0];
-    return physics::isInMouth(*wanted.mouth, transform(toMouth, constraint.contact.cached.point),
-                              rotate(toMouth.orientation, push));
+    return physics::isInMouth(*wanted.mouth, poses[static_cast<std::size_t>(wanted.mouth->element)],
+                              constraint.contact.cached.point,
+                              targetFirst ? -constraint.frame[0] : constraint.frame[0]);
 }
 
 void grasp(const PendingGrasp& wanted, const Coupling& coupling, Scene& scene, physics::StepReport& report)
