@@ -41,10 +41,10 @@ struct FilmScene {
 };
 /// Seeds whose experts the docs show.
 constexpr std::array kFilmScenes = {
-    FilmScene{"hysteroscopy", "medium", "2"},         FilmScene{"laparoscopy", "peg-transfer", "2"},
-    FilmScene{"laparoscopy", "pattern-cutting", "3"}, FilmScene{"laparoscopy", "ligating-loop", "3"},
-    FilmScene{"laparoscopy", "cannulation", "3"},     FilmScene{"laparoscopy", "suturing", "18"},
-    FilmScene{"laparoscopy", "cholecystectomy", "1"}};
+    FilmScene{"hysteroscopy", "medium", "2"},       FilmScene{"hysteroscopy", "resection", "1"},
+    FilmScene{"laparoscopy", "peg-transfer", "2"},  FilmScene{"laparoscopy", "pattern-cutting", "3"},
+    FilmScene{"laparoscopy", "ligating-loop", "3"}, FilmScene{"laparoscopy", "cannulation", "3"},
+    FilmScene{"laparoscopy", "suturing", "18"},     FilmScene{"laparoscopy", "cholecystectomy", "1"}};
 
 /// Runs a program to its end without its output; returns its exit code, or -1 if it was ended.
 int ran(const std::string& program, const std::vector<std::string>& words)

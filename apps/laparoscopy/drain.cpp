@@ -118,7 +118,7 @@ void addNeedle(Simulation& sim, Drain& drain, const TrocarDef& towards)
     thread.collision = RodCollision{};
     thread.attachments = {{.nodes = {0}, .to = drain.needle}};
     drain.thread = sim.add(thread);
-    sim.show(drain.thread, {.material = plain({0.10, 0.10, 0.50})});
+    sim.show(drain.thread, {.material = ThreadMaterial{.baseColor = {0.10, 0.10, 0.50}, .pitch = 0.75_mm}});
 }
 
 } // namespace

@@ -16,7 +16,7 @@ try {
     const BodyId silk = sim.add(thread);
     RigidBodyDef bar{.name = "bar", .mesh = shapes::cylinder(8_mm, 24_mm, 16), .collision = {{}}, .friction = 0.5};
     bar.elements = {{{}, axisAngle({1, 0, 0}, 90_deg)}};
-    sim.show(silk, {.material = TissueMaterial{.baseColor = {0.25, 0.1, 0.5}, .wetness = 0, .vessels = 0}});
+    sim.show(silk);
     sim.show(sim.add(bar), {.material = MetalMaterial{}});
     RigidBodyDef wall{.name = "wall", .elements = {{{0, 0, -30_mm}}}, .mesh = shapes::box({300_mm, 300_mm, 10_mm})};
     const Color green{0.1, 0.3, 0.3};

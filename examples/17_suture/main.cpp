@@ -86,7 +86,7 @@ try {
         sim, {.kind = InstrumentKind::SutureScissors, .pose = cutting(0), .opening = 0.3});
     KnotHands knot(sim, {.thread = silk, .place = {0, 0.5_mm, 0}, .force = 0.6, .holding = 0.15, .speed = 0.15});
     sim.show(steel, {.material = MetalMaterial{}});
-    sim.show(silk, {.material = TissueMaterial{.baseColor = {0.1, 0.1, 0.5}, .wetness = 0, .vessels = 0}});
+    sim.show(silk, {.material = ThreadMaterial{.baseColor = {0.1, 0.1, 0.5}, .pitch = 0.75_mm}});
     double tied = physics::kNever, last = 0.0; // [s] when the knot was tied; the last step
     sim.everyStep([&](double time) {
         driver.move(motion(time));

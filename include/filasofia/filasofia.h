@@ -280,6 +280,7 @@ using visual::Quality;
 using visual::SpotLight;
 using visual::SurfaceState;
 using visual::TextureFile;
+using visual::ThreadMaterial;
 using visual::TissueMaterial;
 using visual::UnlitMaterial;
 using visual::ViewDef;

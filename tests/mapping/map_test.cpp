@@ -82,6 +82,49 @@ TEST_CASE("a rod is drawn as a closed tube that turns outwards and goes through 
     CHECK(vertices.back() == moved.positions.back());
 }
 
+TEST_CASE("the tube around a rod turns with the rod's directors, between the middles of its edges")
+{
+    std::vector<Vec3> line;
+    for (int i = 0; i <= 10; ++i) line.push_back({2e-3 * i, 0, 0});
+    constexpr double radius = 1e-3, turn = 0.4; // [rad] from edge to edge
+    const MappedSurface mapped = mapTube(line, radius);
+    frame::SoftBodyFrame body{.positions = line};
+    const auto turnedBy = [](double angle) { return Vec3{0, std::cos(angle), std::sin(angle)}; };
+    for (int edge = 0; edge < 10; ++edge) body.directors.push_back(turnedBy(turn * edge));
+    std::vector<Vec3> vertices(mapped.surface.vertices.size());
+    apply(mapped.map, body, vertices);
+    for (std::size_t edge = 0; edge < 10; ++edge) {
+        const Vec3 middle = 0.5 * (line[edge] + line[edge + 1]);
+        CHECK(distance(vertices[12 * (4 * edge + 2)], middle + radius * body.directors[edge]) < 1e-12);
+    }
+    for (std::size_t node = 1; node < 10; ++node) // in the middle between the angles of its two edges
+        CHECK(distance(vertices[48 * node], line[node] + radius * turnedBy(turn * (double(node) - 0.5))) < 1e-12);
+    body.cutEdges = {4};
+    apply(mapped.map, body, vertices);
+    CHECK(distance(vertices[48 * 4], line[4] + radius * body.directors[3]) < 1e-12); // ends have their own edge's
+    CHECK(distance(vertices[48 * 5], line[5] + radius * body.directors[5]) < 1e-12);
+}
+
+TEST_CASE("the pattern of a rod lies where the rod is straight")
+{
+    std::vector<Vec3> line; // along the diagonal, then across
+    for (int i = 0; i <= 10; ++i) line.push_back({1e-3 * i, i < 5 ? 1e-3 * i : 1e-2 - 1e-3 * i, 0});
+    for (const bool closed : {false, true}) {
+        const MappedSurface mapped = mapTube(line, 1e-3, closed);
+        REQUIRE(mapped.pattern.size() == mapped.surface.vertices.size());
+        double before = 0.0;
+        for (std::size_t node = 0; node < 10; ++node) {
+            for (std::size_t side = 0; side < 12; ++side) {
+                const double angle = M_PI / 6.0 * static_cast<double>(side);
+                CHECK(distance(mapped.pattern[48 * node + side],
+                               Vec3{before, 1e-3 * std::cos(angle), 1e-3 * std::sin(angle)}) < 1e-15);
+            }
+            before += distance(line[node], line[node + 1]);
+        }
+        if (!closed) CHECK(distance(mapped.pattern.back(), Vec3{before, 0, 0}) < 1e-15);
+    }
+}
+
 TEST_CASE("a ring is drawn as a tube without ends that does not pinch, however its line winds")
 {
     std::vector<Vec3> line;

@@ -90,6 +90,20 @@ TEST_CASE("under load no step is longer than period and slack, the report counts
     for (const Vec3& p : frame->softBodies[0].positions) CHECK(isFinite(p));
 }
 
+TEST_CASE("the longest time on end that was slower than real time is told")
+{
+    FakeClock fake;
+    physics::PhysicsServer server(engine::makeNativeEngine());
+    const std::vector<Nanoseconds> costs{0, 8, 9, 0, 0, 6, 6, 7, 6, 0}; // [ms]; a step of more than 7 ms is clamped
+    const RunTiming timing = runPhysics(server, {.period = 5 * kMs, .slack = 2 * kMs, .maxSteps = costs.size()},
+                                        fake.clock(), kNeverStop, [&](const physics::StepReport& report) {
+                                            fake.time += costs[report.step - 1] * kMs;
+                                            return 0u;
+                                        });
+    CHECK(timing.clamped == 2);
+    CHECK(timing.longestBehind == Approx(0.017));
+}
+
 TEST_CASE("flags that the runtime knows reach the next report")
 {
     FakeClock fake;

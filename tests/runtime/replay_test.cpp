@@ -100,7 +100,7 @@ TEST_CASE("every event of a scene comes back from its recording")
          {visual::Material{TissueMaterial{}}, visual::Material{MetalMaterial{}}, visual::Material{MucosaMaterial{}},
           visual::Material{BoneMaterial{}}, visual::Material{GlassMaterial{}}, visual::Material{NamedMaterial{"n"}},
           visual::Material{UnlitMaterial{.texture = visual::ViewPicture{"v"}}},
-          visual::Material{CustomMaterial{"c.filamat", parameters}}})
+          visual::Material{CustomMaterial{"c.filamat", parameters}}, visual::Material{ThreadMaterial{.strands = 0}}})
         CHECK(roundTrip(SceneMaterial{1, material}).material == material);
     CHECK(roundTrip(SceneVisible{1, false}).visible == false);
     CHECK(roundTrip(SceneUnshown{9}).shown == 9);

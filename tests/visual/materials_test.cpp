@@ -83,6 +83,8 @@ TEST_CASE("an invalid number or colour is an error in every material")
         {GlassMaterial{.tint = {0.0, 1, 1}}, "tint"},
         {GlassMaterial{.thickness = kNan}, "thickness"},
         {UnlitMaterial{.color = {kNan, 0, 0}}, "color.red"},
+        {ThreadMaterial{.strands = 33}, "strands"},
+        {ThreadMaterial{.pitch = 0.0}, "pitch"},
         {NamedMaterial{"nobody"}, "nobody"},
     };
     for (Backend backend : backends()) {

@@ -39,6 +39,9 @@ struct MappedSurface {
     geometry::TriangleMesh surface; ///< [m] at rest, in world coordinates
     SoftMap map;
     std::vector<std::uint8_t> rim = {}; ///< per vertex, 1 on the rim of what cuts have opened; empty: nothing is cut
+    /// [m], per vertex, where it is in the pattern of a material: a rod's is straight along x, its director along y;
+    /// empty: as in `surface`
+    std::vector<Vec3> pattern = {};
 };
 
 /// The body's own boundary, with an identity map.

@@ -29,6 +29,7 @@ struct RunTiming {
     std::uint64_t stepCount = 0;   ///< [-]
     std::uint64_t late = 0;        ///< steps that began more than a period late
     std::uint64_t clamped = 0;     ///< steps whose dt was limited to period + slack
+    double longestBehind = 0.0;    ///< [s] longest time in which every step was clamped: slower than real time
     double wallSeconds = 0.0;      ///< [s]
     double simulatedSeconds = 0.0; ///< [s], without paused steps
 

@@ -185,6 +185,28 @@ constexpr auto fields(const GlassMaterial*)
 }
 constexpr std::size_t addedFields(const GlassMaterial*) { return 3; }
 
+/// A thread: a braid of strands that run around it to both sides, or smooth. The pattern is fixed to a rod's material,
+/// so it shows how the rod turns and twists. Only for rods: other bodies have no line along which the strands run.
+struct ThreadMaterial {
+    Color baseColor = {0.16, 0.07, 0.42}; ///< colour of the strands
+    double roughness = 0.4;               ///< [-], in [0.05, 1]
+    int strands = 6;                      ///< [-], in [0, 32], of the braid to each side; 0: a monofilament
+    double pitch = 1e-3;                  ///< [m], > 0: along the thread while a strand goes around it once
+    double relief = 1.0;                  ///< [-], in [0, 2], height of the strands
+
+    friend bool operator==(const ThreadMaterial&, const ThreadMaterial&) = default;
+};
+
+constexpr auto fields(const ThreadMaterial*)
+{
+    using M = ThreadMaterial;
+    return describe("ThreadMaterial", field("baseColor", &M::baseColor, "colour of the strands"),
+                    field("roughness", &M::roughness, "-", closed(0.05, 1), "roughness of a strand"),
+                    field("strands", &M::strands, "-", closed(0, 32), "of the braid to each side; 0: a monofilament"),
+                    field("pitch", &M::pitch, "m", positive(), "along the thread while a strand goes around it once"),
+                    field("relief", &M::relief, "-", closed(0, 2), "height of the strands"));
+}
+
 /// A surface with its own colour, whatever the light: markers, screens, labels. The picture shows exactly this colour.
 struct UnlitMaterial {
     Color color = {1.0, 1.0, 1.0}; ///< the colour, or the factor on the texture
@@ -234,6 +256,6 @@ inline TissueMaterial plainMaterial(Color color)
 }
 
 using Material = std::variant<TissueMaterial, MetalMaterial, MucosaMaterial, BoneMaterial, GlassMaterial, UnlitMaterial,
-                              CustomMaterial, NamedMaterial>;
+                              CustomMaterial, NamedMaterial, ThreadMaterial>;
 
 } // namespace filasofia::visual

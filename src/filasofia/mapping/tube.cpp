@@ -22,7 +22,8 @@ struct OnCurve {
 struct Line {
     std::span<const Vec3> x;
     bool closed = false;
-    std::span<const int> cut = {}; ///< edges that are gone, ascending
+    std::span<const int> cut = {};        ///< edges that are gone, ascending
+    std::span<const Vec3> directors = {}; ///< per edge, across it; empty: those that are carried along the line
 
     [[nodiscard]] bool isCut(std::size_t edge) const
     {
@@ -47,9 +48,16 @@ struct Line {
     [[nodiscard]] Vec3 at(std::size_t node) const { return x[node % x.size()]; }
 };
 
-/// The curve through the nodes (Catmull and Rom 1974), at a fraction t of an edge.
-OnCurve curveAt(const Line& line, std::size_t edge, double t)
+/// A place along the line: a fraction t of an edge.
+struct Along {
+    std::size_t edge = 0;
+    double t = 0.0;
+};
+
+/// The curve through the nodes (Catmull and Rom 1974).
+OnCurve curveAt(const Line& line, Along along)
 {
+    const auto [edge, t] = along;
     const std::size_t count = line.x.size();
     const Vec3 b = line.at(edge), c = line.at(edge + 1);
     const Vec3 a = line.goesOnBefore(edge) ? line.at(edge + count - 1) : b - (c - b);
@@ -68,25 +76,36 @@ Vec3 carried(Vec3 across, Vec3 direction)
     return normalized(across - dot(across, direction) * direction, normalized(cross(direction, other)));
 }
 
-OnCurve ringAt(const Line& line, std::size_t ring)
+Along ringAt(const Line& line, std::size_t ring)
 {
     const std::size_t edge = std::min(ring / kRings, line.edges() - 1);
     // The first ring of a cut edge is the end of the edge before it.
     if (ring == kRings * edge && line.isCut(edge) && line.goesOnBefore(edge))
-        return curveAt(line, (edge + line.edges() - 1) % line.edges(), 1.0);
-    return curveAt(line, edge, static_cast<double>(ring - kRings * edge) / kRings);
+        return {(edge + line.edges() - 1) % line.edges(), 1.0};
+    return {edge, static_cast<double>(ring - kRings * edge) / kRings};
+}
+
+/// The material's director there, of any length: each edge has its own in its middle.
+Vec3 directorAt(const Line& line, Along at)
+{
+    const std::size_t edges = line.edges();
+    const bool before = at.t < 0.5;
+    if (!(before ? line.goesOnBefore(at.edge) : line.goesOnBehind(at.edge))) return line.directors[at.edge];
+    const Vec3 next = line.directors[(before ? at.edge + edges - 1 : at.edge + 1) % edges];
+    return line.directors[at.edge] + std::abs(at.t - 0.5) * (next - line.directors[at.edge]);
 }
 
 /// [rad] by how much a vector that is carried around a ring has turned about it when it is back: the rings of vertices
 /// turn back evenly.
 double turnAround(const Line& line)
 {
-    if (!line.closed) return 0.0;
+    if (!line.closed || !line.directors.empty()) return 0.0;
     const std::size_t rings = kRings * line.edges();
-    const OnCurve first = ringAt(line, 0);
+    const auto curveOf = [&](std::size_t ring) { return curveAt(line, ringAt(line, ring)); };
+    const OnCurve first = curveOf(0);
     const Vec3 start = carried({}, first.direction);
     Vec3 across = start;
-    for (std::size_t ring = 1; ring <= rings; ++ring) across = carried(across, ringAt(line, ring).direction);
+    for (std::size_t ring = 1; ring <= rings; ++ring) across = carried(across, curveOf(ring).direction);
     return std::atan2(dot(cross(start, across), first.direction), dot(start, across));
 }
 
@@ -98,8 +117,9 @@ void place(const Line& line, double radius, std::span<Vec3> out)
     Vec3 across;
     std::size_t vertex = 0;
     for (std::size_t ring = 0; ring < rings; ++ring) {
-        const OnCurve at = ringAt(line, ring);
-        across = carried(across, at.direction);
+        const Along along = ringAt(line, ring);
+        const OnCurve at = curveAt(line, along);
+        across = carried(line.directors.empty() ? across : directorAt(line, along), at.direction);
         const std::size_t edge = ring / kRings, part = ring % kRings;
         if (part > 0 ? line.isCut(edge) : line.isLone(edge)) {
             // The rings within a gap shrink to the middles of its ends and close them; between the two is nothing.
@@ -118,6 +138,29 @@ void place(const Line& line, double radius, std::span<Vec3> out)
     out[vertex] = line.x.back();
 }
 
+/// Where the vertices are while the rod is straight along x and its directors along y.
+std::vector<Vec3> straight(const Line& line, double radius, std::size_t vertices)
+{
+    std::vector<Vec3> out;
+    out.reserve(vertices);
+    double before = 0.0; // the edges before this one
+    for (std::size_t edge = 0; edge < line.edges(); ++edge) {
+        const double edgeLength = distance(line.at(edge), line.at(edge + 1));
+        const int rings = !line.closed && edge + 1 == line.edges() ? kRings + 1 : kRings;
+        for (int ring = 0; ring < rings; ++ring)
+            for (int side = 0; side < kSides; ++side) {
+                const double angle = 2.0 * std::numbers::pi * side / kSides;
+                out.push_back(
+                    {before + edgeLength * ring / kRings, radius * std::cos(angle), radius * std::sin(angle)});
+            }
+        before += edgeLength;
+    }
+    if (line.closed) return out; // between its last ring and the first the pattern is squeezed
+    out.push_back({});
+    out.push_back({before, 0, 0});
+    return out;
+}
+
 } // namespace
 
 MappedSurface mapTube(std::span<const Vec3> nodes, double radius, bool closed)
@@ -129,6 +172,7 @@ MappedSurface mapTube(std::span<const Vec3> nodes, double radius, bool closed)
     mapped.map = TubeMap{static_cast<int>(nodes.size()), radius, closed};
     mapped.surface.vertices.resize(static_cast<std::size_t>(rings * kSides + (closed ? 0 : 2)));
     place(line, radius, mapped.surface.vertices);
+    mapped.pattern = straight(line, radius, mapped.surface.vertices.size());
     const auto at = [&](int ring, int side) { return kSides * (ring % rings) + side % kSides; };
     for (int ring = 0; ring < gaps; ++ring)
         for (int side = 0; side < kSides; ++side) {
@@ -145,8 +189,9 @@ MappedSurface mapTube(std::span<const Vec3> nodes, double radius, bool closed)
 
 void apply(const TubeMap& map, const frame::SoftBodyFrame& body, std::span<Vec3> vertices)
 {
-    place({std::span(body.positions).first(static_cast<std::size_t>(map.nodes)), map.closed, body.cutEdges}, map.radius,
-          vertices);
+    place({std::span(body.positions).first(static_cast<std::size_t>(map.nodes)), map.closed, body.cutEdges,
+           body.directors},
+          map.radius, vertices);
 }
 
 } // namespace filasofia::mapping

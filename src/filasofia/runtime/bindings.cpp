@@ -359,6 +359,7 @@ void Bindings::addPending(visual::VisualServer& visual)
                                                                          .material = *binding.def.material,
                                                                          .castShadows = binding.def.castShadows,
                                                                          .label = static_cast<int>(binding.id.value)});
+            if (!binding.mapped->pattern.empty()) drawn.setMesh(binding.mapped->surface, binding.mapped->pattern);
             if (!binding.def.visible) drawn.setVisible(false);
             if (!binding.strandsOf) painted_.resend(binding.key);
             shown_.push_back(std::move(pending_[added]));

@@ -2,6 +2,7 @@
 
 #include "filasofia/physics/physics_server.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace filasofia::runtime {
@@ -38,6 +39,7 @@ RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, 
     scheduler.start(start);
     physics::StepBudget budget{.now = clock.now};
     std::uint32_t flags = 0;
+    Nanoseconds last = start, behind = 0;
     while (!stop.load(std::memory_order_relaxed) && (def.maxSteps == 0 || timing.stepCount < def.maxSteps)) {
         if (!def.freeRunning) clock.sleepUntil(scheduler.nextWake());
         const Nanoseconds now = clock.now();
@@ -53,6 +55,9 @@ RunTiming runPhysics(physics::PhysicsServer& server, const PhysicsLoopDef& def, 
         ++timing.stepCount;
         timing.late += tick.late;
         timing.clamped += tick.clamped;
+        behind = tick.clamped ? behind + now - last : 0;
+        last = now;
+        timing.longestBehind = std::max(timing.longestBehind, toSeconds(behind));
         timing.simulatedSeconds += report.dt;
     }
     timing.wallSeconds = toSeconds(clock.now() - start);

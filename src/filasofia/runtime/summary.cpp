@@ -241,7 +241,10 @@ std::string summary(const RunReport& report)
         out += line("physics rate [1/s]     median %8.1f   p1 %8.1f   p99 %8.1f", rate.median, rate.p1, rate.p99);
     }
     const std::string again = report.damped > 0 ? text(" (", report.damped, " advanced again with damping)") : "";
-    out += text("late steps ", report.timing.late, ", clamped to period + slack ", report.timing.clamped,
+    const std::string behind = report.timing.clamped > 0
+                                   ? text(" (slower than real time for at most ", report.timing.longestBehind, " s)")
+                                   : "";
+    out += text("late steps ", report.timing.late, ", clamped to period + slack ", report.timing.clamped, behind,
                 ", rolled back ", report.undone, again, ", solver at its iteration limit ", report.notConverged,
                 ", at the deadline ", report.outOfTime, "\n");
     if (report.undoneAtEnd > 0)

@@ -74,7 +74,8 @@ visual::Material materialOf(const physics::BodyDef& body)
 {
     // No metal: a flat floor of it would mirror nothing but the dark surroundings.
     if (physics::isRigid(body)) return visual::plainMaterial({0.34, 0.35, 0.37});
-    if (std::holds_alternative<physics::RodBodyDef>(body)) return visual::plainMaterial({0.25, 0.1, 0.5});
+    if (const auto* rod = std::get_if<physics::RodBodyDef>(&body))
+        return visual::ThreadMaterial{.pitch = 5.0 * rod->radius};
     return visual::TissueMaterial{};
 }
 
