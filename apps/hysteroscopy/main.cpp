@@ -61,7 +61,7 @@ int train(const Training& training)
                                         .material = MetalMaterial{.roughness = 0.5},
                                         .onGrasp = onGrasp});
     ScopeHands hands(sim, scope, forceps, handsOf(training, 12_mm));
-    if (training.device) sim.add(HapticInterfaceDef{.name = "hand", .body = hands.handle()});
+    if (training.devices > 0) sim.add(HapticInterfaceDef{.name = "hand", .body = hands.handle()});
 
     MetricTrackerDef observed =
         observedIn(training, {.body = forceps.body(), .tip = {0, 0, -4.5_mm}}, scope.body(), "polyp");

@@ -207,7 +207,7 @@ int resection(const Training& training, const Patient& patient)
                         .groups = {LoopWall, LoopMyoma},
                         .material = MetalMaterial{.roughness = 0.5}});
     ScopeHands hands(sim, scope, loop, handsOf(training, 25_mm));
-    if (training.device) sim.add(HapticInterfaceDef{.name = "hand", .body = hands.handle()});
+    if (training.devices > 0) sim.add(HapticInterfaceDef{.name = "hand", .body = hands.handle()});
 
     Chips chips(sim, patient, bodies.polyp);
     MetricTrackerDef observed =

@@ -35,7 +35,7 @@ prefab::ScopeHandsDef handsOf(const Training& training, double mostReach)
             .mostDepth = 36_mm,
             .mostReach = mostReach,
             .strength = training.rules(kRules[training.difficulty]).strength,
-            .handle = training.device};
+            .handle = training.devices > 0};
 }
 
 MetricTrackerDef observedIn(const Training& training, const TrackedBody& tool, BodyId scope, const std::string& target)

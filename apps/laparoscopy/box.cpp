@@ -112,7 +112,7 @@ PegBox addBox(Simulation& sim, int rings, std::uint64_t seed)
     return box;
 }
 
-LaparoscopicInstrumentDef instrumentOf(Side side, bool haptic)
+LaparoscopicInstrumentDef instrumentOf(Side side, const Training& training)
 {
     const double sign = side == LeftSide ? -1.0 : 1.0;
     const Vec3 port = {sign * 85_mm, 120_mm, 140_mm}, work = {sign * 20_mm, 20_mm, 0};
@@ -125,8 +125,16 @@ LaparoscopicInstrumentDef instrumentOf(Side side, bool haptic)
     def.tool.shaftMaterial = plain({0.025, 0.026, 0.028}, 0.3);
     def.trocar = {
         .fulcrum = port, .axis = work - port, .mostTilt = 0.9, .leastInsertion = 30_mm, .mostInsertion = 260_mm};
-    def.hand = {.length = 0.40, .strength = 10.0, .haptic = haptic};
+    def.hand = {.length = 0.40, .strength = 10.0, .haptic = training.devices > (side == RightSide ? 0 : 1)};
     def.start = {.insertion = length(work - port) - 45_mm};
+    return def;
+}
+
+TrocarHandsDef handsOf(Simulation& sim, const LaparoscopicInstrument& left, const LaparoscopicInstrument& right)
+{
+    TrocarHandsDef def;
+    if (right.handle()) def.rightDevice = sim.add(HapticInterfaceDef{.name = "right hand", .body = right.handle()});
+    if (left.handle()) def.leftDevice = sim.add(HapticInterfaceDef{.name = "left hand", .body = left.handle()});
     return def;
 }
 

@@ -57,8 +57,12 @@ struct PegBox {
 /// Adds board, table and `rings` rings on the left pegs, each shifted by chance.
 PegBox addBox(filasofia::Simulation& sim, int rings, std::uint64_t seed);
 
-/// The Defs of the instrument of a side, and of the laparoscope.
-filasofia::LaparoscopicInstrumentDef instrumentOf(Side side, bool haptic);
+/// The Defs of the instrument of a side, and of the laparoscope. The first haptic device holds the right instrument,
+/// the second one the left.
+filasofia::LaparoscopicInstrumentDef instrumentOf(Side side, const filasofia::Training& training);
+/// Adds the interfaces of the devices that hold the two.
+filasofia::TrocarHandsDef handsOf(filasofia::Simulation& sim, const filasofia::LaparoscopicInstrument& left,
+                                  const filasofia::LaparoscopicInstrument& right);
 filasofia::LaparoscopeDef scopeOf();
 /// Gives an instrument the jaws that its kind has, which touch all, in place of those for rings.
 void useOwnJaws(filasofia::LaparoscopicInstrumentDef& def);

@@ -145,9 +145,9 @@ Foam addFoam(Simulation& sim, std::uint64_t seed)
     return foam;
 }
 
-LaparoscopicInstrumentDef pusherOf()
+LaparoscopicInstrumentDef pusherOf(const Training& training)
 {
-    LaparoscopicInstrumentDef def = laparoscopy::instrumentOf(laparoscopy::RightSide, false);
+    LaparoscopicInstrumentDef def = laparoscopy::instrumentOf(laparoscopy::RightSide, training);
     def.name = "pusher";
     def.start.insertion -= 40_mm;
     def.tool = {.kind = InstrumentKind::LaparoscopicScissors,

@@ -35,7 +35,7 @@ struct Foam {
 Foam addFoam(filasofia::Simulation& sim, std::uint64_t seed);
 
 /// The pusher: a tube through the right trocar. It grasps nothing; closing its jaws means drawing the thread.
-filasofia::LaparoscopicInstrumentDef pusherOf();
+filasofia::LaparoscopicInstrumentDef pusherOf(const filasofia::Training& training);
 
 /// The thread: its loop is before the pusher's mouth, one end is tied into the knot there, and the other one runs
 /// through the pusher to a hand. While the pusher's jaws are closed, the hand draws the thread with a force; otherwise

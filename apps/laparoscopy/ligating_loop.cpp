@@ -198,13 +198,13 @@ int ligatingLoop(const Training& training)
     const auto seed = static_cast<std::uint64_t>(training.seed);
     Simulation sim({.window = {"Ligating loop", 960, 720}, .look = {.mouse = false, .keys = false}});
     const Foam foam = addFoam(sim, seed);
-    LaparoscopicInstrumentDef leftDef = laparoscopy::instrumentOf(laparoscopy::LeftSide, false);
+    LaparoscopicInstrumentDef leftDef = laparoscopy::instrumentOf(laparoscopy::LeftSide, training);
     leftDef.tool.groups = {LeftTool};
     leftDef.tool.gripStiffness = 200.0;
     leftDef.start.insertion -= 50_mm;
-    LaparoscopicInstrument left(sim, leftDef), right(sim, pusherOf());
+    LaparoscopicInstrument left(sim, leftDef), right(sim, pusherOf(training));
     Laparoscope scope(sim, laparoscopy::scopeOf());
-    TrocarHands hands(sim, left, right, scope);
+    TrocarHands hands(sim, left, right, scope, laparoscopy::handsOf(sim, left, right));
     Endoloop loop(sim, right);
     Judge judge(sim, foam, loop, left, right);
     sim.on<KeyEvent>([&](const KeyEvent& e) {

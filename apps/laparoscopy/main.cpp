@@ -127,18 +127,14 @@ int pegTransfer(const Training& training)
                     .look = {.mouse = false, .keys = false}});
     const PegBox box = addBox(sim, rings.rings, seed);
     MetricTracker* marks = nullptr;
-    LaparoscopicInstrumentDef leftDef = instrumentOf(LeftSide, false),
-                              rightDef = instrumentOf(RightSide, training.device);
+    LaparoscopicInstrumentDef leftDef = instrumentOf(LeftSide, training), rightDef = instrumentOf(RightSide, training);
     leftDef.tool.onGrasp = rightDef.tool.onGrasp = [&](BodyId ring, bool on) {
         const auto index = std::ranges::find(box.rings, ring) - box.rings.begin();
         marks->mark(on ? EventKind::Grasp : EventKind::Release, text("ring ", index + 1));
     };
     LaparoscopicInstrument left(sim, leftDef), right(sim, rightDef);
     Laparoscope scope(sim, scopeOf());
-    TrocarHandsDef handsDef;
-    if (training.device)
-        handsDef.rightDevice = sim.add(HapticInterfaceDef{.name = "right hand", .body = right.handle()});
-    TrocarHands hands(sim, left, right, scope, handsDef);
+    TrocarHands hands(sim, left, right, scope, handsOf(sim, left, right));
     Judge judge(sim, box, {&left, &right});
     // McGill's raw score (Derossis et al. 1998): the cutoff time less the time, less the percentage of lost objects.
     const auto score = [&](const TaskProgress& now) {
@@ -212,7 +208,8 @@ int main(int argc, char** argv)
             "Cholecystectomy: 4, 5, 6, 7 and 8 give the right hand the hook (closing is its pedal), clips, scissors, "
             "the bag\nor suction (closing opens it; 9 rinses).\n"
             "Ligating loop: closing the right hand draws the thread, 4 lets the knot go.\n"
-            "A haptic device (--device) holds the right handle; its first button closes the jaws.\n",
+            "A haptic device (--device) holds the right handle, and a second one (--device NAME,NAME) the left; the\n"
+            "first button closes the jaws.\n",
         .cases = cases,
         .difficulties = kDifficulties,
         .motions = {"expert", "clumsy"},
@@ -225,8 +222,8 @@ int main(int argc, char** argv)
             pegTransfer,        operation::cholecystectomy, cutting::patternCutting, ligating::ligatingLoop,
             suturing::suturing, cannulating::cannulation};
         const auto chosen = static_cast<std::size_t>(training.caseIndex);
-        if (training.device && chosen > 0)
-            fail(cases[chosen], ": a haptic device holds the right handle in peg-transfer only");
+        if (training.devices > 0 && kTasks[chosen] == operation::cholecystectomy)
+            fail(cases[chosen], ": haptic devices hold handles in the other cases only");
         return kTasks[chosen](training);
     });
 }

@@ -57,9 +57,9 @@ private:
     std::atomic<bool> out_ = false;
 };
 
-LaparoscopicInstrumentDef instrumentOf(laparoscopy::Side side)
+LaparoscopicInstrumentDef instrumentOf(laparoscopy::Side side, const Training& training)
 {
-    LaparoscopicInstrumentDef def = laparoscopy::instrumentOf(side, false);
+    LaparoscopicInstrumentDef def = laparoscopy::instrumentOf(side, training);
     def.start.insertion -= 65_mm; // both wait in front of the gauze
     if (side == laparoscopy::LeftSide) {
         def.tool.groups = {LeftTool};
@@ -193,10 +193,10 @@ int patternCutting(const Training& training)
     Simulation sim({.window = {"Pattern cutting", 960, 720}, .look = {.mouse = false, .keys = false}});
     const auto seed = static_cast<std::uint64_t>(training.seed);
     const Gauze gauze = addGauze(sim, seed);
-    LaparoscopicInstrument left(sim, instrumentOf(laparoscopy::LeftSide)),
-        right(sim, instrumentOf(laparoscopy::RightSide));
+    LaparoscopicInstrument left(sim, instrumentOf(laparoscopy::LeftSide, training)),
+        right(sim, instrumentOf(laparoscopy::RightSide, training));
     Laparoscope scope(sim, laparoscopy::scopeOf());
-    TrocarHands hands(sim, left, right, scope);
+    TrocarHands hands(sim, left, right, scope, laparoscopy::handsOf(sim, left, right));
     Judge judge(sim, gauze);
 
     // MISTELS (Derossis et al. 1998): the cutoff time less the time, less the area of deviation in percent.

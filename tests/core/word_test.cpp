@@ -1,6 +1,7 @@
 #include "filasofia/core/word.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/listed.h"
 
 namespace word_test {
 
@@ -20,6 +21,13 @@ constexpr auto fields(const Def*)
 }
 
 } // namespace
+
+TEST_CASE("a list has the words between its commas, empty ones too, and none if it is empty")
+{
+    CHECK(listed("").empty());
+    CHECK(listed("mouse") == std::vector<std::string>{"mouse"});
+    CHECK(listed("a,b:c d,") == std::vector<std::string>{"a", "b:c d", ""});
+}
 
 TEST_CASE("a word that is a number within its bounds is read")
 {

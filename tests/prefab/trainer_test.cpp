@@ -66,7 +66,7 @@ TEST_CASE("a trainer's session gets what the command line says")
     CHECK(training.seed == 42);
     CHECK(training.trainee == "A. B.");
     CHECK(training.motion.empty());
-    CHECK_FALSE(training.device);
+    CHECK(training.devices == 0);
     CHECK(training.file == "a.jsonl");
     CHECK(program.steps == 7);
 }

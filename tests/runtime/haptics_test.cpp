@@ -397,6 +397,26 @@ TEST_CASE("what a hand does is written to a motion file, and played back")
     CHECK(recorded.y < 20_mm);
 }
 
+TEST_CASE("a list of motion files moves the hands in the order in which they were added, and the others keep their own")
+{
+    const Folder folder;
+    for (const char* side : {"right", "left"})
+        std::ofstream(folder / text(side, ".csv")) << "time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n0.2,"
+                                                   << (side[0] == 'r' ? "0.03" : "-0.02") << ",0,0,1,0,0,0,0\n";
+    Simulation sim;
+    std::vector<BodyId> bodies;
+    for (const double z : {0.0, 0.1, 0.2}) {
+        bodies.push_back(sim.add(tool({0, 0, z})));
+        sim.add(HapticInterfaceDef{.device = device::ScriptedDevice{.motion = dip()}, .body = bodies.back()});
+    }
+    sim.run({.headless = true, .steps = 400, .motion = text(folder / "right.csv", ",", folder / "left.csv")});
+    const auto frame = sim.physics().latest();
+    const auto moved = [&](std::size_t i) { return frame->rigidBody(bodies[i])->poses[0].position; };
+    CHECK(moved(0).x == Approx(0.03).margin(1e-3));
+    CHECK(moved(1).x == Approx(-0.02).margin(1e-3));
+    CHECK(moved(2).y == Approx(-0.02).margin(1e-3));
+}
+
 TEST_CASE("while a run is paused the hand feels nothing, and a removed body takes nothing with it")
 {
     Simulation sim;
@@ -444,6 +464,10 @@ TEST_CASE("haptic interfaces that cannot be are refused, and so are runs that as
                       Catch::Contains("library '/nowhere.so' cannot be opened"));
     CHECK_THROWS_WITH(run({.headless = true, .steps = 1, .device = "mouse", .motion = "a.csv"}),
                       "run: device and motion: only one of the two can be given");
+    CHECK_THROWS_WITH(run({.headless = true, .steps = 1, .device = "mouse,mouse"}),
+                      "run: device: there is 1 haptic interface, but there are 2 names");
+    CHECK_THROWS_WITH(run({.headless = true, .steps = 1, .device = "mouse,"}),
+                      Catch::Contains("device: must be one of mouse, gamepad") && Catch::Contains("got ''"));
     CHECK_THROWS_WITH(run({.headless = true, .steps = 1, .motion = "/nowhere.csv"}),
                       "motion file '/nowhere.csv': no such file");
     CHECK_THROWS_WITH(run({.headless = true, .steps = 1, .recordMotion = "a.txt"}),

@@ -70,7 +70,7 @@ struct Training {
     int difficulty = 0;       ///< [-], index of the difficulty
     int seed = 1;             ///< [-], in [0, 999999999]
     std::string motion = {};  ///< one of the trainer's planned motions; empty: a person moves
-    bool device = false;      ///< a haptic device is used, or its motion file is played
+    int devices = 0;          ///< [-] haptic devices that are used, or whose motion files are played
     std::string file = {};    ///< the session's .jsonl file: a new one, or the one asked for
     std::shared_ptr<TrainerProgram> program = {};
     TrainerCase chosen = {}; ///< the case, with what its file changes

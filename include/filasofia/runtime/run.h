@@ -29,9 +29,10 @@ struct RunDef {
     std::string record = {};  ///< a .rec file for `filasofia replay`, only in a simulation's first run; empty: none
     bool freeRunning = false; ///< a live run does not wait between steps, to measure what they cost
     std::string video = {};   ///< an .mp4 (encoded by the program ffmpeg) or .avi file; empty: none
-    /// Device of the first haptic interface, in place of its own: NAME, or NAME:LIBRARY; empty: its own.
+    /// Devices of the first haptic interfaces, in place of their own: NAME or NAME:LIBRARY, more than one separated by
+    /// commas; empty: their own. Several forcedimension are its devices 0, 1, ...
     std::string device = {};
-    std::string motion = {};       ///< a motion file that is played in place of that device; empty: none
+    std::string motion = {};       ///< motion files that are played in place of those devices; empty: none
     std::string recordMotion = {}; ///< a motion file that records the hand at the first haptic interface; empty: none
     /// [1/s], in [1, 240], pictures per second of the video; headless in simulated time, else wall time.
     double fps = 30.0;

@@ -56,7 +56,7 @@ Training trainingOf(const std::shared_ptr<TrainerProgram>& program)
             .difficulty = program->difficultyIndex(),
             .seed = program->seedNumber(),
             .motion = program->planned() ? program->motion : std::string(),
-            .device = program->device > 0 || program->has("--device") || program->has("--motion"),
+            .devices = program->devices(),
             .file = program->session.empty() ? unusedSessionFile(file) : program->session,
             .program = program,
             .chosen = program->chosen()};

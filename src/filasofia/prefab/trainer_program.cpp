@@ -1,6 +1,7 @@
 #include "filasofia/prefab/trainer_program.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/listed.h"
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/core/whole_file.h"
@@ -99,7 +100,8 @@ std::vector<runtime::OwnOption> TrainerProgram::options()
     return {{"--case", &caseName, "the case", caseNames(), def.readCase ? kCaseFile : ""},
             {"--difficulty", &difficulty, "the difficulty", def.difficulties},
             {"--seed", &seed, "the number that chooses the patient"},
-            {"--motion", &motion, "what moves the tools: " + motions() + ", or a device's motion file"},
+            {"--motion", &motion,
+             "what moves the tools: " + motions() + ", or a device's motion file, or several: FILE,FILE"},
             {"--trainee", &trainee, "the trainee's name, for the session"},
             {"--session", &session,
              "a .jsonl file for 'filasofia report'; default: " + def.name + "_CASE_SEED_NUMBER.jsonl"},
@@ -116,6 +118,21 @@ bool TrainerProgram::has(const char* word) const
 
 bool TrainerProgram::wantsHelp() const { return has("--help") || has("-h"); }
 bool TrainerProgram::planned() const { return std::ranges::find(def.motions, motion) != def.motions.end(); }
+
+int TrainerProgram::devices() const
+{
+    const auto count = [](std::string_view names) { return static_cast<int>(listed(names).size()); };
+    if (device > 0) return count(at(kDevices, device));
+    if (motion != "hand") return planned() ? 0 : count(motion);
+    std::string_view names;
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        constexpr std::string_view kOption = "--device";
+        const std::string_view word = rest[i];
+        if (word == kOption && i + 1 < rest.size()) names = rest[i + 1];
+        if (word.starts_with(text(kOption, "="))) names = word.substr(kOption.size() + 1);
+    }
+    return count(names);
+}
 
 bool TrainerProgram::hasWindow() const { return !has("--headless") && !has("--no-picture"); }
 int TrainerProgram::caseIndex() const { return placeOf(caseNames(), caseName); }
@@ -143,9 +160,10 @@ void TrainerProgram::parse(int argc, const char* const* argv)
     if (!newCase.empty() && !def.readCase) fail(def.name, ": takes no case files");
     if (motion != "hand" && !planned()) {
         std::error_code problem; // a name that is too long is not a file either
-        if (!std::filesystem::is_regular_file(motion, problem))
-            fail(def.name, ": --motion must be ", motions(), " or a motion file, but there is no file ",
-                 shownWord(motion));
+        for (const std::string& file : listed(motion))
+            if (!std::filesystem::is_regular_file(file, problem))
+                fail(def.name, ": --motion must be ", motions(), " or a motion file, but there is no file ",
+                     shownWord(file));
         rest.insert(rest.end(), {"--motion", motion});
     }
     if (!pictures.empty() && !std::filesystem::is_directory(pictures))

@@ -36,6 +36,7 @@ struct TrainerProgram {
     [[nodiscard]] bool has(const char* word) const; ///< whether an option for Simulation::run was given
     [[nodiscard]] bool wantsHelp() const;
     [[nodiscard]] bool planned() const;   ///< whether a planned motion moves the tools
+    [[nodiscard]] int devices() const;    ///< how many haptic devices hold instruments, or motion files are played
     [[nodiscard]] bool hasWindow() const; ///< whether sessions are seen in a window
     [[nodiscard]] int caseIndex() const;  ///< in `cases`
     [[nodiscard]] const TrainerCase& chosen() const { return cases[static_cast<std::size_t>(caseIndex())]; }

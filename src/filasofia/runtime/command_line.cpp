@@ -87,8 +87,9 @@ int run(Simulation& simulation, const std::vector<std::string>& words, const std
     addOption(app, "--session", &RunDef::session, def, "name of the session, stored in the recording");
     addOption(app, "--trainee", &RunDef::trainee, def, "name of the trainee, stored in the recording");
     addOption(app, "--device", &RunDef::device, def,
-              "device of the first haptic interface: NAME or NAME:LIBRARY, a driver and its vendor's library");
-    addOption(app, "--motion", &RunDef::motion, def, "play this motion file in place of a device");
+              "devices of the first haptic interfaces: NAME or NAME:LIBRARY, a driver and its vendor's library, ...");
+    addOption(app, "--motion", &RunDef::motion, def,
+              "play this motion file in place of a device, or several: FILE,FILE");
     addOption(app, "--record-motion", &RunDef::recordMotion, def, "record the hand's motion in this motion file");
     for (const OwnOption& option : own)
         if (CLI::Option* same = app.get_option_no_throw(option.name)) same->group(""); // not in the help

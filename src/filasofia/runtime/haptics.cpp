@@ -1,5 +1,6 @@
 #include "filasofia/runtime/haptics.h"
 
+#include "filasofia/core/listed.h"
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
 #include "filasofia/core/word.h"
@@ -19,14 +20,26 @@ using device::Nanoseconds;
 
 constexpr std::size_t kTape = 1 << 16; // a minute at 1 kHz, if the main thread does not drain it
 
-/// "NAME" or "NAME:LIBRARY".
-std::unique_ptr<device::HapticDevice> deviceOf(const std::string& word)
+/// "NAME" or "NAME:LIBRARY". `forceDimension` counts the Force Dimension devices so far.
+std::unique_ptr<device::HapticDevice> deviceOf(const std::string& word, int& forceDimension)
 {
     const auto colon = word.find(':');
-    const device::DeviceDef def = device::deviceNamed(word.substr(0, colon));
+    device::DeviceDef def = device::deviceNamed(word.substr(0, colon));
     if (std::holds_alternative<device::ScriptedDevice>(def))
         fail("run: device scripted needs a motion file; set motion instead");
+    if (auto* omega = std::get_if<device::ForceDimensionDevice>(&def)) omega->index = forceDimension++;
     return device::makeDevice(def, colon == std::string::npos ? "" : word.substr(colon + 1));
+}
+
+/// The devices that a run asks for, in place of those of the first interfaces.
+std::vector<std::unique_ptr<device::HapticDevice>> devicesOf(const RunDef& run)
+{
+    std::vector<std::unique_ptr<device::HapticDevice>> devices;
+    int forceDimension = 0;
+    for (const std::string& word : listed(run.device)) devices.push_back(deviceOf(word, forceDimension));
+    for (const std::string& file : listed(run.motion))
+        devices.push_back(device::makeDevice(device::ScriptedDevice{.motion = file}));
+    return devices;
 }
 
 int ticksIn(double dt, double rate) { return std::max(1, static_cast<int>(std::lround(dt * rate))); }
@@ -238,17 +251,20 @@ void Haptics::begin(const RunDef& run, const PhysicsDef& physics, const Clock& c
         simulated_.store(0);
         servoClock.now = [this] { return simulated_.load(std::memory_order_relaxed); };
     }
-    std::unique_ptr<device::HapticDevice> asked;
-    if (!run.device.empty()) asked = deviceOf(run.device);
-    if (!run.motion.empty()) asked = device::makeDevice(device::ScriptedDevice{.motion = run.motion});
+    std::vector<std::unique_ptr<device::HapticDevice>> asked = devicesOf(run);
+    if (asked.size() > interfaces_.size())
+        fail("run: ", run.device.empty() ? "motion" : "device", ": there ",
+             interfaces_.size() == 1 ? "is 1 haptic interface" : text("are ", interfaces_.size(), " haptic interfaces"),
+             ", but there are ", asked.size(), " names");
     if (!run.recordMotion.empty()) {
         motion_.emplace(run.recordMotion);
         tape_ = std::make_unique<SpscRing<device::MotionSample>>(kTape);
     }
-    for (auto& held : interfaces_) {
-        Interface& each = *held;
+    asked.resize(interfaces_.size()); // the others keep their own
+    for (std::size_t i = 0; i < interfaces_.size(); ++i) {
+        Interface& each = *interfaces_[i];
         each.servo.reset();
-        each.other = std::exchange(asked, nullptr); // the first interface gets it
+        each.other = std::move(asked[i]);
         each.placed = each.def.origin || !each.def.body;
         each.aligns.store(!each.placed);
         each.holding = false;
