@@ -44,7 +44,7 @@ TEST_CASE("a body that nobody describes looks as what it is: tissue, plastic, a 
     ShownStage stage;
     const BodyId block = stage.addBlock(), box = stage.addBox();
     const BodyId rod = stage.physics.add(
-        physics::RodBodyDef{.name = "thread", .points = {{0, 0, 0}, {0.1, 0, 0}}, .spacing = 0.01, .radius = 1e-3});
+        physics::RodBodyDef{.name = "thread", .points = {{0, 0, 0}, {0, 0.1, 0}}, .spacing = 0.01, .radius = 1e-3});
     for (const BodyId each : {block, box, rod}) stage.bindings.show(each, {}, stage.physics);
     stage.bindings.show(box, {.material = visual::TissueMaterial{}}, stage.physics);
     stage.step();
@@ -53,8 +53,11 @@ TEST_CASE("a body that nobody describes looks as what it is: tissue, plastic, a 
     const auto tissue = [&](std::size_t i) { return std::get<visual::TissueMaterial>(all[i]->material); };
     CHECK(tissue(0) == visual::TissueMaterial{});
     CHECK(tissue(1) == visual::plainMaterial({0.34, 0.35, 0.37}));
-    CHECK(tissue(2).vessels == 0.0);
-    CHECK(tissue(2) != tissue(1));
+    CHECK(all[2]->material == visual::Material{visual::ThreadMaterial{.pitch = 5e-3}});
+    // Its pattern lies where it is straight along x, from 0 on.
+    CHECK(all[2]->geometry.rest.front().x == 0.0F);
+    CHECK(std::hypot(all[2]->geometry.rest.front().y, all[2]->geometry.rest.front().z) == Approx(1e-3));
+    CHECK(all[2]->geometry.rest.back().x == Approx(0.1));
     CHECK(tissue(3) == visual::TissueMaterial{}); // what was asked for
 }
 
