@@ -212,7 +212,7 @@ TrocarPlan clumsyMotion(const Motion& with, std::uint64_t seed)
     return plan;
 }
 
-LaparoscopicInstrumentDef instrumentOf(laparoscopy::Side side, const Training& training)
+LaparoscopicInstrumentDef toolOf(laparoscopy::Side side, const Training& training)
 {
     LaparoscopicInstrumentDef def = laparoscopy::instrumentOf(side, training);
     def.start.insertion -= side == laparoscopy::LeftSide ? 10_mm : 50_mm; // both wait in front of the duct
@@ -231,8 +231,8 @@ int cannulation(const Training& training)
     Simulation sim({.window = {"Cannulation", 960, 720}, .look = {.mouse = false, .keys = false}});
     const auto seed = static_cast<std::uint64_t>(training.seed);
     const Duct duct = addDuct(sim, seed);
-    LaparoscopicInstrument left(sim, instrumentOf(laparoscopy::LeftSide, training)),
-        right(sim, instrumentOf(laparoscopy::RightSide, training));
+    LaparoscopicInstrument left(sim, toolOf(laparoscopy::LeftSide, training)),
+        right(sim, toolOf(laparoscopy::RightSide, training));
     Laparoscope scope(sim, laparoscopy::scopeOf());
     scope.zoom(1.4);
     TrocarHands hands(sim, left, right, scope, laparoscopy::handsOf(sim, left, right));

@@ -57,7 +57,7 @@ private:
     std::atomic<bool> out_ = false;
 };
 
-LaparoscopicInstrumentDef instrumentOf(laparoscopy::Side side, const Training& training)
+LaparoscopicInstrumentDef toolOf(laparoscopy::Side side, const Training& training)
 {
     LaparoscopicInstrumentDef def = laparoscopy::instrumentOf(side, training);
     def.start.insertion -= 65_mm; // both wait in front of the gauze
@@ -193,8 +193,8 @@ int patternCutting(const Training& training)
     Simulation sim({.window = {"Pattern cutting", 960, 720}, .look = {.mouse = false, .keys = false}});
     const auto seed = static_cast<std::uint64_t>(training.seed);
     const Gauze gauze = addGauze(sim, seed);
-    LaparoscopicInstrument left(sim, instrumentOf(laparoscopy::LeftSide, training)),
-        right(sim, instrumentOf(laparoscopy::RightSide, training));
+    LaparoscopicInstrument left(sim, toolOf(laparoscopy::LeftSide, training)),
+        right(sim, toolOf(laparoscopy::RightSide, training));
     Laparoscope scope(sim, laparoscopy::scopeOf());
     TrocarHands hands(sim, left, right, scope, laparoscopy::handsOf(sim, left, right));
     Judge judge(sim, gauze);

@@ -128,7 +128,7 @@ private:
     std::atomic<double> atRest_ = 0.0, gap_ = 0.0, loaded_ = 0.0;
 };
 
-LaparoscopicInstrumentDef instrumentOf(laparoscopy::Side side, const Training& training)
+LaparoscopicInstrumentDef toolOf(laparoscopy::Side side, const Training& training)
 {
     LaparoscopicInstrumentDef def = laparoscopy::instrumentOf(side, training);
     def.start.insertion -= 55_mm; // both wait in front of the drain
@@ -148,9 +148,9 @@ int suturing(const Training& training)
     const Limit limit = training.rules(kLimits[training.difficulty]);
     Simulation sim({.window = {"Suturing", 960, 720}, .look = {.mouse = false, .keys = false}});
     const auto seed = static_cast<std::uint64_t>(training.seed);
-    const LaparoscopicInstrumentDef rightDef = instrumentOf(laparoscopy::RightSide, training);
+    const LaparoscopicInstrumentDef rightDef = toolOf(laparoscopy::RightSide, training);
     const Drain drain = addDrain(sim, rightDef.trocar, seed);
-    LaparoscopicInstrument left(sim, instrumentOf(laparoscopy::LeftSide, training)), right(sim, rightDef);
+    LaparoscopicInstrument left(sim, toolOf(laparoscopy::LeftSide, training)), right(sim, rightDef);
     Laparoscope scope(sim, laparoscopy::scopeOf());
     TrocarHands hands(sim, left, right, scope, laparoscopy::handsOf(sim, left, right));
     Judge judge(sim, drain, {&left, &right});

@@ -90,7 +90,7 @@ TEST_CASE("a device's motion file is passed on, and the session uses a device")
     CHECK(program.run({"--headless", "--motion", file.c_str()}) == 2); // there is no haptic interface for it
     std::filesystem::remove(file);
     REQUIRE(program.trained.size() == 1);
-    CHECK(program.trained[0].device);
+    CHECK(program.trained[0].devices == 1);
     CHECK(program.trained[0].motion.empty());
 }
 

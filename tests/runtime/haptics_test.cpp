@@ -400,9 +400,9 @@ TEST_CASE("what a hand does is written to a motion file, and played back")
 TEST_CASE("a list of motion files moves the hands in the order in which they were added, and the others keep their own")
 {
     const Folder folder;
-    for (const char* side : {"right", "left"})
-        std::ofstream(folder / text(side, ".csv")) << "time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n0.2,"
-                                                   << (side[0] == 'r' ? "0.03" : "-0.02") << ",0,0,1,0,0,0,0\n";
+    for (const auto& [file, x] : {std::pair{"right.csv", "0.03"}, {"left.csv", "-0.02"}})
+        std::ofstream(folder / file) << "time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n0.2," << x
+                                     << ",0,0,1,0,0,0,0\n";
     Simulation sim;
     std::vector<BodyId> bodies;
     for (const double z : {0.0, 0.1, 0.2}) {
