@@ -134,7 +134,7 @@ void InstrumentTie::Impl::leaveTail()
 void InstrumentTie::Impl::next(TiePhase to)
 {
     phase = to;
-    since = still = drawn = 0.0;
+    since = still = drawn = stiff = 0.0;
     way = 0;
 }
 

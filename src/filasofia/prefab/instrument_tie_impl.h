@@ -88,7 +88,7 @@ struct InstrumentTie::Impl {
     void giveUp(std::string_view why);
     void pinch(const frame::SoftBodyFrame& thread);
     [[nodiscard]] std::vector<int> loopNodes(const frame::SoftBodyFrame& thread) const;
-    double driverStep(const frame::Frame& now, double force, double dt); ///< [m]
+    double driverStep(const frame::Frame& now, double force, double speed, double dt); ///< [m]
     void drawThrough(const frame::Frame& now, double dt);
     bool drawTail(const frame::Frame& now, double force, double dt);
     bool part(const frame::Frame& now, double force, double dt);
@@ -103,12 +103,13 @@ struct InstrumentTie::Impl {
         told.write(
             {.tied = throws, .done = phase == TiePhase::Done, .failed = phase == TiePhase::Failed, .largest = largest});
     }
-    using Kept = std::tuple<StrandHand, StrandHand, StrandHand, Fingers, Vec3, Fingers, Fingers, std::vector<int>,
-                            TiePlan, Pose, Pose, TiePhase, bool, int, int, double, double, double, double, double>;
+    using Kept =
+        std::tuple<StrandHand, StrandHand, StrandHand, Fingers, Vec3, Fingers, Fingers, std::vector<int>, TiePlan, Pose,
+                   Pose, TiePhase, bool, int, int, double, double, double, double, double, double, double>;
     auto kept()
     {
         return std::tie(hand, tail, assistant, second, beside, fingers, pinching, bases, plan, driver.pose, parting,
-                        phase, wanted, throws, way, angle, since, still, drawn, largest);
+                        phase, wanted, throws, way, angle, since, still, drawn, pulled, stiff, largest);
     }
 
     runtime::Simulation& simulation;
@@ -134,6 +135,8 @@ struct InstrumentTie::Impl {
     double since = 0.0;   ///< [s] in this phase
     double still = 0.0;   ///< [s] since anything has moved
     double drawn = 0.0;   ///< [m] by which the driver has moved away in the last step, to draw at the tail
+    double pulled = 0.0;  ///< [N] at the tail, before that step
+    double stiff = 0.0;   ///< [N/m] what the last steps have gained at the tail, for their way
     double largest = 0.0; ///< [N]
     Published<Told> told;
 };
