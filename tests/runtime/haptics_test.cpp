@@ -417,6 +417,31 @@ TEST_CASE("a list of motion files moves the hands in the order in which they wer
     CHECK(moved(2).y == Approx(-0.02).margin(1e-3));
 }
 
+TEST_CASE("after a reset hands take their bodies where these start, and do not draw them to where they were")
+{
+    const Folder folder;
+    std::ofstream(folder / "hand.csv") << "time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n0.2,0.05,0,0,1,0,0,0,0\n"
+                                          "0.5,0.05,0,0,1,0,0,0,0\n0.7,0.05,0.02,0,1,0,0,0,0\n";
+    Simulation sim;
+    const BodyId body = sim.add(tool()),
+                 kinematic = sim.add(RigidBodyDef{.name = "told", .elements = {{{0, 0, 0.1}, {}}}});
+    for (const BodyId each : {body, kinematic}) sim.add(HapticInterfaceDef{.body = each});
+    double farthest = 0.0;
+    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent& update) {
+        if (update.step == 400) sim.reset();
+        if (update.step < 402 || update.step > 500) return;
+        for (const BodyId each : {body, kinematic})
+            farthest = std::max(farthest, std::abs(sim.physics().latest()->rigidBody(each)->poses[0].position.x));
+    });
+    sim.run({.headless = true, .steps = 900, .motion = text(folder / "hand.csv", ",", folder / "hand.csv")});
+    CHECK(farthest < 1e-4);
+    for (const BodyId each : {body, kinematic}) { // and follow them from there
+        const Vec3 place = sim.physics().latest()->rigidBody(each)->poses[0].position;
+        CHECK(place.x == Approx(0.0).margin(1e-3));
+        CHECK(place.y == Approx(0.02).margin(1e-3));
+    }
+}
+
 TEST_CASE("while a run is paused the hand feels nothing, and a removed body takes nothing with it")
 {
     Simulation sim;

@@ -108,6 +108,7 @@ struct Haptics::Interface {
     Quat grip;
     // The same for the stepping thread.
     device::Latest<VirtualCoupling> coupling;
+    std::atomic<int> waits = 0;             ///< steps until a reset that was asked for is done for sure
     std::atomic<bool> aligns = false;       ///< it has no origin of its own, so it starts at the body
     std::atomic<std::uint64_t> placing = 0; ///< snapshots with an earlier number belong to another place
 
@@ -319,6 +320,13 @@ void Haptics::align(Interface& each, const device::ServoSnapshot& seen, physics:
     each.placed = true;
 }
 
+void Haptics::realign()
+{
+    const std::lock_guard lock(mutex_);
+    for (auto& each : interfaces_)
+        if (each->aligns.load()) each->waits.store(2); // the present step may be beyond its commands
+}
+
 void Haptics::beforeStep(double dt, double end, physics::PhysicsServer& physics)
 {
     if (interfaces_.empty()) return;
@@ -327,6 +335,11 @@ void Haptics::beforeStep(double dt, double end, physics::PhysicsServer& physics)
         Interface& each = *held;
         if (!live_) tickThrough(each, dt, end);
         if (!physics.has(each.def.body)) continue;
+        if (int waits = each.waits.load(); waits > 0) { // the body must not follow the hand from its start to there
+            each.waits.compare_exchange_strong(waits, waits - 1);
+            each.placed = each.holding = false;
+            continue;
+        }
         device::ServoSnapshot seen;
         const bool heard = each.servo->latest(seen) && isGood(seen.tick.state) && seen.placing >= each.placing.load() &&
                            wake_ - seen.time <= static_cast<Nanoseconds>(1e9 * device::watchdogOf(1e-3));
