@@ -320,11 +320,16 @@ void Haptics::align(Interface& each, const device::ServoSnapshot& seen, physics:
     each.placed = true;
 }
 
-void Haptics::realign()
+void Haptics::realign(physics::PhysicsServer& physics)
 {
     const std::lock_guard lock(mutex_);
-    for (auto& each : interfaces_)
-        if (each->aligns.load()) each->waits.store(2); // the present step may be beyond its commands
+    for (auto& each : interfaces_) {
+        if (!running_ || !each->aligns.load() || !physics.has(each->def.body)) continue;
+        each->waits.store(2); // the present step may be beyond its commands
+        const auto body = physics.def(each->def.body);
+        if (std::get<physics::RigidBodyDef>(*body).dynamic) // a reset alone leaves it coupled
+            physics.setHaptic(each->def.body, {.coupling = VirtualCoupling{0.0, 0.0, 0.0, 0.0}}, each->def.element);
+    }
 }
 
 void Haptics::beforeStep(double dt, double end, physics::PhysicsServer& physics)

@@ -42,7 +42,7 @@ public:
     /// result.
     void begin(const RunDef& run, const PhysicsDef& physics, const Clock& clock, const Post& post);
     /// Physics was reset: hands without an origin of their own take their bodies from where these start. Any thread.
-    void realign();
+    void realign(physics::PhysicsServer& physics);
     /// Before a step of dt [s] that is not paused and will end at `end` [s], on the stepping thread.
     void beforeStep(double dt, double end, physics::PhysicsServer& physics);
     /// After every step, on the stepping thread.

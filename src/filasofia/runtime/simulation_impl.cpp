@@ -317,7 +317,7 @@ void Simulation::Impl::reset()
 {
     const std::lock_guard lock(heatMutex); // a change of tissue posted in between would follow the reset
     physics.reset();
-    haptics.realign();
+    haptics.realign(physics);
     for (const BodyId each : electrodes.cutting())
         if (physics.has(each)) physics.setCutting(each, false);
     cleanSurfaces();
