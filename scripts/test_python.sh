@@ -16,7 +16,7 @@ build release --target filasofia_scene 01_bunny
 
 # What the installed package is made of; pip itself takes ten seconds, whatever changed.
 changed() {
-  [ ! -e "$stamp" ] || [ -n "$(find "$root/bindings" "$root/pyproject.toml" "$root/include" "$root/assets/meshes" \
+  [ ! -e "$stamp" ] || [ -n "$(find "$root/bindings" "$root/pyproject.toml" "$root/include" "$root"/assets/{meshes,motions,scenes} \
     "$root"/build/release/src -newer "$stamp" \( -path '*/__pycache__' -prune -o -type f \
     ! -path "$root/build/*.o" -print -quit \))" ]
 }

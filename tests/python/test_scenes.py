@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 
 import pytest
 
@@ -95,3 +96,16 @@ def test_load_reads_a_model_of_mujoco_and_a_robot(tmp_path, capfd):
     assert "model.xml:1:21: <site> is not read" in capfd.readouterr().err
     with pytest.raises(filasofia.Error, match=r"model.xml:1:21: mujoco/worldbody/site: <site> is not read \(strict\)"):
         filasofia.load(model, strict=True)
+
+
+def test_scenes_and_instruments_find_their_files_in_the_package(tmp_path):
+    """A wheel has no source tree: where it is installed, everything comes from its own folder."""
+    data = pathlib.Path(filasofia.__file__).parent / "data"
+    scene = tmp_path / "none.json"
+    scene.write_text('{"bodies": [{"name": "none", "mesh": "asset:meshes/none.msh"}]}')
+    with pytest.raises(filasofia.Error, match="asset 'meshes/none.msh' is in none of .*" + re.escape(str(data))):
+        filasofia.load(scene)
+    assets = pathlib.Path(os.environ["FILASOFIA_ROOT"]) / "assets"
+    for folder in ("meshes", "motions", "scenes"):
+        files = [each.relative_to(assets) for each in (assets / folder).rglob("*") if each.is_file()]
+        assert files and all((data / each).is_file() for each in files)

@@ -2,6 +2,8 @@
 
 #include "filasofia/core/error.h"
 
+#include <dlfcn.h>
+
 #include <cstdlib>
 #include <filesystem>
 #include <map>
@@ -12,6 +14,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// The folder `data` beside the shared library that this code is part of, as in the Python package, which may be
+/// anywhere; empty if it is part of the program itself.
+fs::path besideLibrary(const fs::path& program)
+{
+    Dl_info found = {};
+    if (dladdr(reinterpret_cast<const void*>(&besideLibrary), &found) == 0 || !found.dli_fname) return {};
+    if (!fs::path(found.dli_fname).is_absolute()) return {}; // a program that the shell found
+    std::error_code ignored;
+    const fs::path library = fs::canonical(found.dli_fname, ignored);
+    return library.empty() || library == program ? fs::path() : library.parent_path() / "data";
+}
+
 std::vector<fs::path> assetFolders(const std::string& installed)
 {
     std::vector<fs::path> folders;
@@ -20,6 +34,8 @@ std::vector<fs::path> assetFolders(const std::string& installed)
     const fs::path program = fs::read_symlink("/proc/self/exe", ignored);
     folders.push_back(program.parent_path().parent_path() / "share/filasofia");
     if (!installed.empty()) folders.emplace_back(installed);
+    if (const fs::path beside = besideLibrary(program); !beside.empty() && beside != installed)
+        folders.push_back(beside);
     folders.emplace_back(FILASOFIA_SOURCE_ASSETS);
     folders.emplace_back(FILASOFIA_INSTALLED_ASSETS);
     return folders;
