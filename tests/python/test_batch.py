@@ -182,6 +182,7 @@ def test_scene_files_run_with_recordings_and_pictures(tmp_path):
         ({"jobs": [{"value": 1}, {"value": 1}]}, r"jobs\[1\] is the same as jobs\[0\]"),
         ({"jobs": [5]}, r"jobs\[0\] must be a dict of parameters, got 5"),
         ({"jobs": [{"value": float("nan")}]}, r"jobs\[0\]: value must be a finite number, .*, got nan"),
+        ({"jobs": [{1: 2}]}, r"jobs\[0\] must have texts as names of parameters, got 1"),
         ({"jobs": [{"error": 1}]}, r"jobs\[0\] must have no parameter 'error'"),
         ({"retries": -1}, "retries must be >= 0, got -1"),
         ({"workers": 0}, "workers must be >= 1, got 0"),

@@ -417,8 +417,12 @@ def test_an_unknown_option_of_reset_is_an_error():
 
 
 def test_wrong_options_of_vectors_are_one_clear_error():
-    with pytest.raises(fs.Error, match="VectorEnv: num_envs must be a whole number >= 1, got 0"):
+    with pytest.raises(fs.Error, match="VectorEnv: num_envs must be a whole number in .1, 10000., got 0"):
         gym.VectorEnv(gym.Reach, 0)
+    with pytest.raises(fs.Error, match="num_envs must be a whole number in .1, 10000., got 1000000000"):
+        gym.VectorEnv(gym.Reach, 10**9)
+    with pytest.raises(fs.Error, match="num_envs must be a whole number in .1, 10000., got True"):
+        gym.VectorEnv(gym.Reach, True)
     with pytest.raises(fs.Error, match="autoreset_mode must be one of 'NextStep', 'SameStep', 'Disabled', got 'never'"):
         gym.VectorEnv(gym.Reach, 1, autoreset_mode="never")
     envs = gym.VectorEnv(gym.Reach, 2)

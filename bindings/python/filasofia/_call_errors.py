@@ -86,8 +86,14 @@ def explain(function: typing.Any, given: list[typing.Any], named: dict[str, typi
         must = _wrong(ast.unparse(each.annotation) if each.annotation else "object", values[each.arg])
         if must:
             return f"{name}: {each.arg} must be {must}, got {_shown(values[each.arg])}"
+    for each, default in zip(every[needed:], arguments.defaults):
+        value = values.get(each.arg)
+        if isinstance(default, ast.Tuple) and isinstance(value, (list, tuple)) and len(value) != len(default.elts):
+            return f"{name}: {each.arg} must be {len(default.elts)} numbers, got {_shown(value)}"
     for word, value in values.items():
         if isinstance(value, int) and not 0 <= value < 2**31:
             return f"{name}: {word} must be a whole number that C++ can hold, got {_shown(value)}"
+        if isinstance(value, (list, tuple)) and any(isinstance(one, int) and abs(one) >= 2**31 for one in value):
+            return f"{name}: {word} must have whole numbers below 2^31, got {_shown(value)}"
     got = ", ".join([*map(_shown, given), *(f"{word}={_shown(value)}" for word, value in named.items())])
     return f"{name}: takes {shown}, got ({got})"

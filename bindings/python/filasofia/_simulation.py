@@ -148,6 +148,9 @@ class Simulation(_core.Simulation):
         `filasofia report` the page.
         """
         definition = _only(_defs.MetricTrackerDef, definition, fields)
+        for name, names in (("steps", steps), ("targets", targets), ("watched", watched)):
+            if isinstance(names, (str, bytes)) or not hasattr(names, "__iter__"):  # a text is a list of its letters
+                raise TypeError(f"measure: {name} must be a list of texts, got {names!r}")
         given = (trainee, task, list(steps), list(targets), list(watched), force_limit)
         self._measure(definition, *given)  # type: ignore[attr-defined]
 

@@ -283,6 +283,8 @@ class _Journal:
         if not isinstance(parameters, dict):
             raise _fs.Error(f"run: jobs[{index}] must be a dict of parameters, got {parameters!r}")
         for name, value in parameters.items():
+            if not isinstance(name, str):
+                raise _fs.Error(f"run: jobs[{index}] must have texts as names of parameters, got {name!r}")
             if name in _OWN:
                 raise _fs.Error(f"run: jobs[{index}] must have no parameter '{name}', which is a column of the results")
             try:

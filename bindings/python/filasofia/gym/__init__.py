@@ -1,4 +1,4 @@
-"""Environments for gymnasium (docs/guide/environments.md): importing this registers filasofia/Reach-v0 and 19 more."""
+"""Environments for gymnasium (docs/guide/environments.md): importing this registers filasofia/Reach-v0 and 20 more."""
 
 from __future__ import annotations
 

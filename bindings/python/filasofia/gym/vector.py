@@ -39,8 +39,8 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         **options: typing.Any,
     ):
         for name, value in (("num_envs", num_envs), ("threads", 1 if threads is None else threads)):
-            if not isinstance(value, int) or value < 1:
-                raise fs.Error(f"VectorEnv: {name} must be a whole number >= 1, got {value!r}")
+            if not isinstance(value, int) or isinstance(value, bool) or not 1 <= value <= 10_000:
+                raise fs.Error(f"VectorEnv: {name} must be a whole number in [1, 10000], got {value!r}")
         try:
             self.autoreset_mode = AutoresetMode(autoreset_mode)
         except ValueError:
