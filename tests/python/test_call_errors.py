@@ -1,5 +1,7 @@
 """Wrong arguments of functions."""
 
+import math
+
 import pytest
 
 import filasofia as fs
@@ -61,3 +63,36 @@ def test_errors_of_callbacks_stay_what_they_are():
     sim.every_step(lambda time: "a" + 1)
     with pytest.raises(TypeError, match="can only concatenate str"):
         sim.step()
+
+
+def test_what_a_stranger_types_is_one_clear_line():
+    sim = fs.Simulation(rate=1000)
+    body = sim.add(fs.RigidBodyDef(elements=[(0, 0, 0)]))
+    sim.step()
+    for act, says in [
+        # Copied, these would fill the memory.
+        (lambda: fs.SoftBodyDef(pose=range(10**12)), "SoftBodyDef: pose must be a Pose, 3 numbers .*, got range"),
+        (lambda: fs.Box(range(10**12), (1, 1, 1)), "Box: low must be 3 numbers, got range"),
+        (lambda: fs.axis_angle((0, 1, 0), math.nan), "axis_angle: angle must be finite, got nan"),
+        (lambda: fs.shapes.block((1, 1, 1), (2**31, 1, 1)), r"block: cells must have whole numbers below 2\^31, got"),
+        (lambda: fs.shapes.block((1, 1, 1), (1, 1)), r"block: cells must be 3 numbers, got \(1, 1\)"),
+        (lambda: fs.load("none.json", physics=3), "none.json: no such file"),
+        (lambda: fs.load(fs.asset("scenes/box_trainer.json"), physics=3), "load: physics must be a PhysicsDef, got 3"),
+        (lambda: fs.load_tet_mesh(""), "^a file of a mesh must have a name, got ''"),
+        (lambda: fs.Simulation(3), "Simulation: physics must be a PhysicsDef, got 3"),
+        (lambda: fs.replay("run.rec"), "replay: definition must be a ReplayDef, got 'run.rec'"),
+        (lambda: sim.add_electrode(body, 5), "add_electrode: electrode must be an ElectrodeDef, got 5"),
+        (lambda: sim.extract(None), "extract: command must be an Extract, got None"),
+        (lambda: sim.show(None), "show: body must be a BodyId, got None"),
+        (lambda: sim.set_pose(None, (0, 0, 0)), "set_pose: body must be a BodyId, got None"),
+        (lambda: sim.release(None), "release: attachment must be an AttachmentId, got None"),
+        (lambda: sim.measure(file="x.jsonl", steps="abc"), "measure: steps must be a list of texts, got 'abc'"),
+        (lambda: sim.measure(file="x.jsonl", targets=3), "measure: targets must be a list of texts, got 3"),
+        (lambda: sim.frame[None], "frame: body must be a BodyId, got None"),
+        (lambda: list(sim.frame), "'Frame' object is not iterable"),
+        (lambda: fs.FemMaterail, r"has no attribute 'FemMaterail' \(did you mean 'FemMaterial'\?\)"),
+    ]:
+        with pytest.raises((fs.Error, TypeError, AttributeError), match=says) as caught:
+            act()
+        assert "\n" not in str(caught.value)
+    assert body in sim.frame and 99 not in sim.frame

@@ -51,6 +51,24 @@ def frames() -> NDArray[np.float64]:
     return soft.positions
 
 
+def instruments(sim: fs.Simulation, tissue: fs.BodyId) -> None:
+    definition = fs.ArticulatedInstrumentDef(kind="ultrasonicShears", opening=1, pose=fs.Pose((0, 0.1, 0)))
+    tool = fs.ArticulatedInstrument(sim, definition)
+    shears = fs.UltrasonicShears(sim, tool, fs.UltrasonicShearsDef(parting=0.5))
+    tool.move((0, 0.05, 0))
+    tool.close(torque=0.02)
+    shears.press(True)
+    suction = fs.SuctionIrrigator(sim, fs.ArticulatedInstrument(sim))
+    suction.rinse(False)
+    loop = fs.WireLoop(sim)
+    loop.move(tool.pose)
+    clips = fs.ClipApplier(sim, tool, fs.ClipApplierDef(targets=[tissue]))
+    held: fs.BodyId | None = tool.holding
+    line: NDArray[np.float64] = loop.line
+    together: bool = tissue in sim.frame and sim.frame.connected(tool.body, tissue)
+    print(held, line, together, clips.left, shears.parted, suction.irrigated, loop.CUTS, loop.definition.width)
+
+
 def pictures(sim: fs.Simulation) -> None:
     picture: fs.Picture = sim.render(320, 240, pose=fs.look_at((0, 0.1, 0.2), (0, 0, 0)), camera=fs.CameraDef(near=0.001))
     picture.save("picture.png")
@@ -121,6 +139,7 @@ def tissues() -> None:
 
 if __name__ == "__main__":
     frames()
+    instruments(*scene(1e4))
     pictures(scene(1e4)[0])
     learn()
     many()

@@ -9,6 +9,7 @@ import typing as _typing
 from . import _core, _defs, shapes
 from ._core import (
     AerosolBalance,
+    ArticulatedInstrument,
     AttachmentBreak,
     BleedingEvent,
     BloodBalance,
@@ -53,12 +54,15 @@ from ._core import (
     StepFlag,
     StepReport,
     StrainedElements,
+    SuctionIrrigator,
     TearEvent,
     TetMesh,
     Tissue,
     TopologyReport,
     TriangleMesh,
+    UltrasonicShears,
     Unrest,
+    WireLoop,
     axis_angle,
     hexadecimal,
     load_tet_mesh,
@@ -88,6 +92,7 @@ __all__ = [
     "load",
     "replay",
     "AerosolBalance",
+    "ArticulatedInstrument",
     "AttachmentBreak",
     "BleedingEvent",
     "BloodBalance",
@@ -132,12 +137,15 @@ __all__ = [
     "StepFlag",
     "StepReport",
     "StrainedElements",
+    "SuctionIrrigator",
     "TearEvent",
     "TetMesh",
     "Tissue",
     "TopologyReport",
     "TriangleMesh",
+    "UltrasonicShears",
     "Unrest",
+    "WireLoop",
     "axis_angle",
     "hexadecimal",
     "load_tet_mesh",
@@ -166,7 +174,8 @@ if not _typing.TYPE_CHECKING:  # a type checker would take every wrong name for 
 
             return getattr(_pictures, name)
         if name != "__version__":
-            raise AttributeError(f"module 'filasofia' has no attribute '{name}'")
+            known = [each for each in __all__ if not name.startswith("_")]
+            raise AttributeError(f"module 'filasofia' has no attribute '{name}'{_core.did_you_mean(name, known)}")
         from importlib.metadata import version  # slow, too, and seldom asked for
 
         return version("filasofia")

@@ -36,7 +36,17 @@ def _report_repr(report: _typing.Any) -> str:
 
 
 # Reports, events and states print their fields. What asks a simulation for them may raise, and does not.
-_LIVE = (_core.Simulation, _core.ClipApplier, _core.InstrumentTie, _core.KnotHands, _core.SpecimenBag)
+_LIVE = (
+    _core.Simulation,
+    _core.ArticulatedInstrument,
+    _core.ClipApplier,
+    _core.InstrumentTie,
+    _core.KnotHands,
+    _core.SpecimenBag,
+    _core.SuctionIrrigator,
+    _core.UltrasonicShears,
+    _core.WireLoop,
+)
 for _each in vars(_core).copy().values():
     if isinstance(_each, type) and _each.__repr__ is object.__repr__ and _each not in _LIVE:  # type: ignore[comparison-overlap]
         _each.__repr__ = _report_repr  # type: ignore[assignment]

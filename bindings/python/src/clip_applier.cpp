@@ -1,4 +1,4 @@
-#include "held_prefab.h"
+#include "instrument.h"
 #include "results.h"
 
 #include "filasofia/prefab/clip_applier.h"
@@ -10,9 +10,12 @@ using HeldApplier = HeldPrefab<prefab::ClipApplier>;
 
 void make(HeldApplier* self, HeldSimulation& sim, nb::handle tool, nb::handle def)
 {
-    const auto body = readArgument<BodyId>(tool, "ClipApplier", "tool");
-    hold(self, sim, "ClipApplier", body, readDef<prefab::ClipApplierDef>(def, "ClipApplier"));
-    sim.shown = true; // its clips are drawn
+    const auto read = readDef<prefab::ClipApplierDef>(def, "ClipApplier: definition");
+    if (const auto* instrument = asInstrument(tool, sim, "ClipApplier"))
+        hold(self, sim, "ClipApplier", *instrument, read);
+    else
+        hold(self, sim, "ClipApplier", readArgument<BodyId>(tool, "ClipApplier", "tool"), read);
+    for (const BodyId clip : self->prefab->bodies()) sim.shownBeside.insert(clip);
 }
 
 } // namespace
@@ -21,12 +24,11 @@ void addClipApplier(nb::module_& module)
 {
     nb::class_<HeldApplier>(
         module, "ClipApplier",
-        "A magazine of clips that a rigid body, an instrument, closes on soft bodies. Its clips are "
-        "drawn, so other bodies need show().")
+        "A magazine of clips that an instrument, or any rigid body, closes on soft bodies. Its clips are drawn.")
         .def("__init__", &make, nb::arg("sim"), nb::arg("tool").none(), nb::arg("definition").none(),
-             nb::sig("def __init__(self, sim: filasofia.Simulation, tool: filasofia.BodyId, definition: "
-                     "filasofia.ClipApplierDef) -> None"),
-             "Adds the clips.")
+             nb::sig("def __init__(self, sim: filasofia.Simulation, tool: filasofia.ArticulatedInstrument | "
+                     "filasofia.BodyId, definition: filasofia.ClipApplierDef) -> None"),
+             "Adds the clips. The jaws of an instrument close them; a rigid body closes none by itself.")
         .def(
             "close", [](HeldApplier& self) { self.open("close").close(); },
             "Closes the next clip where the tool is, on the target with most nodes between its legs, in the next step.")

@@ -257,12 +257,15 @@ template <class T, std::size_t n> struct Convert<std::array<T, n>> {
     static std::string typing() { return List::typing(); }
 };
 
-/// An argument of a function, whose errors begin "set_pose: pose must be ...".
+/// An argument of a function, whose errors begin "set_pose: pose must be ...". None is no id here.
 template <class T>
 T readArgument(nb::handle value, std::string_view function, std::string_view name, Range range = finite())
 {
     const Where object{.name = function};
-    return Convert<T>::read(value, {.outer = &object, .name = name, .range = range});
+    const Where where{.outer = &object, .name = name, .range = range};
+    if constexpr (std::is_base_of_v<ConvertId<T>, Convert<T>>)
+        if (value.is_none()) failType(where, "must be " + withArticle(Convert<T>::kName), value);
+    return Convert<T>::read(value, where);
 }
 
 } // namespace filasofia::python

@@ -20,7 +20,7 @@ template <class T> constexpr bool takesPlain() { return kPlainNumbers<T> != 0; }
 inline Pose readPoseNumbers(nb::handle value, const Where& where)
 {
     constexpr const char* kMust = "must be a Pose, 3 numbers (its position) or 7 (position and w, x, y, z)";
-    const nb::object members = readSequence(value, where, kMust);
+    const nb::object members = readShortSequence(value, where, kMust, 7);
     double v[7] = {0, 0, 0, 1, 0, 0, 0};
     const std::size_t count = nb::len(members);
     if (count != 3 && count != 7) failValue(where, kMust, value);
@@ -94,7 +94,8 @@ private:
     {
         const std::string name = defName(value);
         const std::string hint = name == typeName<T>() ? text(" (did you mean ", name, "()?)") : std::string();
-        throw nb::type_error(text(where.text(), " must be a ", typeName<T>(), ", got ", shown(value), hint).c_str());
+        const std::string must = " must be " + withArticle(typeName<T>());
+        throw nb::type_error(text(where.text(), must, ", got ", shown(value), hint).c_str());
     }
 };
 

@@ -7,6 +7,9 @@
 #include "filasofia/prefab/knot_hands.h"
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/specimen_bag.h"
+#include "filasofia/prefab/suction_irrigator.h"
+#include "filasofia/prefab/ultrasonic_shears.h"
+#include "filasofia/prefab/wire_loop.h"
 
 #include <nanobind/stl/vector.h>
 
@@ -41,6 +44,9 @@ const DefTable& table()
         out.add<prefab::InstrumentTieDef>();
         out.add<prefab::KnotDef>();
         out.add<prefab::SpecimenBagDef>();
+        out.add<prefab::SuctionIrrigatorDef>();
+        out.add<prefab::UltrasonicShearsDef>();
+        out.add<prefab::WireLoopDef>();
         out.add<runtime::PictureDef>();
         out.add<runtime::ViewerDef>();
         out.add<runtime::ReplayDef>();

@@ -126,21 +126,34 @@ nb::object bodyOf(nb::handle self, nb::handle id)
     fail("frame of step ", held.step, ": there is no body ", body.value);
 }
 
-/// The body that an argument names; Error if the frame does not have it.
-BodyId knownBody(const Frame& held, nb::handle id, const char* name)
+bool hasBody(const HeldFrame& self, nb::handle id)
 {
-    const auto body = readArgument<BodyId>(id, "contact_force", name);
+    const auto body = readArgument<BodyId>(id, "frame", "body");
+    return self.get().softBody(body) || self.get().rigidBody(body);
+}
+
+/// The body that an argument of a method names; Error if the frame does not have it.
+BodyId knownBody(const Frame& held, nb::handle id, const char* method, const char* name)
+{
+    const auto body = readArgument<BodyId>(id, method, name);
     if (!held.softBody(body) && !held.rigidBody(body))
-        fail("contact_force: ", name, " must be a body of the frame of step ", held.step, ", got ", body.value);
+        fail(method, ": ", name, " must be a body of the frame of step ", held.step, ", got ", body.value);
     return body;
+}
+
+bool isConnected(const HeldFrame& self, nb::handle one, nb::handle other)
+{
+    const Frame& held = self.get();
+    const BodyId first = knownBody(held, one, "connected", "one");
+    return frame::connected(first, knownBody(held, other, "connected", "other"), held.attachments);
 }
 
 nb::object contactForce(const HeldFrame& self, nb::handle of, nb::handle by)
 {
     const Frame& held = self.get();
-    const BodyId body = knownBody(held, of, "body");
+    const BodyId body = knownBody(held, of, "contact_force", "body");
     if (by.is_none()) return vectorOf(frame::forceOn(body, held.contacts));
-    const BodyId other = knownBody(held, by, "by");
+    const BodyId other = knownBody(held, by, "contact_force", "by");
     Vec3 sum;
     for (const Contact& each : held.contacts)
         if (body != other &&
@@ -241,9 +254,12 @@ void bindFrame(nb::module_& module)
         "step", [](const HeldFrame& self) { return self.get().step; }, "Number of steps completed.");
     whole.def_prop_ro(
         "time", [](const HeldFrame& self) { return self.get().time; }, "[s], simulated");
-    whole.def("__getitem__", &bodyOf, nb::arg("body"),
+    whole.def("__getitem__", &bodyOf, nb::arg("body").none(),
               nb::sig("def __getitem__(self, body: filasofia.BodyId) -> typing.Any"),
               "The SoftBodyFrame or RigidBodyFrame of a body.");
+    whole.def("__contains__", &hasBody, nb::arg("body").none(), nb::sig("def __contains__(self, body: object) -> bool"),
+              "Whether the body is in it.");
+    whole.attr("__iter__") = nb::none(); // Python would count bodies from 0
     whole.def_prop_ro(
         "soft_bodies", [](nb::handle self) { return partsOf(self, nb::cast<const HeldFrame&>(self).get().softBodies); },
         nb::for_getter(nb::sig("def soft_bodies(self) -> list[SoftBodyFrame]")));
@@ -270,6 +286,10 @@ void bindFrame(nb::module_& module)
         },
         nb::for_getter(nb::sig("def attachments(self) -> numpy.typing.NDArray[numpy.void]")),
         "One row per attachment: id, body, to, force (on the body), points, broken, parted (points that let go).");
+    whole.def("connected", &isConnected, nb::arg("one").none(), nb::arg("other").none(),
+              nb::sig("def connected(self, one: filasofia.BodyId, other: filasofia.BodyId) -> bool"),
+              "Whether attachments and grasps hold two bodies together, directly or through other bodies. Contacts, "
+              "clips and needles are not among them.");
     whole.def_prop_ro(
         "attached_points",
         [](nb::handle self) {

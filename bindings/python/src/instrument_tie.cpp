@@ -10,8 +10,8 @@ using HeldTie = HeldPrefab<prefab::InstrumentTie>;
 
 void make(HeldTie* self, HeldSimulation& sim, nb::handle def)
 {
-    hold(self, sim, "InstrumentTie", readDef<prefab::InstrumentTieDef>(def, "InstrumentTie"));
-    sim.shown = true; // the driver is drawn
+    hold(self, sim, "InstrumentTie", readDef<prefab::InstrumentTieDef>(def, "InstrumentTie: definition"));
+    sim.shownBeside.insert(self->prefab->driver().body());
 }
 
 BodyId handOf(const prefab::InstrumentTie& tie) { return tie.hand(); }
@@ -23,7 +23,7 @@ void addInstrumentTie(nb::module_& module)
 {
     nb::class_<HeldTie>(module, "InstrumentTie",
                         "A hand and a needle driver that tie a knot with the ends of a rod, throw by throw. The driver "
-                        "is drawn, so other bodies need show().")
+                        "is drawn.")
         .def("__init__", &make, nb::arg("sim"), nb::arg("definition").none(),
              nb::sig("def __init__(self, sim: filasofia.Simulation, definition: filasofia.InstrumentTieDef) -> None"),
              "Adds the hand, the driver and what helps them.")

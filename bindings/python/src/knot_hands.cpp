@@ -10,7 +10,7 @@ using HeldHands = HeldPrefab<prefab::KnotHands>;
 
 void make(HeldHands* self, HeldSimulation& sim, nb::handle def)
 {
-    hold(self, sim, "KnotHands", readDef<prefab::KnotDef>(def, "KnotHands"));
+    hold(self, sim, "KnotHands", readDef<prefab::KnotDef>(def, "KnotHands: definition"));
 }
 
 } // namespace

@@ -79,7 +79,7 @@ void bindReplay(nb::module_& module)
     module.def(
         "replay",
         [](nb::handle def) {
-            const auto asked = readDef<runtime::ReplayDef>(def, "replay");
+            const auto asked = readDef<runtime::ReplayDef>(def, "replay: definition");
             const nb::gil_scoped_release free;
             return runtime::replay(asked);
         },
@@ -106,10 +106,11 @@ void bindLibrary(nb::module_& module)
         "The pose of a camera at `eye` that looks at `target`.");
     module.def(
         "axis_angle",
-        [](nb::handle axis, double angle) {
-            return Convert<Quat>::make(axisAngle(readArgument<Vec3>(axis, "axis_angle", "axis"), angle));
+        [](nb::handle axis, nb::handle angle) {
+            return Convert<Quat>::make(axisAngle(readArgument<Vec3>(axis, "axis_angle", "axis"),
+                                                 readArgument<double>(angle, "axis_angle", "angle")));
         },
-        nb::arg("axis").none(), nb::arg("angle"),
+        nb::arg("axis").none(), nb::arg("angle").none(),
         nb::sig(
             "def axis_angle(axis: collections.abc.Sequence[float], angle: float) -> tuple[float, float, float, float]"),
         "The quaternion (w, x, y, z) of the rotation by `angle` [rad] about `axis`.");

@@ -27,7 +27,7 @@ metric::EventKind kindOf(const std::string& word, const char* what)
 
 void measure(HeldSimulation& self, nb::handle given, const metric::Session& session)
 {
-    auto def = readDef<prefab::MetricTrackerDef>(given, "measure");
+    auto def = readDef<prefab::MetricTrackerDef>(given, "measure: definition");
     if (def.file.empty()) fail("measure: file must name a .jsonl or .csv file, got ''");
     def.session = session;
     const Session::Turn turn(*self.session, "measure");

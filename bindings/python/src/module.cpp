@@ -52,10 +52,14 @@ NB_MODULE(_core, module)
     bindLogs(module);
     bindFrames(module);
     bindSimulation(module);
+    addInstrument(module);
     addClipApplier(module);
     addInstrumentTie(module);
     addKnotHands(module);
     addSpecimenBag(module);
+    addSuctionIrrigator(module);
+    addUltrasonicShears(module);
+    addWireLoop(module);
     module.def("set_own_names", [](const std::vector<std::string>& names) {
         setOwnNames({names.begin(), names.end()});
     });

@@ -103,7 +103,7 @@ void withViewer(HeldSimulation& self, void (Session::*act)())
 
 void addPictures(nb::class_<HeldSimulation>& sim)
 {
-    sim.def("_show", &show, nb::arg("body"), nb::arg("definition"), nb::arg("beside") = false);
+    sim.def("_show", &show, nb::arg("body").none(), nb::arg("definition").none(), nb::arg("beside") = false);
     sim.def(
         "set_visible",
         [](HeldSimulation& self, nb::handle shown, bool visible) {
@@ -123,7 +123,7 @@ void addPictures(nb::class_<HeldSimulation>& sim)
     sim.def(
         "paint",
         [](HeldSimulation& self, nb::handle body, nb::handle def) {
-            const auto read = readDef<runtime::PaintDef>(def, "paint");
+            const auto read = readDef<runtime::PaintDef>(def, "paint: mark");
             return usable(self, "paint").simulation().paint(readArgument<BodyId>(body, "paint", "body"), read);
         },
         nb::arg("body").none(), nb::arg("mark").none(),
@@ -132,7 +132,8 @@ void addPictures(nb::class_<HeldSimulation>& sim)
     sim.def(
         "bleed",
         [](HeldSimulation& self, nb::handle body, nb::handle def) {
-            const auto read = def.is_none() ? surface::BleedingDef{} : readDef<surface::BleedingDef>(def, "bleed");
+            const auto read =
+                def.is_none() ? surface::BleedingDef{} : readDef<surface::BleedingDef>(def, "bleed: bleeding");
             usable(self, "bleed").simulation().bleed(readArgument<BodyId>(body, "bleed", "body"), read);
         },
         nb::arg("body").none(), nb::arg("bleeding").none() = nb::none(),
@@ -141,7 +142,8 @@ void addPictures(nb::class_<HeldSimulation>& sim)
     sim.def(
         "burn",
         [](HeldSimulation& self, nb::handle body, nb::handle def) {
-            const auto read = def.is_none() ? surface::BurningDef{} : readDef<surface::BurningDef>(def, "burn");
+            const auto read =
+                def.is_none() ? surface::BurningDef{} : readDef<surface::BurningDef>(def, "burn: burning");
             usable(self, "burn").simulation().burn(readArgument<BodyId>(body, "burn", "body"), read);
         },
         nb::arg("body").none(), nb::arg("burning").none() = nb::none(),
@@ -187,8 +189,8 @@ void addPictures(nb::class_<HeldSimulation>& sim)
     sim.def(
         "add_electrode",
         [](HeldSimulation& self, nb::handle body, nb::handle def) {
-            const auto read =
-                def.is_none() ? surface::ElectrodeDef{} : readDef<surface::ElectrodeDef>(def, "add_electrode");
+            const auto read = def.is_none() ? surface::ElectrodeDef{}
+                                            : readDef<surface::ElectrodeDef>(def, "add_electrode: electrode");
             return usable(self, "add_electrode")
                 .simulation()
                 .addElectrode(readArgument<BodyId>(body, "add_electrode", "body"), read);
@@ -222,7 +224,7 @@ void addPictures(nb::class_<HeldSimulation>& sim)
     sim.def(
         "add_duct",
         [](HeldSimulation& self, nb::handle body, nb::handle def) {
-            const auto read = readDef<surface::DuctDef>(def, "add_duct");
+            const auto read = readDef<surface::DuctDef>(def, "add_duct: duct");
             return usable(self, "add_duct").simulation().addDuct(readArgument<BodyId>(body, "add_duct", "body"), read);
         },
         nb::arg("body").none(), nb::arg("duct").none(),
@@ -241,7 +243,7 @@ void addPictures(nb::class_<HeldSimulation>& sim)
     sim.def(
         "add_smoke",
         [](HeldSimulation& self, nb::handle def) {
-            const auto read = readDef<surface::SmokeDef>(def, "add_smoke");
+            const auto read = readDef<surface::SmokeDef>(def, "add_smoke: smoke");
             usable(self, "add_smoke").simulation().addSmoke(read);
         },
         nb::arg("smoke").none(), nb::sig("def add_smoke(self, smoke: filasofia.SmokeDef) -> None"),
@@ -249,7 +251,7 @@ void addPictures(nb::class_<HeldSimulation>& sim)
     sim.def(
         "extract",
         [](HeldSimulation& self, nb::handle command) {
-            usable(self, "extract").simulation().extract(readDef<surface::Extract>(command, "extract"));
+            usable(self, "extract").simulation().extract(readDef<surface::Extract>(command, "extract: command"));
         },
         nb::arg("command").none(), nb::sig("def extract(self, command: filasofia.Extract) -> None"),
         "Sucks smoke away from a place.");
@@ -271,7 +273,7 @@ void addPictures(nb::class_<HeldSimulation>& sim)
     sim.def(
         "add_distension",
         [](HeldSimulation& self, nb::handle def) {
-            const auto read = readDef<surface::DistensionDef>(def, "add_distension");
+            const auto read = readDef<surface::DistensionDef>(def, "add_distension: distension");
             usable(self, "add_distension").simulation().addDistension(read);
         },
         nb::arg("distension").none(), nb::sig("def add_distension(self, distension: filasofia.DistensionDef) -> None"),
@@ -279,7 +281,7 @@ void addPictures(nb::class_<HeldSimulation>& sim)
     sim.def(
         "distend",
         [](HeldSimulation& self, nb::handle command) {
-            usable(self, "distend").simulation().distend(readDef<surface::Distend>(command, "distend"));
+            usable(self, "distend").simulation().distend(readDef<surface::Distend>(command, "distend: command"));
         },
         nb::arg("command").none(), nb::sig("def distend(self, command: filasofia.Distend) -> None"),
         "Turns pump and taps of the distension.");

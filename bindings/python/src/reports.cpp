@@ -114,7 +114,8 @@ void bindRuptures(nb::module_& module)
     piece.def_ro("piece", &LoosePiece::piece)
         .def_ro("elements", &LoosePiece::elements)
         .def_ro("mass", &LoosePiece::mass, "[kg]")
-        .def_ro("held", &LoosePiece::held);
+        .def_ro("held", &LoosePiece::held,
+                "whether some of its nodes are attached to the world or to a kinematic body");
     addVector(piece, "place", &LoosePiece::place, "[m]");
 
     nb::class_<Rupture> rupture(module, "Rupture", "What a blade or stress opened in a body.");

@@ -116,9 +116,19 @@ nb::object readSequence(nb::handle value, const Where& where, std::string_view m
     return out;
 }
 
+nb::object readShortSequence(nb::handle value, const Where& where, std::string_view must, std::size_t most)
+{
+    if (isSequence(value)) {
+        const Py_ssize_t size = PySequence_Size(value.ptr());
+        if (size < 0) PyErr_Clear(); // an array of no dimension: readSequence() says so
+        if (size > static_cast<Py_ssize_t>(most)) failValue(where, must, value);
+    }
+    return readSequence(value, where, must);
+}
+
 void readNumbers(nb::handle value, const Where& where, std::string_view must, double* out, std::size_t count)
 {
-    const nb::object members = readSequence(value, where, must);
+    const nb::object members = readShortSequence(value, where, must, count);
     if (nb::len(members) != count) failValue(where, must, value);
     for (std::size_t i = 0; i < count; ++i) {
         const nb::object each = members[i];

@@ -22,6 +22,8 @@ std::string readText(nb::handle value, const Where& where);
 bool isSequence(nb::handle value);
 /// Its members, as a list or a tuple; an array becomes a list of Python's own numbers first.
 nb::object readSequence(nb::handle value, const Where& where, std::string_view must);
+/// The same of few members: a sequence of more than `most`, such as a range, is refused and not copied.
+nb::object readShortSequence(nb::handle value, const Where& where, std::string_view must, std::size_t most);
 /// The same, with exactly `count` numbers.
 void readNumbers(nb::handle value, const Where& where, std::string_view must, double* out, std::size_t count);
 

@@ -59,6 +59,8 @@ public:
     void add(const scene::SceneDef& scene, const prefab::MetricTrackerDef& tracker);
     /// Begins to measure, before the first step; the file is whole after close().
     void measure(prefab::MetricTrackerDef def);
+    /// The part of the simulation lives as long as the session: steps may use it when Python has let it go.
+    void keep(std::shared_ptr<void> part) { kept_.push_back(std::move(part)); }
     // For the owner of the turn. The run begins with record(), the first step or the first picture.
     /// Begins the run with what it is to write; Error if it has begun. If it is refused, nothing has happened.
     void record(const runtime::RunDef& def);
@@ -115,6 +117,7 @@ private:
     scene::AddedScene scene_ = {};
     std::mutex trackersMutex_;
     std::vector<std::shared_ptr<prefab::MetricTracker>> trackers_; ///< they end before the simulation
+    std::vector<std::shared_ptr<void>> kept_;                      ///< so do these
     std::optional<runtime::SteppedRun> run_;
     runtime::RunReport final_ = {}; ///< written before closed_ is set, and never again
     std::vector<Arrived> arrived_;

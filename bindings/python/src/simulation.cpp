@@ -51,8 +51,9 @@ void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle 
             def.physics.threads =
                 readArgument<int>(threads, "load", "threads", boundOf(&runtime::PhysicsDef::threads).range);
     }
-    if (!physics.is_none()) def.physics = readDef<runtime::PhysicsDef>(physics, "Simulation");
-    if (!look.is_none()) def.look = readDef<runtime::LookDef>(look, "Simulation: look");
+    const char* const call = file.is_none() ? "Simulation" : "load";
+    if (!physics.is_none()) def.physics = readDef<runtime::PhysicsDef>(physics, text(call, ": physics"));
+    if (!look.is_none()) def.look = readDef<runtime::LookDef>(look, text(call, ": look"));
     const std::string written = measures.is_none() ? "" : readText(measures, {.name = "load: measures"});
     if (!measures.is_none() && written.empty()) fail("load: measures must name a .jsonl or .csv file, got ''");
     std::shared_ptr<Session> session;

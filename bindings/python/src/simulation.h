@@ -11,9 +11,13 @@ void addCommands(nb::class_<HeldSimulation>& simulation);
 void addPictures(nb::class_<HeldSimulation>& simulation);
 void addMeasures(nb::module_& module, nb::class_<HeldSimulation>& simulation);
 void addClipApplier(nb::module_& module);
+void addInstrument(nb::module_& module);
 void addInstrumentTie(nb::module_& module);
 void addKnotHands(nb::module_& module);
 void addSpecimenBag(nb::module_& module);
+void addSuctionIrrigator(nb::module_& module);
+void addUltrasonicShears(nb::module_& module);
+void addWireLoop(nb::module_& module);
 void addStates(nb::module_& module, nb::class_<HeldSimulation>& simulation);
 
 /// The session, if it is usable; Error if not.

@@ -1,5 +1,5 @@
 #include "arrays.h"
-#include "held_prefab.h"
+#include "instrument.h"
 #include "results.h"
 
 #include "filasofia/prefab/specimen_bag.h"
@@ -13,9 +13,12 @@ using HeldBag = HeldPrefab<prefab::SpecimenBag>;
 
 void make(HeldBag* self, HeldSimulation& sim, nb::handle tool, nb::handle def)
 {
-    const auto body = readArgument<BodyId>(tool, "SpecimenBag", "tool");
-    hold(self, sim, "SpecimenBag", body, readDef<prefab::SpecimenBagDef>(def, "SpecimenBag"));
-    sim.shown = true; // its film is drawn
+    const auto read = readDef<prefab::SpecimenBagDef>(def, "SpecimenBag: definition");
+    if (auto* instrument = asInstrument(tool, sim, "SpecimenBag"))
+        hold(self, sim, "SpecimenBag", *instrument, read);
+    else
+        hold(self, sim, "SpecimenBag", readArgument<BodyId>(tool, "SpecimenBag", "tool"), read);
+    sim.shownBeside.insert(self->prefab->body());
 }
 
 } // namespace
@@ -25,13 +28,13 @@ void addSpecimenBag(nb::module_& module)
     const auto vector = [](const char* name) { return text("def ", name, "(self) -> ", kVector); };
     nb::class_<HeldBag>(
         module, "SpecimenBag",
-        "A bag of thin film whose mouth the two arms of an instrument spread. Its film is drawn, so other "
-        "bodies need show(); it stays if this object is gone.")
+        "A bag of thin film whose mouth the two arms of an instrument spread. Its film is drawn; it stays if this "
+        "object is gone.")
         .def("__init__", &make, nb::arg("sim"), nb::arg("tool").none(), nb::arg("definition").none(),
-             nb::sig("def __init__(self, sim: filasofia.Simulation, tool: filasofia.BodyId, definition: "
-                     "filasofia.SpecimenBagDef) -> None"),
-             "Adds the film. The tool is a rigid body with two joints, which move its elements 1 and 2: arms along "
-             "their -z, open at the start. The bag hangs to the -x of the tool.")
+             nb::sig("def __init__(self, sim: filasofia.Simulation, tool: filasofia.ArticulatedInstrument | "
+                     "filasofia.BodyId, definition: filasofia.SpecimenBagDef) -> None"),
+             "Adds the film. The tool is an instrument of kind 'specimenBag', or a rigid body with two joints, which "
+             "move its elements 1 and 2: arms along their -z, open at the start. The bag hangs to the -x of the tool.")
         .def(
             "share",
             [](const HeldBag& self, nb::handle body) {

@@ -12,6 +12,12 @@ std::string Where::text() const
     return filasofia::text(before, outer->outer ? "." : ": ", name);
 }
 
+std::string withArticle(std::string_view noun)
+{
+    const bool vowel = std::string_view("AEIOU").find(noun.front()) != std::string_view::npos;
+    return filasofia::text(vowel ? "an " : "a ", noun);
+}
+
 std::string wordsOf(nb::handle value) { return nb::cast<std::string>(nb::str(value)); }
 
 std::string shown(nb::handle value)

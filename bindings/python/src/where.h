@@ -38,6 +38,9 @@ public:
 /// Throws a TypeError of the same form.
 [[noreturn]] void failType(const Where& where, std::string_view must, nb::handle got);
 
+/// "a TetMesh", "an Extract".
+std::string withArticle(std::string_view noun);
+
 /// str() of a value.
 std::string wordsOf(nb::handle value);
 

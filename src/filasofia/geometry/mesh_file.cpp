@@ -85,6 +85,7 @@ void multiply(std::vector<Vec3>& points, double scale)
 void checkAsked(const std::filesystem::path& file, double scale)
 {
     std::error_code none;
+    if (file.empty()) fail("a file of a mesh must have a name, got ''");
     if (std::filesystem::is_directory(file, none)) fail(file.string(), ": must be a file, got a directory");
     if (!(scale > 0.0 && std::isfinite(scale))) fail(file.string(), ": scale must be in (0, inf), got ", scale);
 }
