@@ -230,7 +230,6 @@ std::string SceneWriter::otherFile(const std::shared_ptr<const device::Motion>&)
 void saveScene(const SceneDef& scene, const std::filesystem::path& file, const SaveOptions& options)
 {
     checkFileName(file, file.string());
-    if (file.empty()) fail("a scene file must have a name that ends in .json, got ''");
     if (file.extension() != ".json") fail(file.string(), ": a scene file has a name that ends in .json");
     std::error_code none;
     if (!std::filesystem::is_directory(std::filesystem::absolute(file).parent_path(), none))
