@@ -66,7 +66,7 @@ nlohmann::json benchContact(bool quick, const std::string& only);
 /// deepest penetration and the forces. If `quick`, with fewer steps. Throws an Error if the engine cannot be had.
 nlohmann::json benchContactEngines(const std::string& other, bool quick);
 
-/// A step's cost of rods that hang, lie on a floor and touch themselves, of 200 and 1,000 nodes; of a stitch; and of a
+/// A step's cost of rods that hang, lie on a floor and touch themselves (200 and 1,000 nodes), of a stitch, and of a
 /// thread that is drawn through 1 to 16 blocks. If `quick`, with fewer steps.
 nlohmann::json benchRod(bool quick);
 

@@ -14,7 +14,7 @@ namespace {
 namespace shapes = geometry::shapes;
 
 constexpr double kRodEdge = 1_mm;      ///< between nodes
-constexpr double kRodRadius = 0.25_mm; ///< of a thread that is not in tissue
+constexpr double kRodRadius = 0.25_mm; ///< radius of a thread that is not in tissue
 constexpr int kStitchNodes = 150;
 constexpr int kBlocks = 16;
 constexpr double kApart = 6_mm; ///< from block to block
