@@ -121,7 +121,7 @@ def test_nested_defs_and_lists_may_be_changed_in_place():
         (lambda: fs.SoftBodyDef(name=3), TypeError, "SoftBodyDef: name must be a text, got 3"),
         (lambda: fs.SoftBodyDef(name="\udc80"), fs.Error, "SoftBodyDef: name must be a text that UTF-8 can hold"),
         (lambda: fs.SoftBodyDef(attachments=5), TypeError, "SoftBodyDef: attachments must be a list, got 5"),
-        (lambda: fs.SoftBodyDef(attachments=[5]), TypeError, "attachments[0] must be a AttachmentDef, got 5"),
+        (lambda: fs.SoftBodyDef(attachments=[5]), TypeError, "attachments[0] must be an AttachmentDef, got 5"),
         (lambda: fs.SoftBodyDef(material="x"), TypeError, "material must be one of FemMaterial | MassSpringMaterial | ShellMaterial, got 'x'"),
         (lambda: fs.FemMaterial(law=fs.Fung), TypeError, "(did you mean Fung()?)"),
         (lambda: fs.FemMaterial(law="fung"), TypeError, "(did you mean Fung()?)"),
@@ -160,7 +160,7 @@ def test_errors_are_value_errors():
 def test_what_was_put_into_a_list_is_found_when_the_def_is_used():
     body = fs.SoftBodyDef(name="liver", mesh=fs.shapes.block((1, 1, 1)))
     body.attachments.append("garbage")
-    with pytest.raises(TypeError, match=r"soft body 'liver': attachments\[0\] must be a AttachmentDef, got 'garbage'"):
+    with pytest.raises(TypeError, match=r"soft body 'liver': attachments\[0\] must be an AttachmentDef, got 'garbage'"):
         fs.Simulation(threads=1).add(body)
     body.attachments[:] = [fs.AttachmentDef(box=fs.Box((-1, -1, -1), (1, 1, 1)))]
     body.material.regions.append(fs.TissueRegion(where=fs.Listed([0]), young_modulus=1.0))

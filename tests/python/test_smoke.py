@@ -51,7 +51,7 @@ def test_wrong_smoke_is_an_error():
     sim = fs.Simulation(rate=500)
     with pytest.raises(fs.Error, match="no room"):
         sim.smoke()
-    with pytest.raises(fs.Error, match=r"add_smoke: room\.low\[0\] must be finite"):
+    with pytest.raises(fs.Error, match=r"add_smoke: smoke: room\.low\[0\] must be finite"):
         sim.add_smoke(fs.SmokeDef())
     with pytest.raises(fs.Error, match="albedo"):
         sim.add_smoke(fs.SmokeDef(room=ROOM, albedo=2))
