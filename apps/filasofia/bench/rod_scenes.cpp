@@ -66,7 +66,7 @@ physics::RigidBodyDef needle(const std::vector<Vec3>& line, const Pose& at)
     return def;
 }
 
-/// A thread of 150 nodes along a line, which begins at the needle's tail and ends at a hand.
+/// A thread of 150 nodes along a line, which begins at the needle's tail and ends at a hand, if there is one.
 physics::RodBodyDef sewingThread(std::vector<Vec3> line, BodyId needle, BodyId hand)
 {
     double whole = 0.0;
