@@ -75,7 +75,7 @@ private:
     std::vector<Vec3> forcesNow()
     {
         std::vector<Vec3> forces(stage.model().rest.size());
-        addRodForces(stage.model(), stage.soft(), forces);
+        addRodForces(stage.model(), stage.soft(), std::vector<bool>(forces.size(), true), forces);
         return forces;
     }
 

@@ -78,8 +78,8 @@ std::array<RodVector, 12> numericStiffness(const RodJoint& joint, const RodPlace
     constexpr double step = 1e-6;
     std::array<RodVector, 12> k{};
     for (std::size_t c = 0; c < 11; ++c) {
-        const RodVector high = rodForces(joint, changed(at, unit(c, step)));
-        const RodVector low = rodForces(joint, changed(at, unit(c, -step)));
+        const RodVector high = rodResponse(joint, changed(at, unit(c, step))).forces;
+        const RodVector low = rodResponse(joint, changed(at, unit(c, -step))).forces;
         for (std::size_t r = 0; r < 11; ++r) k[r][c] = -(high[r] - low[r]) / (2.0 * step);
     }
     return k;
@@ -101,7 +101,7 @@ TEST_CASE("forces and torques of a rod are minus the gradient of its energy, str
     for (int trial = 0; trial < 40; ++trial) {
         const RodJoint joint = jointOf(random, trial % 2 == 1);
         const RodPlace at = randomPlace(random);
-        const RodVector forces = rodForces(joint, at);
+        const RodVector forces = rodResponse(joint, at).forces;
         for (std::size_t i = 0; i < 11; ++i) {
             const double high = rodEnergy(joint, changed(at, unit(i, step)));
             const double low = rodEnergy(joint, changed(at, unit(i, -step)));
@@ -117,7 +117,7 @@ TEST_CASE("forces of a folded rod are the gradient too, and finite when it is fo
     RodJoint joint = jointOf(random, true);
     joint.twist = 0.0; // its force is bounded there, and no gradient: materials of edges that fold spin without bound
     const RodPlace at = placeOf({Vec3{-1, 0, 0}, {0, 0, 0}, {-0.9, 0.08, 0.02}}, {0, 0.3, 1}, 0.2);
-    const RodVector forces = rodForces(joint, at);
+    const RodVector forces = rodResponse(joint, at).forces;
     for (std::size_t i = 0; i < 11; ++i) {
         const double high = rodEnergy(joint, changed(at, unit(i, step)));
         const double low = rodEnergy(joint, changed(at, unit(i, -step)));
@@ -125,8 +125,8 @@ TEST_CASE("forces of a folded rod are the gradient too, and finite when it is fo
     }
     for (const Vec3 last : {Vec3{-1, 0, 0}, {0, 0, 0}}) {
         const RodPlace flat{.x = {Vec3{-1, 0, 0}, {0, 0, 0}, last}, .directors = {Vec3{0, 1, 0}, {0, 1, 0}}};
-        for (double each : rodForces(joint, flat)) CHECK(std::isfinite(each));
-        for (const RodTerm& term : rodTangent(joint, flat))
+        for (double each : rodResponse(joint, flat).forces) CHECK(std::isfinite(each));
+        for (const RodTerm& term : rodResponse(joint, flat).tangent)
             for (double each : term.gradient) CHECK(std::isfinite(each));
     }
 }
@@ -141,7 +141,7 @@ TEST_CASE("the tangent of a rod at rest is the second derivative of its energy")
         RodJoint joint{.bend = 1.7, .twist = 0.9, .rest = curvatureInMaterial(at)};
         CHECK_THAT(rodEnergy(joint, at), Catch::WithinAbs(0.0, 1e-15));
         const auto numeric = numericStiffness(joint, at);
-        const RodTangent tangent = rodTangent(joint, at);
+        const RodTangent tangent = rodResponse(joint, at).tangent;
         for (std::size_t r = 0; r < 11; ++r)
             for (std::size_t c = 0; c < 11; ++c)
                 CHECK_THAT(entry(tangent, r, c), Catch::WithinAbs(numeric[r][c], 1e-6));
@@ -158,7 +158,7 @@ TEST_CASE("the tangent of a rod is exact for bending in one plane, and has no ne
         RodVector turn{}; // the last node on its circle about the second
         turn[8] = -std::sin(angle), turn[9] = std::cos(angle);
         double along = 0.0;
-        for (const RodTerm& each : rodTangent(joint, at)) {
+        for (const RodTerm& each : rodResponse(joint, at).tangent) {
             CHECK(each.stiffness >= 0.0);
             along += each.stiffness * times(each.gradient, turn) * times(each.gradient, turn);
         }
@@ -166,7 +166,8 @@ TEST_CASE("the tangent of a rod is exact for bending in one plane, and has no ne
         const double half = 0.5 * angle, cosine = std::cos(half);
         const double exact = 1.7 * (1.0 + 2.0 * std::sin(half) * std::sin(half)) / std::pow(cosine, 4);
         CHECK_THAT(along, Catch::WithinRel(exact, 1e-9));
-        for (const RodTerm& each : rodTangent(jointOf(random, true), randomPlace(random))) CHECK(each.stiffness >= 0.0);
+        for (const RodTerm& each : rodResponse(jointOf(random, true), randomPlace(random)).tangent)
+            CHECK(each.stiffness >= 0.0);
     }
 }
 
@@ -183,7 +184,7 @@ TEST_CASE("a rod that turns as a whole changes neither its curvature nor its twi
             for (std::size_t i = 0; i < 3; ++i) motion[4 * node + i] = v[static_cast<int>(i)];
         }
         for (std::size_t j = 0; j < 2; ++j) motion[4 * j + 3] = dot(spin, normalized(at.x[j + 1] - at.x[j]));
-        for (const RodTerm& each : rodTangent(joint, at))
+        for (const RodTerm& each : rodResponse(joint, at).tangent)
             CHECK_THAT(times(each.gradient, motion) * std::sqrt(each.stiffness), Catch::WithinAbs(0.0, 1e-12));
     }
 }

@@ -125,14 +125,19 @@ double bentLength(const Rod& rod, const std::vector<bool>& hard, std::size_t joi
 
 } // namespace
 
+RodJoint stiffJoint(const Rod& rod, const std::vector<bool>& hard, std::size_t index)
+{
+    RodJoint joint = rod.joints[index];
+    const double length = bentLength(rod, hard, index);
+    joint.bend = isBroken(rod, index) ? 0.0 : rod.bend / length;
+    joint.twist = isBroken(rod, index) ? 0.0 : rod.twist / length;
+    return joint;
+}
+
 std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard)
 {
-    std::vector<RodJoint> joints = rod.joints;
-    for (std::size_t j = 0; j < joints.size(); ++j) {
-        const double length = bentLength(rod, hard, j);
-        joints[j].bend = isBroken(rod, j) ? 0.0 : rod.bend / length;
-        joints[j].twist = isBroken(rod, j) ? 0.0 : rod.twist / length;
-    }
+    std::vector<RodJoint> joints;
+    for (std::size_t j = 0; j < rod.joints.size(); ++j) joints.push_back(stiffJoint(rod, hard, j));
     return joints;
 }
 

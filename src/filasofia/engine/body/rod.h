@@ -23,7 +23,7 @@ struct Rod {
     double hardening = 0.0;               ///< [-], >= 0, RodYield::hardening
     std::vector<Spring> edges = {};       ///< what it resists stretching with
     std::vector<double> inertias = {};    ///< [kg m^2] per edge, about itself
-    std::vector<RodJoint> joints = {};    ///< their stiffness follows from the pins: stiffJoints()
+    std::vector<RodJoint> joints = {};    ///< their stiffness follows from the pins: stiffJoint()
     std::vector<Vec3> directors = {};     ///< per edge, at the start
     std::vector<double> startTwists = {}; ///< [rad] per joint
     /// [rad] A ring is twisted by any angle before its ends are joined: by so much the material of its first edge is
@@ -67,12 +67,13 @@ Rod makeRod(const physics::RodBodyDef& def, const std::vector<Vec3>& nodes);
 /// The state at the start.
 RodState stateAtStart(const Rod& rod);
 
-/// The joints with their stiffness. An edge whose two nodes are pinned (`hard`, per node), or that is held, does not
+/// A joint with its stiffness. An edge whose two nodes are pinned (`hard`, per node), or that is held, does not
 /// deform, so a joint beside it has only the other half of its length: without that, a clamped rod would be half an
 /// edge too long.
-std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard);
+RodJoint stiffJoint(const Rod& rod, const std::vector<bool>& hard, std::size_t index);
+std::vector<RodJoint> stiffJoints(const Rod& rod, const std::vector<bool>& hard); ///< all of them
 
-/// A joint of stiffJoints() as it is now: its rest has what is commanded, and what has flowed.
+/// A joint of stiffJoint() as it is now: its rest has what is commanded, and what has flowed.
 RodJoint jointNow(const Rod& rod, const RodJoint& joint, const RodState& state, std::size_t index);
 
 /// Sets what is commanded. At the border of a section a joint gets the share of its length that is in the section, so

@@ -111,7 +111,7 @@ void addPinReactions(const StepContext& context, std::span<const Constraint> con
             } else {
                 addOwnForces(model, system.held, context.dt, now, system.onPins);
                 addShellForces(model, system.held, now, system.onPins);
-                addRodForces(model, now, system.onPins);
+                addRodForces(model, now, model.pins.hard, system.onPins);
             }
             addConstraintForces(b, context.dt, constraints, system.onPins);
         }

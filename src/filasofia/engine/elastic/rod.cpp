@@ -76,6 +76,40 @@ RodVector twistGradient(const Curvature& c)
 
 bool isDegenerate(const Curvature& c) { return !(c.le > 0.0 && c.lf > 0.0); }
 
+/// A director turns with its edge, towards the edge only, and kb lies across both edges: so the motion of the nodes
+/// changes kb . k_j by that of kb alone. `turn`: twistGradient().
+void setForces(const RodJoint& joint, double twist, const Curvature& c, const std::array<Vec3, 2>& k,
+               const RodVector& turn, RodVector& out)
+{
+    const Vec3 moment = joint.bend * (c.kb - 0.5 * (k[0] + k[1]));
+    setNodes(-transposeTimes(c.byFirst, moment), -transposeTimes(c.bySecond, moment), out);
+    out[3] = 0.5 * joint.bend * dot(c.kb, cross(c.e, k[0])) / c.le;
+    out[7] = 0.5 * joint.bend * dot(c.kb, cross(c.f, k[1])) / c.lf;
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] -= joint.twist * twist * turn[i];
+}
+
+void setTangent(const RodJoint& joint, const Curvature& c, const Axes& axes, const std::array<Vec3, 2>& k,
+                const RodVector& turn, RodTangent& out)
+{
+    // The components of kb - k_j along the axes of edge j: those along the edge itself belong to rotations.
+    for (std::size_t j = 0; j < 2; ++j)
+        for (std::size_t a = 0; a < 2; ++a) {
+            RodTerm& term = out[2 * j + a];
+            const Vec3 axis = a == 0 ? axes.one[j] : axes.two[j];
+            term.stiffness = 0.5 * joint.bend;
+            setNodes(transposeTimes(c.byFirst, axis), transposeTimes(c.bySecond, axis), term.gradient);
+            term.gradient[j == 0 ? 3 : 7] = a == 0 ? joint.rest[j][1] : -joint.rest[j][0];
+        }
+    // |kb| grows faster than the angle: what that adds in the plane of bending.
+    if (const double size = length(c.kb); size > 1e-12) {
+        const Vec3 binormal = 1.0 / size * c.kb;
+        const double beyond = size - 0.5 * dot(binormal, k[0] + k[1]);
+        out[4].stiffness = joint.bend * std::max(0.0, beyond) * 0.5 * size / (1.0 + 0.25 * size * size);
+        setNodes(transposeTimes(c.byFirst, binormal), transposeTimes(c.bySecond, binormal), out[4].gradient);
+    }
+    out[5] = {joint.twist, turn};
+}
+
 } // namespace
 
 Vec3 rodCurvature(Vec3 e, Vec3 f) { return curvatureAt(e, f).kb; }
@@ -89,47 +123,16 @@ double rodEnergy(const RodJoint& joint, const RodPlace& at)
     return energy;
 }
 
-RodVector rodForces(const RodJoint& joint, const RodPlace& at)
+RodResponse rodResponse(const RodJoint& joint, const RodPlace& at)
 {
+    RodResponse out;
     const Curvature c = curvatureAt(at.x[1] - at.x[0], at.x[2] - at.x[1]);
-    RodVector out{};
-    if (isDegenerate(c)) return out;
-    // A director turns with its edge, towards the edge only, and kb lies across both edges: so the motion of the nodes
-    // changes kb . k_j by that of kb alone.
-    const std::array<Vec3, 2> k = carried(joint, axesAt(at, c));
-    const Vec3 moment = joint.bend * (c.kb - 0.5 * (k[0] + k[1]));
-    setNodes(-transposeTimes(c.byFirst, moment), -transposeTimes(c.bySecond, moment), out);
-    out[3] = 0.5 * joint.bend * dot(c.kb, cross(c.e, k[0])) / c.le;
-    out[7] = 0.5 * joint.bend * dot(c.kb, cross(c.f, k[1])) / c.lf;
-    const RodVector turn = twistGradient(c);
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] -= joint.twist * at.twist * turn[i];
-    return out;
-}
-
-RodTangent rodTangent(const RodJoint& joint, const RodPlace& at)
-{
-    const Curvature c = curvatureAt(at.x[1] - at.x[0], at.x[2] - at.x[1]);
-    RodTangent out{};
     if (isDegenerate(c)) return out;
     const Axes axes = axesAt(at, c);
-    // The components of kb - k_j along the axes of edge j: those along the edge itself belong to rotations.
-    for (std::size_t j = 0; j < 2; ++j)
-        for (std::size_t a = 0; a < 2; ++a) {
-            RodTerm& term = out[2 * j + a];
-            const Vec3 axis = a == 0 ? axes.one[j] : axes.two[j];
-            term.stiffness = 0.5 * joint.bend;
-            setNodes(transposeTimes(c.byFirst, axis), transposeTimes(c.bySecond, axis), term.gradient);
-            term.gradient[j == 0 ? 3 : 7] = a == 0 ? joint.rest[j][1] : -joint.rest[j][0];
-        }
-    // |kb| grows faster than the angle: what that adds in the plane of bending.
-    if (const double size = length(c.kb); size > 1e-12) {
-        const std::array<Vec3, 2> k = carried(joint, axes);
-        const Vec3 binormal = 1.0 / size * c.kb;
-        const double beyond = size - 0.5 * dot(binormal, k[0] + k[1]);
-        out[4].stiffness = joint.bend * std::max(0.0, beyond) * 0.5 * size / (1.0 + 0.25 * size * size);
-        setNodes(transposeTimes(c.byFirst, binormal), transposeTimes(c.bySecond, binormal), out[4].gradient);
-    }
-    out[5] = {joint.twist, twistGradient(c)};
+    const std::array<Vec3, 2> k = carried(joint, axes);
+    const RodVector turn = twistGradient(c);
+    setForces(joint, at.twist, c, k, turn, out.forces);
+    setTangent(joint, c, axes, k, turn, out.tangent);
     return out;
 }
 

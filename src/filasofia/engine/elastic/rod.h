@@ -55,13 +55,16 @@ Vec3 rodCurvature(Vec3 e, Vec3 f);
 /// [J]
 double rodEnergy(const RodJoint& joint, const RodPlace& at);
 
-/// [N], [N m] Forces and torques: minus the gradient of the energy. Beyond 168 degrees the force of twisting is
-/// bounded, and less than that.
-RodVector rodForces(const RodJoint& joint, const RodPlace& at);
-
-/// The tangent, a sum of terms: positive semi-definite, exact at rest and, for bending in one plane, exact everywhere.
-/// Left out are the terms by which moments turn with the rod, as far as they are negative or across that plane.
-RodTangent rodTangent(const RodJoint& joint, const RodPlace& at);
+/// What a joint answers with.
+struct RodResponse {
+    /// [N], [N m] Forces and torques: minus the gradient of the energy. Beyond 168 degrees the force of twisting is
+    /// bounded, and less than that.
+    RodVector forces{};
+    /// A sum of terms: positive semi-definite, exact at rest and, for bending in one plane, exact everywhere. Left out
+    /// are the terms by which moments turn with the rod, as far as they are negative or across that plane.
+    RodTangent tangent{};
+};
+RodResponse rodResponse(const RodJoint& joint, const RodPlace& at);
 
 /// A director carried along as the direction of its edge turns from one unit vector to another: by the smallest
 /// rotation between the two.

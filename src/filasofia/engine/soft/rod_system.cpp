@@ -156,9 +156,10 @@ void RodSystem::addJoints(const SoftModel& model, double stiffness, const SoftSt
         at.directors = {directors_[j], directors_[wrapped(j + 1, directors_.size())]};
         const auto unknown = [&](std::size_t i) { return wrapped(unknownOf(j) + i, fixed_.size()); };
         const RodJoint joint = jointNow(model.rod, joints_[j], state.rod, j);
-        const RodVector forces = rodForces(joint, at), v = velocitiesAt(state, j);
-        for (std::size_t i = 0; i < 11; ++i) forces_[unknown(i)] += forces[i];
-        for (const RodTerm& term : rodTangent(joint, at)) {
+        const RodResponse response = rodResponse(joint, at);
+        const RodVector v = velocitiesAt(state, j);
+        for (std::size_t i = 0; i < 11; ++i) forces_[unknown(i)] += response.forces[i];
+        for (const RodTerm& term : response.tangent) {
             if (term.stiffness == 0.0) continue;
             const double rate = term.stiffness * times(term.gradient, v);
             for (std::size_t i = 0; i < 11; ++i) stiffnessTimesVelocity_[unknown(i)] += rate * term.gradient[i];
@@ -222,31 +223,33 @@ bool RodSystem::move(double dt, const SoftModel& model, const SoftState& state, 
            std::ranges::all_of(moved_.directors, [](Vec3 each) { return isFinite(each); });
 }
 
-void addRodForces(const SoftModel& model, const SoftState& state, std::vector<Vec3>& forces)
+void addRodForces(const SoftModel& model, const SoftState& state, const std::vector<bool>& wanted,
+                  std::vector<Vec3>& forces)
 {
     const double beta = model.rayleigh.stiffness;
-    for (std::size_t e = 0; e < model.rod.edges.size(); ++e) {
-        if (isCut(model.rod, e)) continue;
-        const Spring& edge = model.rod.edges[e];
+    const Rod& rod = model.rod;
+    for (std::size_t e = 0; e < rod.edges.size(); ++e) {
+        const Spring& edge = rod.edges[e];
         const auto next = static_cast<std::size_t>(edge.nodes[1]);
+        if (!(wanted[e] || wanted[next]) || isCut(rod, e)) continue;
         const Vec3 direction = directionOf(state.x, e);
         const Vec3 force = springForce(edge, state.x[e], state.x[next]) +
                            beta * edge.stiffness * dot(direction, state.v[next] - state.v[e]) * direction;
         forces[e] += force;
         forces[next] -= force;
     }
-    const std::vector<RodJoint> joints = stiffJoints(model.rod, model.pins.hard);
-    for (std::size_t j = 0; j < joints.size(); ++j) {
+    for (std::size_t j = 0; j < rod.joints.size(); ++j) {
+        const std::array<std::size_t, 3> nodes{j, wrapped(j + 1, forces.size()), wrapped(j + 2, forces.size())};
+        if (std::ranges::none_of(nodes, [&](std::size_t node) { return wanted[node]; })) continue;
         const RodPlace at = placeAt(state.rod, state.x, j);
-        const RodJoint joint = jointNow(model.rod, joints[j], state.rod, j);
-        RodVector sum = rodForces(joint, at);
+        RodResponse response = rodResponse(jointNow(rod, stiffJoint(rod, model.pins.hard, j), state.rod, j), at);
+        RodVector& sum = response.forces;
         const RodVector v = velocitiesAt(state, j);
-        for (const RodTerm& term : rodTangent(joint, at)) {
+        for (const RodTerm& term : response.tangent) {
             const double rate = beta * term.stiffness * times(term.gradient, v);
             for (std::size_t i = 0; i < sum.size(); ++i) sum[i] -= rate * term.gradient[i];
         }
-        for (std::size_t k = 0; k < 3; ++k)
-            forces[wrapped(j + k, forces.size())] += Vec3{sum[4 * k], sum[4 * k + 1], sum[4 * k + 2]};
+        for (std::size_t k = 0; k < 3; ++k) forces[nodes[k]] += Vec3{sum[4 * k], sum[4 * k + 1], sum[4 * k + 2]};
     }
 }
 

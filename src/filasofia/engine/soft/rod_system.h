@@ -57,8 +57,9 @@ private:
     RodState moved_;
 };
 
-/// Adds the forces of a rod on its nodes at the end of a step, as the step saw them: elasticity, and damping by its
-/// stiffness. They are needed for nodes that a hard pin holds.
-void addRodForces(const SoftModel& model, const SoftState& state, std::vector<Vec3>& forces);
+/// Adds the forces of a rod at the end of a step, as the step saw them: elasticity, and damping by its stiffness. Only
+/// the nodes that are `wanted`, as those are that a hard pin holds, get all of theirs.
+void addRodForces(const SoftModel& model, const SoftState& state, const std::vector<bool>& wanted,
+                  std::vector<Vec3>& forces);
 
 } // namespace filasofia::engine
