@@ -19,7 +19,7 @@ struct Patient {
     filasofia::Pose pose = {};   ///< pose of the polyp: root in the wall, +Y pointing out of it
     filasofia::Vec3 normal = {}; ///< unit vector pointing out of the wall
     double free = 0.0;           ///< [m] distance to the opposite wall
-    filasofia::Vec3 middle = {}; ///< [m] the point at which forceps take it; of a myoma, its middle
+    filasofia::Vec3 middle = {}; ///< [m] the point at which forceps take it; a myoma's middle
     std::string problem = {};    ///< why it cannot be treated; empty if it can
 };
 

@@ -234,6 +234,31 @@ TEST_CASE("scenes: the button of a hand closes the jaws of the instrument that i
     CHECK(std::abs(after(1000).joints.at(0).position) == Approx(open).margin(0.05));
 }
 
+TEST_CASE("scenes: a click closes the jaws of an instrument, and the next one opens them")
+{
+    const SceneFolder folder;
+    folder.write("hand.csv",
+                 "time,x,y,z,qw,qx,qy,qz,buttons\n0,0,0,0,1,0,0,0,0\n0.2,0,0,0,1,0,0,0,1\n0.3,0,0,0,1,0,0,0,0\n"
+                 "1,0,0,0,1,0,0,0,1\n1.5,0,0,0,1,0,0,0,0\n2,0,0,0,1,0,0,0,1\n2.6,0,0,0,1,0,0,0,0\n");
+    for (const bool closed : {false, true}) {
+        const SceneDef scene = folder.load(text(R"({"instruments": [{"name": "forceps", "opening": )", closed ? 0 : 1,
+                                                R"(, "pose": "0 100 0 mm"}],
+        "haptics": [{"device": {"type": "ScriptedDevice", "motion": "hand.csv"}, "body": "forceps"}]})"));
+        Simulation sim(simulationDef(scene));
+        const BodyId forceps = addScene(sim, scene).bodies.at(0);
+        const auto openAfter = [&](int steps) {
+            sim.run({.headless = true, .backend = visual::Backend::Null, .steps = steps});
+            return std::abs(sim.physics().latest()->rigidBody(forceps)->joints.at(0).position) > 0.25;
+        };
+        CHECK(openAfter(150) != closed);
+        CHECK(openAfter(750) == closed); // 0.9 s: a click changes them
+        CHECK(openAfter(500) != closed); // 1.4 s: and the next press, while it is down
+        CHECK(openAfter(400) == true);   // 1.8 s: what was held closed opens, and what is open stays
+        CHECK(openAfter(740) == false);  // 2.54 s: down
+        CHECK(openAfter(700) == true);   // 3.24 s: up
+    }
+}
+
 TEST_CASE("scenes: instruments, tasks and measures that are wrong are refused with their place")
 {
     const SceneFolder folder;

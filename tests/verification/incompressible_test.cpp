@@ -126,7 +126,7 @@ std::vector<std::optional<double>> referenceAt(const SoftModel& model)
     return out;
 }
 
-/// [-] Root mean square errors at these nodes, relative to the reference: of every element there, and of means of
+/// [-] Root mean square errors at these nodes, relative to the reference: every element's there, and those of means of
 /// nodes.
 struct PressureErrors {
     double ofElements = 0.0, ofNodes = 0.0;

@@ -198,6 +198,42 @@ void addFunctions(runtime::Simulation& simulation, const SceneInstrument& def, I
         simulation.everyStep([shears, suction = added.suction, jaws = added.jaws](double) {});
 }
 
+/// Closes jaws while a button is down. A click leaves them as they are until the next press: nobody draws a thread
+/// through tissue with a finger on the button.
+class JawButton {
+public:
+    JawButton(runtime::Simulation& simulation, std::shared_ptr<prefab::ArticulatedInstrument> jaws, bool latches)
+        : simulation_(simulation), jaws_(std::move(jaws)), latches_(latches)
+    {
+    }
+    void press()
+    {
+        // Also as they were at the start, or after a reset: what is held may keep closed jaws apart.
+        constexpr double wide = 0.95;           // [-]
+        if (std::exchange(down_, true)) return; // a new run tells again what is down
+        closed_ = !(latches_ && closed_ && jaws_->opening() < wide);
+        closed_ ? jaws_->close() : jaws_->open();
+        pressed_ = now();
+    }
+    void release()
+    {
+        constexpr double click = 0.25; // [s]
+        down_ = false;
+        if (!closed_ || (latches_ && now() - pressed_ < click)) return;
+        closed_ = false;
+        jaws_->open();
+    }
+
+private:
+    [[nodiscard]] double now() const { return simulation_.physics().latest()->time; } ///< [s], simulated
+
+    runtime::Simulation& simulation_;
+    std::shared_ptr<prefab::ArticulatedInstrument> jaws_;
+    bool latches_ = true;
+    bool closed_ = true, down_ = false; ///< told to, and the button; used by the thread that delivers events
+    double pressed_ = 0.0;
+};
+
 /// Lets a person move two instruments and a scope in trocars that nothing else moves.
 void addTrocarHands(runtime::Simulation& simulation, const Instruments& instruments)
 {
@@ -256,10 +292,10 @@ void giveToHand(runtime::Simulation& simulation, const Instruments& instruments,
     if (found->scope) fail("body must not be an endoscope: its camera would stay behind");
     if (!found->jaws) return; // a laparoscope, or a loop, whose pedals are its electrodes
     if (found->keyed) fail("body must be an instrument without keys of its own");
-    simulation.on<runtime::DeviceEvent>([jaws = found->jaws, hand](const runtime::DeviceEvent& event) {
+    const auto button = std::make_shared<JawButton>(simulation, found->jaws, !found->suction);
+    simulation.on<runtime::DeviceEvent>([button, hand](const runtime::DeviceEvent& event) {
         if (event.interface != hand || event.notice.kind != device::DeviceNotice::Kind::Button) return;
-        if (event.notice.button != 0) return;
-        event.notice.pressed ? jaws->close() : jaws->open();
+        if (event.notice.button == 0) event.notice.pressed ? button->press() : button->release();
     });
 }
 

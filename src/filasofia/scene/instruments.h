@@ -31,8 +31,8 @@ Instruments addInstruments(runtime::Simulation& simulation, const SceneDef& scen
 /// The body that a haptic interface holds if the scene says that it holds `body`: the handle of what is in a trocar.
 BodyId heldFor(const Instruments& instruments, BodyId body);
 
-/// Lets the first button of a haptic interface that holds an instrument close its jaws. Throws an Error if the
-/// interface cannot hold it.
+/// Lets the first button of a haptic interface that holds an instrument close its jaws while it is down; a click closes
+/// or opens them. Throws an Error if the interface cannot hold it.
 void giveToHand(runtime::Simulation& simulation, const Instruments& instruments, BodyId held, runtime::HapticId hand);
 
 } // namespace filasofia::scene
