@@ -131,4 +131,45 @@ TEST_CASE("a thin bar that is drawn at a taut thread takes it along, and does no
            0.6);
 }
 
+TEST_CASE("a thread that stops dead takes along what follows it: detection saw them move as one")
+{
+    // Both move upwards with 1.5 m/s, so nothing closes, until the hands that hold the thread stop within a step.
+    constexpr double radius = 0.3e-3, thin = 0.2e-3, speed = 1.5, dt = 1e-3, gap = 0.4e-3;
+    constexpr double above = thin + radius + gap;
+    RodBodyDef def{.points = {{-0.006, above, 0}, {0.006, above, 0}}, .spacing = 1e-3, .radius = radius};
+    def.youngModulus = 5e9;
+    def.collision = RodCollision{.proximity = 0.1e-3};
+    Stage stage;
+    stage.world.scene().gravity = {};
+    std::array<BodyId, 2> hands;
+    for (const std::size_t end : {0, 1}) {
+        hands[end] = stage.add(RigidBodyDef{.elements = {Pose{def.points[end]}}});
+        const int first = end == 0 ? 0 : 11;
+        def.attachments.push_back({.nodes = {first, first + 1}, .to = hands[end]});
+    }
+    stage.add(def);
+    RigidBodyDef bar{.elements = {Pose{}}, .collision = {{.proximity = 0.1e-3}}};
+    bar.mesh = geometry::shapes::tube({{0, 0, -0.012}, {0, 0, 0.012}}, thin, 12);
+    const BodyId tool = stage.add(bar);
+    stage.step(0.0);
+    REQUIRE(stage.soft().x.size() == 13);
+    int passes = 0;
+    testing::PassCounter counter;
+    std::vector<Vec3> axis{{0, 0, -0.012}, {0, 0, 0.012}};
+    for (int i = 1; i <= 40; ++i) {
+        const std::vector<Vec3> before = stage.soft().x, axisBefore = axis;
+        const double stops = 20 * speed * dt;
+        const double hand = std::min(i * speed * dt, stops), follows = std::min(i * speed * dt, stops + speed * dt);
+        for (Vec3& p : axis) p.y = follows;
+        stage.post(SetPose{tool, 0, Pose{{0, follows, 0}}});
+        for (std::size_t end : {0, 1}) stage.post(SetPose{hands[end], 0, Pose{def.points[end] + Vec3{0, hand, 0}}});
+        stage.step(dt);
+        passes += std::abs(counter.count({before, stage.soft().x}, {axisBefore, axis}));
+    }
+    CHECK(passes == 0);
+    // It lies on the bar, which has come farther than the hands by a step.
+    verifyWithin("rod: stopped in front of a bar: height over the bar, over both radii",
+                 (stage.soft().x[6].y - axis[0].y) / (thin + radius), 0.7, 1.2);
+}
+
 } // namespace rod_passing_test

@@ -35,4 +35,26 @@ TEST_CASE("threads among needles and jaws and around tissue pass through nothing
     for (const std::string& example : report.examples) WARN(example);
 }
 
+TEST_CASE("random scenes in which threads went through needles and a bar: they do not any more")
+{
+    // A thread that turns back meets a bar that moves by eight radii in a step; needles that are jerked about by what
+    // they catch; a needle that is drawn against a thread with newtons, deeper and deeper.
+    struct Scene {
+        std::uint64_t seed;
+        int first;
+        double time; ///< [s] just after the first pass that there was
+        bool tools = true;
+    };
+    for (const Scene& each :
+         {Scene{41018, 22, 1.52, false}, {41056, 21, 0.81}, {41020, 0, 0.6}, {41020, 9, 0.66}, {41004, 0, 0.33}}) {
+        const testing::KnotFuzzReport report = testing::fuzzKnots(
+            {.seed = each.seed, .seconds = each.time, .perScene = each.time, .first = each.first, .tools = each.tools});
+        CAPTURE(each.seed, each.first);
+        CHECK(report.scenes == 1);
+        CHECK(report.passes == 0);
+        CHECK(report.notFinite == 0);
+        for (const std::string& example : report.examples) WARN(example);
+    }
+}
+
 } // namespace fuzz_knots_test

@@ -49,44 +49,16 @@ SweptLine sweptLine(double dt, const SoftBody& body, std::size_t index, int plac
     return out;
 }
 
-/// From the nearest place on the second edge to that on the first.
-Vec3 betweenEdges(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b)
-{
-    Vec3 best = a[0] - b[0];
-    const auto consider = [&](Vec3 between) {
-        if (lengthSquared(between) < lengthSquared(best)) best = between;
-    };
-    for (const Vec3 p : a) consider(p - geometry::nearestOnSegment(p, b[0], b[1]).point);
-    for (const Vec3 p : b) consider(geometry::nearestOnSegment(p, a[0], a[1]).point - p);
-    const Vec3 u = a[1] - a[0], v = b[1] - b[0], r = b[0] - a[0], across = cross(u, v);
-    const double area = lengthSquared(across);
-    if (!(area > 1e-10 * lengthSquared(u) * lengthSquared(v))) return best;
-    const double s = dot(cross(r, v), across) / area, t = dot(cross(r, u), across) / area;
-    if (s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0) consider(s * u - t * v - r);
-    return best;
-}
-
-/// Adds contacts that keep the edges on both sides of a plane across the line that joins them now. One contact at the
-/// places that would meet is not enough: edges that lie along each other would meet beside it.
 void addPass(const SweptLine& one, std::size_t i, const SweptLine& two, std::size_t k, double radii,
              std::vector<MissedContact>& out)
 {
     const std::array a{one.edges[i][0].from, one.edges[i][1].from}, b{two.edges[k][0].from, two.edges[k][1].from};
-    const Vec3 between = betweenEdges(a, b);
-    const double now = length(between);
-    const Vec3 normal = normalized(between, normalized(cross(a[1] - a[0], b[1] - b[0]), {0, 0, 1}));
-    for (std::size_t m = 0; m < 2; ++m)
-        for (std::size_t n = 0; n < 2; ++n) {
-            MissedContact& each = out.emplace_back();
-            each.bodies = {one.body, two.body};
-            each.line = true;
-            each.at = {.surfaces = {one.place, two.place},
-                       .vertices = {{{one.shape->edges[i][m], -1, -1}, {two.shape->edges[k][n], -1, -1}}},
-                       .weights = {{{1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}}},
-                       .normal = normal};
-            // They may come a tenth nearer than they are, or than they should be.
-            each.at.gap = dot(a[m] - b[n], normal) + radii - kNearer * std::min(now, radii);
-        }
+    const Vec3 across = normalized(cross(a[1] - a[0], b[1] - b[0]), {0, 0, 1});
+    const auto corners = [&](const SweptLine& line, std::size_t edge, const std::array<Vec3, 2>& x) {
+        const auto& nodes = line.shape->edges[edge];
+        return FeatureCorners{line.place, {nodes[0], nodes[1], -1}, {x[0], x[1], {}}};
+    };
+    addPlane(corners(one, i, a), corners(two, k, b), betweenEdges(a, b), across, radii, {one.body, two.body}, out);
 }
 
 void findBetween(const SweptLine& one, const SweptLine& two, double radii, std::vector<MissedContact>& out)
@@ -128,6 +100,41 @@ std::vector<std::vector<Vec3>> fasterThanForeseen(double dt, const std::vector<S
 }
 
 } // namespace
+
+Vec3 betweenEdges(const std::array<Vec3, 2>& a, const std::array<Vec3, 2>& b)
+{
+    Vec3 best = a[0] - b[0];
+    const auto consider = [&](Vec3 between) {
+        if (lengthSquared(between) < lengthSquared(best)) best = between;
+    };
+    for (const Vec3 p : a) consider(p - geometry::nearestOnSegment(p, b[0], b[1]).point);
+    for (const Vec3 p : b) consider(geometry::nearestOnSegment(p, a[0], a[1]).point - p);
+    const Vec3 u = a[1] - a[0], v = b[1] - b[0], r = b[0] - a[0], across = cross(u, v);
+    const double area = lengthSquared(across);
+    if (!(area > 1e-10 * lengthSquared(u) * lengthSquared(v))) return best;
+    const double s = dot(cross(r, v), across) / area, t = dot(cross(r, u), across) / area;
+    if (s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0) consider(s * u - t * v - r);
+    return best;
+}
+
+void addPlane(const FeatureCorners& one, const FeatureCorners& two, Vec3 between, Vec3 across, double radii,
+              std::array<std::size_t, 2> bodies, std::vector<MissedContact>& out)
+{
+    const double now = length(between);
+    const Vec3 normal = normalized(between, across);
+    for (std::size_t m = 0; m < 3 && one.vertices[m] >= 0; ++m)
+        for (std::size_t n = 0; n < 3 && two.vertices[n] >= 0; ++n) {
+            MissedContact& each = out.emplace_back();
+            each.bodies = bodies;
+            each.line = true;
+            each.at = {.surfaces = {one.surface, two.surface},
+                       .vertices = {{{one.vertices[m], -1, -1}, {two.vertices[n], -1, -1}}},
+                       .weights = {{{1.0, 0.0, 0.0}, {1.0, 0.0, 0.0}}},
+                       .normal = normal};
+            // They may come a tenth nearer than they are, or than they should be.
+            each.at.gap = dot(one.x[m] - two.x[n], normal) + radii - kNearer * std::min(now, radii);
+        }
+}
 
 std::vector<MissedContact> findLinePasses(double dt, const Scene& scene, const Coupling& coupling)
 {

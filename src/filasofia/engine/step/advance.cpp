@@ -4,6 +4,7 @@
 #include "filasofia/engine/contact/find_contacts.h"
 #include "filasofia/engine/contact/fragment_solves.h"
 #include "filasofia/engine/contact/keep_shells_apart.h"
+#include "filasofia/engine/contact/rigid_passes.h"
 #include "filasofia/engine/contact/solve_island.h"
 #include "filasofia/engine/contact/turning_attachments.h"
 #include "filasofia/engine/piercing/channels.h"
@@ -292,6 +293,7 @@ private:
         const auto missed = [&] {
             std::vector<MissedContact> all = findLinePasses(context_.dt, scene_, coupling_);
             std::ranges::move(findUnforeseen(context_, scene_, coupling_), std::back_inserter(all));
+            std::ranges::move(findRigidPasses(context_, scene_, coupling_), std::back_inserter(all));
             return all;
         };
         for (std::vector<MissedContact> found = missed(); !found.empty() && inTime() && ++repeats_ <= kRepeats;
@@ -301,11 +303,15 @@ private:
             leaveToChannels(context_.dt, scene_, coupling_, before);
             if (coupling_.contactCount == before) break; // all were of threads along their channels: nothing to solve
             solveAgain();
+            followTurns();
         }
         std::vector<MissedContact> passes = findLinePasses(context_.dt, scene_, coupling_);
+        std::vector<MissedContact> throughRigid = findRigidPasses(context_, scene_, coupling_);
         // They go as far as they can. What stands still passes through nothing that stands still, so this ends.
         const std::size_t most = kSlower + scene_.soft.size();
-        for (std::size_t i = 0; !passes.empty() && i < most; ++i) {
+        for (std::size_t i = 0; !(passes.empty() && throughRigid.empty()) && i < most; ++i) {
+            carryAlong(context_.dt, throughRigid, coupling_, scene_);
+            for (const MissedContact& pass : throughRigid) outcomes_[pass.bodies[0]].set(StepFlag::NotConverged);
             std::vector<char> slow(scene_.soft.size());
             for (const MissedContact& pass : passes)
                 for (std::size_t b : pass.bodies) slow[b] = 1;
@@ -316,6 +322,7 @@ private:
                 outcomes_[b].set(StepFlag::NotConverged);
             }
             passes = findLinePasses(context_.dt, scene_, coupling_);
+            throughRigid = findRigidPasses(context_, scene_, coupling_);
         }
     }
 
