@@ -3,7 +3,6 @@
 #include "filasofia/engine/body/usable.h"
 #include "filasofia/engine/collision/feature_normals.h"
 #include "filasofia/engine/contact/contact_surfaces.h"
-#include "filasofia/engine/contact/may_cross.h"
 #include "filasofia/engine/contact/surface_passes.h"
 #include "filasofia/geometry/distance.h"
 
