@@ -40,8 +40,13 @@ bool holds(const Attachment& attachment, const SurfacePlace& place)
 
 bool holdsTogether(const Scene& scene, const SurfacePlace& one, const SurfacePlace& two)
 {
+    return isHeldBy(scene, one, two.owner.name.body) || isHeldBy(scene, two, one.owner.name.body);
+}
+
+bool isHeldBy(const Scene& scene, const SurfacePlace& place, BodyId other)
+{
     return std::ranges::any_of(scene.attachments, [&](const Attachment& each) {
-        return isBetween(each, one.owner.name.body, two.owner.name.body) && (holds(each, one) || holds(each, two));
+        return isBetween(each, place.owner.name.body, other) && holds(each, place);
     });
 }
 

@@ -18,6 +18,8 @@ struct SurfacePlace {
 };
 /// Whether an attachment between the bodies of two places holds one of them: attached bodies may overlap there.
 bool holdsTogether(const Scene& scene, const SurfacePlace& one, const SurfacePlace& two);
+/// Whether an attachment to the other body holds this place.
+bool isHeldBy(const Scene& scene, const SurfacePlace& place, BodyId other);
 /// Whether two bodies are attached to each other anywhere.
 bool areAttached(const Scene& scene, BodyId a, BodyId b);
 

@@ -3,6 +3,7 @@
 #include "filasofia/engine/body/usable.h"
 #include "filasofia/engine/collision/feature_normals.h"
 #include "filasofia/engine/contact/contact_surfaces.h"
+#include "filasofia/engine/contact/may_cross.h"
 #include "filasofia/engine/contact/surface_passes.h"
 #include "filasofia/geometry/distance.h"
 
@@ -41,9 +42,9 @@ struct SolvedMotion {
     }
 };
 
-class Finder {
+class RigidPasses {
 public:
-    Finder(const StepContext& context, const Scene& scene, Coupling& coupling)
+    RigidPasses(const StepContext& context, const Scene& scene, Coupling& coupling)
         : context_(context), scene_(scene), coupling_(coupling), owners_(surfaceOwners(scene))
     {
     }
@@ -96,7 +97,7 @@ private:
     void add(const Proximity& pass, std::size_t line, std::size_t other, std::vector<MissedContact>& out)
     {
         const std::array<int, 2> places{static_cast<int>(line), static_cast<int>(other)};
-        if (isHeldThere(pass, line, other)) return;
+        if (isHeldBy(scene_, {owners_[line], pass.vertices[0]}, owners_[other].name.body)) return;
         const FeatureCorners one = corners(pass, 0, places), two = corners(pass, 1, places);
         const bool edges = two.vertices[2] < 0;
         const Vec3 between = edges
@@ -121,19 +122,6 @@ private:
         return out;
     }
 
-    /// Whether an attachment to the body holds the rod at this feature.
-    [[nodiscard]] bool isHeldThere(const Proximity& pass, std::size_t line, std::size_t other) const
-    {
-        const BodyId rod = owners_[line].name.body, body = owners_[other].name.body;
-        const auto isNode = [&](const NodeWeight& each) { return std::ranges::count(pass.vertices[0], each.node) > 0; };
-        return std::ranges::any_of(scene_.attachments, [&](const Attachment& each) {
-            if (!(each.body == rod && each.to == body) && !(each.body == body && each.to == rod)) return false;
-            const std::size_t side = each.body == rod ? 0 : 1;
-            return std::ranges::any_of(each.pairs,
-                                       [&](const auto& pair) { return std::ranges::any_of(pair[side].nodes, isNode); });
-        });
-    }
-
     const StepContext& context_;
     const Scene& scene_;
     Coupling& coupling_;
@@ -144,7 +132,7 @@ private:
 
 std::vector<MissedContact> findRigidPasses(const StepContext& context, const Scene& scene, Coupling& coupling)
 {
-    return Finder(context, scene, coupling).run();
+    return RigidPasses(context, scene, coupling).run();
 }
 
 void carryAlong(double dt, std::span<const MissedContact> passes, const Coupling& coupling, Scene& scene)

@@ -296,8 +296,8 @@ private:
             std::ranges::move(findRigidPasses(context_, scene_, coupling_), std::back_inserter(all));
             return all;
         };
-        for (std::vector<MissedContact> found = missed(); !found.empty() && inTime() && ++repeats_ <= kRepeats;
-             found = missed()) {
+        std::vector<MissedContact> found = missed();
+        for (; !found.empty() && inTime() && ++repeats_ <= kRepeats; found = missed()) {
             const std::size_t before = coupling_.contactCount;
             addMissed(context_, found, scene_, coupling_);
             leaveToChannels(context_.dt, scene_, coupling_, before);
@@ -305,6 +305,7 @@ private:
             solveAgain();
             followTurns();
         }
+        if (found.empty()) return;
         std::vector<MissedContact> passes = findLinePasses(context_.dt, scene_, coupling_);
         std::vector<MissedContact> throughRigid = findRigidPasses(context_, scene_, coupling_);
         // They go as far as they can. What stands still passes through nothing that stands still, so this ends.
