@@ -69,4 +69,12 @@ TEST_CASE("a block factor solves, whether its pattern is new or not, and reports
     }
 }
 
+TEST_CASE("a block factor of nothing solves nothing")
+{
+    BlockCholesky factor;
+    factor.analyse({}, 0);
+    REQUIRE(factor.factorise({}));
+    factor.solve({});
+}
+
 } // namespace block_cholesky_test

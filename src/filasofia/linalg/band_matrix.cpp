@@ -39,21 +39,9 @@ bool BandCholesky::factorise(const BandMatrix& matrix)
         takeApart(matrix);
     else
         lower_ = matrix;
-    for (std::size_t j = 0; j < lower_.rows(); ++j) {
-        double* column = lower_.column(j);
-        if (!(column[0] > 0.0) || !std::isfinite(column[0])) return false;
-        const double inverse = 1.0 / std::sqrt(column[0]);
-        column[0] = inverse;
-        for (std::size_t k = 1; k <= kWidth; ++k) column[k] *= inverse;
-        // What the columns to the right lose. Beyond the last row there are zeros.
-        for (std::size_t c = 1; c <= kWidth; ++c) {
-            double* right = lower_.column(j + c);
-            const double factor = column[c];
-            for (std::size_t k = 0; k + c <= kWidth; ++k) right[k] -= factor * column[c + k];
-        }
-        if (!border_.empty()) eliminate(j, inverse);
-    }
-    work_.assign(lower_.rows() + kWidth, 0.0);
+    if (!factoriseBand(lower_.columns(), lower_.rows())) return false;
+    for (std::size_t j = 0; !border_.empty() && j < lower_.rows(); ++j) eliminate(j);
+    work_.assign(lower_.rows() + kBandColumn, 0.0);
     return border_.empty() || factoriseBorder();
 }
 
@@ -73,13 +61,12 @@ void BandCholesky::takeApart(const BandMatrix& matrix)
         }
 }
 
-/// Column j of the border's rows, and what the border's part of the columns to the right loses. `inverse`: one
-/// over the entry of L on the diagonal.
-void BandCholesky::eliminate(std::size_t j, double inverse)
+/// Column j of the border's rows, and what the border's part of the columns to the right loses.
+void BandCholesky::eliminate(std::size_t j)
 {
     const double* column = lower_.column(j);
     Border& own = border_[j];
-    for (double& each : own) each *= inverse;
+    for (double& each : own) each *= column[0]; // over the entry of L on the diagonal
     for (std::size_t c = 1; c <= kWidth; ++c)
         for (std::size_t r = 0; r < kBorder; ++r) border_[j + c][r] -= column[c] * own[r];
     for (std::size_t r = 0; r < kBorder; ++r)
@@ -115,12 +102,7 @@ void BandCholesky::solve(std::span<double> x) const
     const std::size_t rows = lower_.rows();
     std::copy_n(x.begin(), rows, work_.begin());
     std::fill(work_.begin() + static_cast<std::ptrdiff_t>(rows), work_.end(), 0.0);
-    for (std::size_t j = 0; j < rows; ++j) {
-        const double* column = lower_.column(j);
-        double* at = &work_[j];
-        const double known = at[0] *= column[0];
-        for (std::size_t k = 1; k <= kWidth; ++k) at[k] -= known * column[k];
-    }
+    solveBandForward(lower_.columns(), rows, work_);
     std::fill(work_.begin() + static_cast<std::ptrdiff_t>(rows), work_.end(), 0.0);
     if (!border_.empty()) {
         Border last;
@@ -132,41 +114,15 @@ void BandCholesky::solve(std::span<double> x) const
             for (std::size_t r = 0; r < kBorder; ++r) work_[j] -= border_[j][r] * last[r];
         std::ranges::copy(last, x.begin() + static_cast<std::ptrdiff_t>(rows));
     }
-    for (std::size_t j = rows; j-- > 0;) {
-        const double* column = lower_.column(j);
-        double* at = &work_[j];
-        double sum = at[0];
-        for (std::size_t k = 1; k <= kWidth; ++k) sum -= column[k] * at[k];
-        at[0] = sum * column[0];
-    }
+    solveBandBack(lower_.columns(), rows, work_);
     std::copy_n(work_.begin(), rows, x.begin());
 }
 
 void BandCholesky::invert(BandMatrix& inverse) const
 {
     inverse.resize(rows_, !border_.empty());
-    invertInner(inverse);
+    invertBand(lower_.columns(), lower_.rows(), inverse.columns());
     if (!border_.empty()) addBorder(inverse);
-}
-
-/// The inverse of the matrix without its border.
-void BandCholesky::invertInner(BandMatrix& inverse) const
-{
-    for (std::size_t j = lower_.rows(); j-- > 0;) {
-        // With U = L D^-1, whose diagonal is 1: A^-1 = D^-2 U^-1 + (1 - U^T) A^-1, of which the lower half needs no
-        // U^-1.
-        const double* column = lower_.column(j);
-        double* out = inverse.column(j);
-        double own = column[0] * column[0];
-        for (std::size_t row = 1; row <= kWidth; ++row) {
-            double sum = 0.0;
-            for (std::size_t k = 1; k <= kWidth; ++k)
-                sum -= column[k] * (row >= k ? inverse.column(j + k)[row - k] : inverse.column(j + row)[k - row]);
-            out[row] = sum * column[0];
-        }
-        for (std::size_t k = 1; k <= kWidth; ++k) own -= column[k] * column[0] * out[k];
-        out[0] = own;
-    }
 }
 
 /// With A = (A_1, B^T; B, A_2), S = A_2 - B A_1^-1 B^T and W = A_1^-1 B^T: the inverse is (A_1^-1 + W S^-1 W^T,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "filasofia/linalg/factor_kernels.h"
+
 #include <array>
 #include <cstddef>
 #include <span>
@@ -8,12 +10,12 @@
 namespace filasofia::linalg {
 
 /// A symmetric matrix whose entries further than kWidth from the diagonal are zero. Its lower half is stored, column by
-/// column: the entry (row, column) is at kWidth + 1 times the column, plus row - column. A cyclic one also has entries
+/// column: the entry (row, column) is at kBandColumn times the column, plus row - column. A cyclic one also has entries
 /// in its corner: the last kCorner rows against the first kCorner columns.
 class BandMatrix {
 public:
-    static constexpr std::size_t kWidth =
-        10; ///< what a rod needs: a node, the next two, and the angles of both edges between
+    /// What a rod needs: a node, the next two, and the angles of both edges between.
+    static constexpr std::size_t kWidth = kBandEntries - 1;
 
     static constexpr std::size_t kCorner = 8; ///< what a ring needs: two nodes and the edges behind them
 
@@ -23,7 +25,7 @@ public:
     {
         rows_ = rows;
         cyclic_ = cyclic;
-        entries_.assign((rows + kWidth) * (kWidth + 1), 0.0); // further columns of zeros, so that loops need no bound
+        entries_.assign((rows + kWidth) * kBandColumn, 0.0); // further columns of zeros, so that loops need no bound
         corner_.fill(0.0);
     }
     void setZero() { resize(rows_, cyclic_); }
@@ -42,11 +44,11 @@ public:
     /// row >= column, at most kWidth from it
     [[nodiscard]] double& at(std::size_t row, std::size_t column)
     {
-        return entries_[column * (kWidth + 1) + row - column];
+        return entries_[column * kBandColumn + row - column];
     }
     [[nodiscard]] double at(std::size_t row, std::size_t column) const
     {
-        return entries_[column * (kWidth + 1) + row - column];
+        return entries_[column * kBandColumn + row - column];
     }
     /// Any entry, in either half.
     [[nodiscard]] double entry(std::size_t row, std::size_t column) const
@@ -55,8 +57,11 @@ public:
         if (high - low <= kWidth) return at(high, low);
         return cyclic_ && low < kCorner && high + kCorner >= rows_ ? corner(high + kCorner - rows_, low) : 0.0;
     }
-    [[nodiscard]] double* column(std::size_t j) { return &entries_[j * (kWidth + 1)]; }
-    [[nodiscard]] const double* column(std::size_t j) const { return &entries_[j * (kWidth + 1)]; }
+    [[nodiscard]] double* column(std::size_t j) { return &entries_[j * kBandColumn]; }
+    [[nodiscard]] const double* column(std::size_t j) const { return &entries_[j * kBandColumn]; }
+
+    [[nodiscard]] std::span<double> columns() { return entries_; }
+    [[nodiscard]] std::span<const double> columns() const { return entries_; }
 
     void multiply(std::span<const double> x, std::span<double> y) const; ///< y = A x
 
@@ -83,10 +88,9 @@ private:
     using Square = std::array<Border, kBorder>;
 
     void takeApart(const BandMatrix& matrix);
-    void eliminate(std::size_t j, double inverse);
+    void eliminate(std::size_t j);
     [[nodiscard]] bool factoriseBorder();
     void solveBorder(Border& x) const; ///< with its own block of L, forwards and back
-    void invertInner(BandMatrix& inverse) const;
     void addBorder(BandMatrix& inverse) const;
 
     std::size_t rows_ = 0;

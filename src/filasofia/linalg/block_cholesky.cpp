@@ -16,8 +16,9 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Replaces a symmetric block by the inverse of its lower Cholesky factor. Returns false if it has none to rounding;
 /// `largest` is the largest diagonal entry before other columns were subtracted.
-bool invertFactor(Mat3& block, double largest)
+bool invertFactor(PaddedBlock& replaced, double largest)
 {
+    const Mat3 block = replaced.matrix();
     const double smallest = std::numeric_limits<double>::epsilon() * largest;
     const auto root = [&](double pivot) { return pivot > smallest ? std::sqrt(pivot) : 0.0; };
     const double a = root(block[0].x);
@@ -26,21 +27,43 @@ bool invertFactor(Mat3& block, double largest)
     if (!(c > 0.0)) return false;
     const double e = (block[2].y - d * b) / c, f = root(block[2].z - d * d - e * e);
     if (!(f > 0.0) || !std::isfinite(a + c + f)) return false;
-    block = {
-        {{1.0 / a, 0.0, 0.0}, {-b / (a * c), 1.0 / c, 0.0}, {(b * e - d * c) / (a * c * f), -e / (c * f), 1.0 / f}}};
+    replaced = {
+        {{1.0 / a, -b / (a * c), (b * e - d * c) / (a * c * f)}, {0.0, 1.0 / c, -e / (c * f)}, {0.0, 0.0, 1.0 / f}}};
     return true;
 }
 
-double largestOnDiagonal(const Mat3& block) { return std::max({block[0].x, block[1].y, block[2].z}); }
+double largestOnDiagonal(const PaddedBlock& block)
+{
+    return std::max({block.columns[0][0], block.columns[1][1], block.columns[2][2]});
+}
+
+/// block += m, or its transpose
+void add(const Mat3& m, bool transposed, PaddedBlock& block)
+{
+    for (int c = 0; c < 3; ++c)
+        for (int r = 0; r < 3; ++r) block.columns[c][r] += transposed ? m[c][r] : m[r][c];
+}
+
+/// block^T v
+Vec3 transposeTimes(const PaddedBlock& block, const PaddedVector& v)
+{
+    const auto column = [&](int c) {
+        const double* a = block.columns[c];
+        return v.entries[0] * a[0] + v.entries[1] * a[1] + v.entries[2] * a[2];
+    };
+    return {column(0), column(1), column(2)};
+}
+
+Vec3 vectorOf(const PaddedVector& v) { return {v.entries[0], v.entries[1], v.entries[2]}; }
+PaddedVector padded(Vec3 v) { return {{v.x, v.y, v.z}}; }
 
 } // namespace
 
 bool BlockCholesky::factorise(std::span<const Mat3> lower)
 {
     const int n = static_cast<int>(placeOf_.size());
-    std::ranges::fill(blocks_, Mat3{});
-    for (std::size_t k = 0; k < lower.size(); ++k)
-        blocks_[targets_[k].block] += targets_[k].turned ? transpose(lower[k]) : lower[k];
+    std::ranges::fill(blocks_, PaddedBlock{});
+    for (std::size_t k = 0; k < lower.size(); ++k) add(lower[k], targets_[k].turned, blocks_[targets_[k].block]);
     std::ranges::fill(waiting_, -1);
     const auto wait = [&](int column, std::size_t block) {
         if (block == end(column)) return;
@@ -55,13 +78,12 @@ bool BlockCholesky::factorise(std::span<const Mat3> lower)
         for (int left = waiting_[at(column)], after = -1; left >= 0; left = after) {
             after = next_[at(left)];
             const std::size_t from = reached_[at(left)];
-            const Mat3 factor = transpose(blocks_[from]);
-            for (std::size_t k = from; k < end(left); ++k) blocks_[blockAt_[at(rows_[k])]] -= blocks_[k] * factor;
+            subtractProducts({&blocks_[from], end(left) - from}, &rows_[from], blockAt_.data(), blocks_.data());
             wait(left, from + 1);
         }
         if (!invertFactor(blocks_[begin(column)], largest)) return false;
-        const Mat3 inverse = transpose(blocks_[begin(column)]);
-        for (std::size_t k = begin(column) + 1; k < end(column); ++k) blocks_[k] = blocks_[k] * inverse;
+        multiplyBlocks(std::span(blocks_).subspan(begin(column) + 1, end(column) - begin(column) - 1),
+                       blocks_[begin(column)]);
         wait(column, begin(column) + 1);
     }
     return true;
@@ -71,19 +93,15 @@ void BlockCholesky::solve(std::span<Vec3> x) const
 {
     const int n = static_cast<int>(x.size());
     solution_.resize(x.size());
-    for (std::size_t i = 0; i < x.size(); ++i) solution_[at(placeOf_[i])] = x[i];
-    for (int column = 0; column < n; ++column) {
-        Vec3& here = solution_[at(column)];
-        here = blocks_[begin(column)] * here;
-        for (std::size_t k = begin(column) + 1; k < end(column); ++k) solution_[at(rows_[k])] -= blocks_[k] * here;
-    }
+    for (std::size_t i = 0; i < x.size(); ++i) solution_[at(placeOf_[i])] = padded(x[i]);
+    solveBlocksForward(x.size(), first_.data(), rows_.data(), blocks_.data(), solution_.data());
     for (int column = n - 1; column >= 0; --column) {
-        Vec3& here = solution_[at(column)];
+        Vec3 here = vectorOf(solution_[at(column)]);
         for (std::size_t k = begin(column) + 1; k < end(column); ++k)
             here -= transposeTimes(blocks_[k], solution_[at(rows_[k])]);
-        here = transposeTimes(blocks_[begin(column)], here);
+        solution_[at(column)] = padded(transposeTimes(blocks_[begin(column)], padded(here)));
     }
-    for (std::size_t i = 0; i < x.size(); ++i) x[i] = solution_[at(placeOf_[i])];
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = vectorOf(solution_[at(placeOf_[i])]);
 }
 
 void BlockCholesky::analyse(std::span<const Place> lower, int n)

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "filasofia/math/mat3.h"
+#include "filasofia/linalg/factor_kernels.h"
 
 #include <cstddef>
 #include <span>
@@ -46,15 +46,15 @@ private:
     [[nodiscard]] std::size_t end(int column) const { return first_[static_cast<std::size_t>(column) + 1]; }
 
     std::vector<Place> places_;
-    std::vector<int> placeOf_, rowAt_;   ///< per row of A: its row in Q A Q^T; and back
-    std::vector<Target> targets_;        ///< per place
-    std::vector<std::size_t> first_;     ///< per column of L: its first block, on the diagonal; last, the total number
-    std::vector<int> rows_;              ///< per block of L; ascending in each column
-    std::vector<Mat3> blocks_;           ///< L, but L^-1 on the diagonal
-    std::vector<std::size_t> blockAt_;   ///< scratch: per row, its block in the column that is being computed
-    std::vector<int> waiting_, next_;    ///< scratch: per row, a list of the columns that its column takes next
-    std::vector<std::size_t> reached_;   ///< scratch: per column, its block in that row
-    mutable std::vector<Vec3> solution_; ///< scratch, in the order Q
+    std::vector<int> placeOf_, rowAt_; ///< per row of A: its row in Q A Q^T; and back
+    std::vector<Target> targets_;      ///< per place
+    std::vector<std::size_t> first_;   ///< per column of L: its first block, on the diagonal; last, the total number
+    std::vector<int> rows_;            ///< per block of L; ascending in each column
+    std::vector<PaddedBlock> blocks_;  ///< L, but L^-1 on the diagonal
+    std::vector<std::size_t> blockAt_; ///< scratch: per row, its block in the column that is being computed
+    std::vector<int> waiting_, next_;  ///< scratch: per row, a list of the columns that its column takes next
+    std::vector<std::size_t> reached_; ///< scratch: per column, its block in that row
+    mutable std::vector<PaddedVector> solution_; ///< scratch, in the order Q
 };
 
 } // namespace filasofia::linalg

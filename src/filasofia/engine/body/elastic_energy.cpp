@@ -26,7 +26,7 @@ double nodalEnergy(const SoftModel& model, const std::vector<Vec3>& x, const std
     return sum;
 }
 
-/// What relaxes is in the terms of the series, and counts for nothing: of the law only the share that never relaxes.
+/// What relaxes is in the terms of the series, and counts for nothing: only the law's share that never relaxes does.
 double tetrahedraEnergy(const SoftModel& model, const std::vector<Vec3>& x, const std::vector<bool>& gone)
 {
     const double lasting = relaxationStep(model.material.relaxation, 0.0, 0.0).present;

@@ -139,16 +139,6 @@ void RodSystem::addAroundSeam(std::size_t node, double factor, const RodVector& 
                         factor * gradient[c] * gradient[r]);
 }
 
-void RodSystem::addToMatrix(std::size_t node, double factor, const RodVector& gradient)
-{
-    // Twelve rows are within the band except for the last one against the first, which is unused.
-    for (std::size_t c = 0; c < 11; ++c) {
-        const double scaled = factor * gradient[c];
-        double* column = matrix_.column(unknownOf(node) + c);
-        for (std::size_t r = c; r < 11; ++r) column[r - c] += scaled * gradient[r];
-    }
-}
-
 void RodSystem::addJoints(const SoftModel& model, double stiffness, const SoftState& state)
 {
     for (std::size_t j = 0; j < joints_.size(); ++j) {
@@ -159,6 +149,8 @@ void RodSystem::addJoints(const SoftModel& model, double stiffness, const SoftSt
         const RodResponse response = rodResponse(joint, at);
         const RodVector v = velocitiesAt(state, j);
         for (std::size_t i = 0; i < 11; ++i) forces_[unknown(i)] += response.forces[i];
+        std::array<linalg::OuterProduct, std::tuple_size_v<RodTangent>> products;
+        std::size_t count = 0;
         for (const RodTerm& term : response.tangent) {
             if (term.stiffness == 0.0) continue;
             const double rate = term.stiffness * times(term.gradient, v);
@@ -166,8 +158,10 @@ void RodSystem::addJoints(const SoftModel& model, double stiffness, const SoftSt
             if (unknownOf(j) + 11 > fixed_.size())
                 addAroundSeam(j, stiffness * term.stiffness, term.gradient);
             else
-                addToMatrix(j, stiffness * term.stiffness, term.gradient);
+                products[count++] = {stiffness * term.stiffness, term.gradient.data()};
         }
+        // Twelve rows are within the band except for the last one against the first, which is unused.
+        linalg::addOuterProducts(std::span(products).first(count), matrix_.column(unknownOf(j)));
     }
 }
 

@@ -42,7 +42,6 @@ private:
     void addEdges(const SoftModel& model, double stiffness, double turning, const SoftState& state);
     void addJoints(const SoftModel& model, double stiffness, const SoftState& state);
     void addMasses(const SoftModel& model, double weight, const SoftState& state);
-    void addToMatrix(std::size_t node, double factor, const RodVector& gradient);
     void addAroundSeam(std::size_t node, double factor, const RodVector& gradient); ///< if the rod is a ring
 
     std::vector<RodJoint> joints_;
