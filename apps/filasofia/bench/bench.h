@@ -67,8 +67,9 @@ nlohmann::json benchContact(bool quick, const std::string& only);
 nlohmann::json benchContactEngines(const std::string& other, bool quick);
 
 /// A step's cost of rods that hang, lie on a floor and touch themselves (200 and 1,000 nodes), of a stitch, and of a
-/// thread that is drawn through 1 to 16 blocks. If `quick`, with fewer steps.
-nlohmann::json benchRod(bool quick);
+/// thread that is drawn through 1 to 16 blocks. If `quick`, with fewer steps. `only`: the scenes whose "body, scene"
+/// contains this.
+nlohmann::json benchRod(bool quick, const std::string& only);
 
 /// The cost of cutting per step, by stages, while a blade moves through a block at 5 cm/s, and the solver's iterations
 /// before, during and after the cut. If `quick`, the block is small.

@@ -42,8 +42,10 @@ void checkOptions(const BenchCommandOptions& options)
     if (!std::isnan(options.seconds) && options.scene != "bunny" && options.scene != "haptics")
         fail("bench: --seconds applies to bunny and haptics only; ", options.scene, " makes a fixed number of steps");
     if (!std::isnan(options.soak) && options.scene != "contact") fail("bench: --soak applies to contact only");
-    if (!options.only.empty() && (options.scene != "contact" || !std::isnan(options.soak) || isOther(options.engine)))
-        fail("bench: --only applies to the scenes of contact, without --soak and --engine");
+    const bool inParts =
+        options.scene == "rod" || (options.scene == "contact" && std::isnan(options.soak) && !isOther(options.engine));
+    if (!options.only.empty() && !inParts)
+        fail("bench: --only applies to the scenes of contact, without --soak and --engine, and of rod");
     if (isOther(options.engine) && options.scene != "bunny" && options.scene != "contact")
         fail("bench: --engine applies to bunny and contact only: ", options.scene, " measures the native engine");
     if (isOther(options.engine) && !std::isnan(options.soak))
@@ -59,7 +61,7 @@ json measure(const BenchCommandOptions& options)
     if (options.scene == "solver") return benchSolver(options.quick);
     if (options.scene == "laws") return benchLaws(options.quick);
     if (options.scene == "cut") return benchCut(options.quick);
-    if (options.scene == "rod") return benchRod(options.quick);
+    if (options.scene == "rod") return benchRod(options.quick, options.only);
     if (options.scene == "visual") return benchVisual(options.quick);
     const double seconds = std::isnan(options.seconds) ? kSeconds : options.seconds;
     if (isOther(options.engine))
@@ -129,44 +131,43 @@ Command benchCommand()
     return {
         .name = "bench",
         .meaning = "Measure, print a table and write JSON",
-        .options = {{"SCENE",
-                     &options.scene,
-                     "bunny: the paper's table of tetrahedra x subdivision; solver: cost of a step; laws: the same by "
-                     "elastic law; contact: cost of a step "
-                     "with bodies in contact; cut: cost of a step while a blade cuts; rod: cost of a step of threads; "
-                     "haptics: evenness of the haptic "
-                     "servo; visual: cost of a picture",
-                     "",
-                     {},
-                     true},
-                    {"--json", &options.file, "Write every figure to this file", "FILE"},
-                    {.name = "--seconds",
-                     .target = &options.seconds,
-                     .meaning = "Wall time of each cell of bunny and of each run of haptics",
-                     .type = "S",
-                     .bound = {openClosed(0, 3600), "s"},
-                     .standard = text(kSeconds)},
-                    {.name = "--soak",
-                     .target = &options.soak,
-                     .meaning =
-                         "contact only: instead of the costs, run random tool motions for this many simulated minutes",
-                     .type = "MIN",
-                     .bound = {openClosed(0, 600), "min"},
-                     .standard = "none"},
-                    {.name = "--seed",
-                     .target = &options.seed,
-                     .meaning = "Seed of the random tool motions of --soak",
-                     .type = "N",
-                     .bound = {closed(0, 1000000), "-"}},
-                    {.name = "--engine",
-                     .target = &options.engine,
-                     .meaning =
-                         "bunny and contact only: instead of the table, a step's cost, with the error or the contacts, "
+        .options =
+            {{"SCENE",
+              &options.scene,
+              "bunny: the paper's table of tetrahedra x subdivision; solver: cost of a step; laws: the same by "
+              "elastic law; contact: cost of a step "
+              "with bodies in contact; cut: cost of a step while a blade cuts; rod: cost of a step of threads; "
+              "haptics: evenness of the haptic "
+              "servo; visual: cost of a picture",
+              "",
+              {},
+              true},
+             {"--json", &options.file, "Write every figure to this file", "FILE"},
+             {.name = "--seconds",
+              .target = &options.seconds,
+              .meaning = "Wall time of each cell of bunny and of each run of haptics",
+              .type = "S",
+              .bound = {openClosed(0, 3600), "s"},
+              .standard = text(kSeconds)},
+             {.name = "--soak",
+              .target = &options.soak,
+              .meaning = "contact only: instead of the costs, run random tool motions for this many simulated minutes",
+              .type = "MIN",
+              .bound = {openClosed(0, 600), "min"},
+              .standard = "none"},
+             {.name = "--seed",
+              .target = &options.seed,
+              .meaning = "Seed of the random tool motions of --soak",
+              .type = "N",
+              .bound = {closed(0, 1000000), "-"}},
+             {.name = "--engine",
+              .target = &options.engine,
+              .meaning = "bunny and contact only: instead of the table, a step's cost, with the error or the contacts, "
                          "with this engine and the native one",
-                     .choices = runtime::engineNames()},
-                    {"--only", &options.only,
-                     "contact only: only the scenes whose \"body, scene\" contains this, as \"three blocks\"", "TEXT"},
-                    {"--quick", &options.quick, "Measure only the smallest meshes"}},
+              .choices = runtime::engineNames()},
+             {"--only", &options.only,
+              "contact and rod only: only the scenes whose \"body, scene\" contains this, as \"three blocks\"", "TEXT"},
+             {"--quick", &options.quick, "Measure only the smallest meshes"}},
         .run = [] { return bench(options); }};
 }
 

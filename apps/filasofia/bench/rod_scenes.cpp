@@ -3,8 +3,10 @@
 #include "filasofia/core/text.h"
 #include "filasofia/core/units.h"
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/testing/knot_lines.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -66,12 +68,18 @@ physics::RigidBodyDef needle(const std::vector<Vec3>& line, const Pose& at)
     return def;
 }
 
+double lengthOf(const std::vector<Vec3>& line)
+{
+    double sum = 0.0;
+    for (std::size_t i = 1; i < line.size(); ++i) sum += distance(line[i - 1], line[i]);
+    return sum;
+}
+
 /// A thread of 150 nodes along a line, which begins at the needle's tail and ends at a hand, if there is one.
 physics::RodBodyDef sewingThread(std::vector<Vec3> line, BodyId needle, BodyId hand)
 {
-    double whole = 0.0;
-    for (std::size_t i = 1; i < line.size(); ++i) whole += distance(line[i - 1], line[i]);
-    physics::RodBodyDef def{.name = "thread", .points = std::move(line), .spacing = whole / (kStitchNodes - 1)};
+    const double spacing = lengthOf(line) / (kStitchNodes - 1);
+    physics::RodBodyDef def{.name = "thread", .points = std::move(line), .spacing = spacing};
     def.radius = 0.15_mm;
     def.youngModulus = 50e6;
     def.straight = def.gravity = false;
@@ -120,6 +128,32 @@ RodScene coiledRod(int nodes)
                                                          return around(10_mm, angle, 2.4 * kRodRadius * turns(angle));
                                                      },
                                                      nodes));
+}
+
+RodScene knottedRod(int nodes)
+{
+    static constexpr std::array kHands{BodyId{1}, BodyId{2}}; // in the order of the bodies
+    constexpr double kSpring = 100.0, kSpeed = 0.05;          // [N/m], [m/s]
+    const testing::OverhandKnotDef knot{
+        .turns = 8, .pitch = 3.5_mm, .loop = 3_mm, .clearance = 3.0 * kRodRadius, .tail = 10_mm};
+    physics::RodBodyDef def{.name = "thread", .points = testing::overhandKnot(knot)};
+    def.spacing = lengthOf(def.points) / (nodes - 1);
+    def.radius = kRodRadius;
+    def.youngModulus = 1e8;
+    def.straight = def.gravity = false;
+    def.rayleigh.mass = 5.0;
+    def.collision = physics::RodCollision{};
+    def.attachments = {{.nodes = {0}, .stiffness = kSpring, .to = kHands[0]},
+                       {.nodes = {nodes - 1}, .stiffness = kSpring, .to = kHands[1]}};
+    const std::array ends{def.points.front(), def.points.back()};
+    ContactScene scene{.name = "is knotted and drawn tight", .body = "thread", .settle = 2.0};
+    scene.bodies = {physics::RigidBodyDef{.name = "left hand", .elements = {{ends[0], {}}}},
+                    physics::RigidBodyDef{.name = "right hand", .elements = {{ends[1], {}}}}, def};
+    scene.path = [ends](double time) {
+        const Vec3 drawn{0, 0, std::min(kSpeed * time, 20_mm)};
+        return std::vector{std::pair{kHands[0], Pose{ends[0] - drawn}}, std::pair{kHands[1], Pose{ends[1] + drawn}}};
+    };
+    return {.scene = std::move(scene), .nodes = nodes};
 }
 
 RodScene stitch()

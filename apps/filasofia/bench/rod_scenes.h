@@ -16,6 +16,9 @@ RodScene hangingRod(int nodes);
 RodScene rodOnFloor(int nodes); ///< a spiral
 RodScene coiledRod(int nodes);  ///< it goes around three times, each time above itself
 
+/// An overhand knot of eight turns between two hands that draw it tight: it pushes at itself in about 50 places.
+RodScene knottedRod(int nodes);
+
 /// A curved needle goes through both edges of a wound, of 5,040 tetrahedra, and draws a thread of 150 nodes after it.
 RodScene stitch();
 
