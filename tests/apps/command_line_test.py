@@ -304,7 +304,8 @@ class Reload(unittest.TestCase):
         program.wait(timeout=100)
         self.assertEqual(program.returncode, 0)
         self.assertIn("ended: ran 3 s", program.stdout.read())
-        self.assertTrue(self.said.empty())
+        said = list(self.said.queue)  # on a busy machine, also that steps were late
+        self.assertFalse([line for line in said if line.startswith(self.AGAIN)], said)
 
 
 class Run(Program):
@@ -376,6 +377,8 @@ class Run(Program):
         stitch = self.output("run", "suture", "--headless", "--steps", "100")  # the jaws hold the needle from the start
         self.assertRegex(stitch, r"(?m)^needle, driver +\d+ ")
         self.assertNotIn("inside out", stitch)
+        self.assertNotIn("pass through", stitch)
+        self.assertIn("solver at its iteration limit 0", stitch)
         self.assertIn("task 'suture' is not finished: 0 of 5 steps done, next 'entry'", stitch)
         self.assertNotIn("contacts between", self.output(*self.BUNNY, "--steps", "3"))
         self.assertNotIn("contacts between", self.output("run", "poke", "--headless", "--steps", "3"))

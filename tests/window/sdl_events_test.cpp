@@ -84,6 +84,31 @@ TEST_CASE("a mouse move carries place, way and held buttons, a flipped wheel is 
     CHECK(wheel->dy == 2.0);
 }
 
+TEST_CASE("an event of the mouse has the modifiers that were held when it came")
+{
+    const auto key = [](Uint32 type, Uint16 modifiers) {
+        SDL_Event event = {};
+        event.type = type;
+        event.key.keysym.sym = SDLK_LCTRL;
+        event.key.keysym.mod = modifiers;
+        return event;
+    };
+    SDL_Event wheel = {}, move = {}, button = {};
+    wheel.type = SDL_MOUSEWHEEL;
+    move.type = SDL_MOUSEMOTION;
+    button.type = SDL_MOUSEBUTTONDOWN;
+    button.button.button = SDL_BUTTON_LEFT;
+    const event::Modifiers none, control{.control = true};
+    const event::Modifiers pressed = heldAfter(key(SDL_KEYDOWN, KMOD_LCTRL | KMOD_NUM), none);
+    CHECK(pressed == control);
+    for (const SDL_Event& event : {wheel, move, button}) CHECK(heldAfter(event, pressed) == control);
+    CHECK(heldAfter(key(SDL_KEYUP, KMOD_NUM), pressed) == none);
+    CHECK(dynamic_cast<const event::MouseWheelEvent&>(*translate(wheel, pressed)).modifiers == control);
+    CHECK(dynamic_cast<const event::MouseMoveEvent&>(*translate(move, pressed)).modifiers == control);
+    CHECK(dynamic_cast<const event::MouseButtonEvent&>(*translate(button, pressed)).modifiers == control);
+    CHECK(dynamic_cast<const event::MouseWheelEvent&>(*translate(wheel, none)).modifiers == none);
+}
+
 TEST_CASE("typed text arrives as it was typed, a dead key alone does not")
 {
     SDL_Event from = {};

@@ -101,7 +101,7 @@ std::optional<MouseButton> mouseButton(Uint8 button)
     }
 }
 
-std::unique_ptr<Event> translateButton(const SDL_MouseButtonEvent& from)
+std::unique_ptr<Event> translateButton(const SDL_MouseButtonEvent& from, Modifiers held)
 {
     const std::optional<MouseButton> button = mouseButton(from.button);
     if (!button) return nullptr;
@@ -110,11 +110,11 @@ std::unique_ptr<Event> translateButton(const SDL_MouseButtonEvent& from)
     made->pressed = from.state == SDL_PRESSED;
     made->x = from.x;
     made->y = from.y;
-    made->modifiers = modifiersOf(SDL_GetModState());
+    made->modifiers = held;
     return made;
 }
 
-std::unique_ptr<Event> translateMove(const SDL_MouseMotionEvent& from)
+std::unique_ptr<Event> translateMove(const SDL_MouseMotionEvent& from, Modifiers held)
 {
     auto made = std::make_unique<MouseMoveEvent>();
     made->x = from.x;
@@ -126,11 +126,11 @@ std::unique_ptr<Event> translateMove(const SDL_MouseMotionEvent& from)
                      .right = (from.state & SDL_BUTTON_RMASK) != 0,
                      .back = (from.state & SDL_BUTTON_X1MASK) != 0,
                      .forward = (from.state & SDL_BUTTON_X2MASK) != 0};
-    made->modifiers = modifiersOf(SDL_GetModState());
+    made->modifiers = held;
     return made;
 }
 
-std::unique_ptr<Event> translateWheel(const SDL_MouseWheelEvent& from)
+std::unique_ptr<Event> translateWheel(const SDL_MouseWheelEvent& from, Modifiers held)
 {
     auto made = std::make_unique<MouseWheelEvent>();
     const double sign = from.direction == SDL_MOUSEWHEEL_FLIPPED ? -1.0 : 1.0;
@@ -140,7 +140,7 @@ std::unique_ptr<Event> translateWheel(const SDL_MouseWheelEvent& from)
     SDL_GetMouseState(&x, &y);
     made->x = x;
     made->y = y;
-    made->modifiers = modifiersOf(SDL_GetModState());
+    made->modifiers = held;
     return made;
 }
 
@@ -225,16 +225,22 @@ Uint32 windowOf(const SDL_Event& event)
     }
 }
 
-std::unique_ptr<Event> translate(const SDL_Event& event)
+Modifiers heldAfter(const SDL_Event& event, Modifiers before)
+{
+    const bool isKey = event.type == SDL_KEYDOWN || event.type == SDL_KEYUP;
+    return isKey ? modifiersOf(event.key.keysym.mod) : before;
+}
+
+std::unique_ptr<Event> translate(const SDL_Event& event, Modifiers held)
 {
     switch (event.type) {
     case SDL_MOUSEBUTTONDOWN:
     case SDL_MOUSEBUTTONUP:
-        return translateButton(event.button);
+        return translateButton(event.button, held);
     case SDL_MOUSEMOTION:
-        return translateMove(event.motion);
+        return translateMove(event.motion, held);
     case SDL_MOUSEWHEEL:
-        return translateWheel(event.wheel);
+        return translateWheel(event.wheel, held);
     case SDL_KEYDOWN:
     case SDL_KEYUP:
         return translateKey(event.key);

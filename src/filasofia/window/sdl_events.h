@@ -12,8 +12,13 @@ namespace filasofia::window {
 /// focus).
 Uint32 windowOf(const SDL_Event& event);
 
-/// The event as one of our types; nullptr if it is none of them. The window fills in the size of a WindowEvent.
-std::unique_ptr<event::Event> translate(const SDL_Event& event);
+/// The modifier keys that are held after an event, if those were held `before` it.
+event::Modifiers heldAfter(const SDL_Event& event, event::Modifiers before);
+
+/// The event as one of our types; nullptr if it is none of them. The window fills in the size of a WindowEvent. `held`:
+/// the modifiers of an event of the mouse. SDL tells only which are held now, after all events that wait: where a
+/// picture takes a second, a wheel that was turned before Ctrl was pressed would turn the hand of a person.
+std::unique_ptr<event::Event> translate(const SDL_Event& event, event::Modifiers held = {});
 
 /// Unknown if the key has no name here.
 event::KeyCode keyCode(SDL_Keycode key);

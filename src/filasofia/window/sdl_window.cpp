@@ -19,6 +19,7 @@ namespace {
 // SDL has one event queue for all windows; each window picks its own events here. One thread only (see SdlVideo).
 std::vector<SdlWindow*> openWindows;
 std::unique_ptr<SdlControllers> controllers; // exists while there is a window
+event::Modifiers held;                       // by the keys of the events that have been taken
 
 } // namespace
 
@@ -82,6 +83,7 @@ void SdlWindow::pump()
 {
     SDL_Event event;
     while (SDL_PollEvent(&event)) {
+        held = heldAfter(event, held);
         if (auto done = controllers->take(event); done && !openWindows.empty()) {
             const auto focused = std::ranges::find_if(openWindows, [](const SdlWindow* window) {
                 return (SDL_GetWindowFlags(window->window_) & SDL_WINDOW_INPUT_FOCUS) != 0;
@@ -96,7 +98,7 @@ void SdlWindow::pump()
 
 void SdlWindow::take(const SDL_Event& from)
 {
-    std::unique_ptr<event::Event> made = translate(from);
+    std::unique_ptr<event::Event> made = translate(from, held);
     if (!made) return;
     if (auto* own = dynamic_cast<event::WindowEvent*>(made.get())) {
         const WindowSize now = size();
