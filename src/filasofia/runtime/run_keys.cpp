@@ -27,6 +27,7 @@ constexpr KeyLine kLines[] = {
     {"Wheel", "nearer and farther"},
     {"Right drag, arrow keys", "move the hand of a haptic interface that is the mouse"},
     {"Ctrl + right drag, wheel", "turn that hand; the wheel turns it about its own axis"},
+    {"Left click, right held", "the button of that hand: jaws close or open"},
     {"F", "frame all that is shown"},
     {"Home", "the camera back to where it was at the start"},
     {"Space", "pause and go on"},
