@@ -57,4 +57,16 @@ TEST_CASE("random scenes in which threads went through needles and a bar: they d
     }
 }
 
+TEST_CASE("random scenes in which a needle turned to and fro within a step and left its thread: it does not any more")
+{
+    for (const auto& [seed, first] : {std::pair{51004u, 18}, {41024u, 0}}) {
+        const testing::KnotFuzzReport report =
+            testing::fuzzKnots({.seed = seed, .seconds = 1.0, .perScene = 1.0, .first = first, .tools = true});
+        CAPTURE(seed, first);
+        CHECK(report.scenes == 1);
+        CHECK(report.sound());
+        for (const std::string& example : report.examples) WARN(example);
+    }
+}
+
 } // namespace fuzz_knots_test

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kLargestHeldTurn = 1.5; ///< [rad] in a step; beyond it, where a point comes is foreseen less far
 constexpr double kForeseen = 2e-5;       ///< [m] how far a point may come to be from where it was foreseen
+constexpr double kTold = 1e-4;           ///< [m] beyond which that is told
 
 /// [m] The arm at which a body that turns by `turn` [rad] has the mean velocity of a point: turn x arm leads along the
 /// chord of the arc on which the point goes, and not along the tangent at its start.
@@ -41,39 +42,56 @@ Mat3 turningInertia(double dt, Vec3 arm, Vec3 impulse, double own)
     return beyond(0.5 * (pull + size)) * outer(along, along) + beyond(pull) * outer(across, across);
 }
 
-/// Whether a free body now carries the point elsewhere than its constraint foresees.
-bool goesElsewhere(double dt, const RigidPlanElement& planned, const BodyPoint& point)
+bool isFree(const Coupling& coupling, const BodyPoint& side)
 {
+    return side.of == BodyPoint::Of::Rigid && coupling.rigid[side.body].dynamic &&
+           coupling.rigid[side.body].articulation < 0;
+}
+
+/// [m] How far a free body now carries the point from where its constraint foresees it.
+double strays(double dt, const Coupling& coupling, const BodyPoint& point)
+{
+    if (!isFree(coupling, point)) return 0.0;
+    const RigidPlanElement& planned = coupling.rigid[point.body];
     const Vec3 turn = turnOf(dt, planned), arm = point.position - planned.centre;
-    return length(cross(turn, armOfChord(turn, arm) - arm - point.shift)) > kForeseen;
+    return length(cross(turn, armOfChord(turn, arm) - arm - point.shift));
+}
+
+bool straysBeyond(double dt, const Coupling& coupling, const Constraint& weld, double most)
+{
+    return std::ranges::any_of(weld.sides, [&](const BodyPoint& side) { return strays(dt, coupling, side) > most; });
 }
 
 } // namespace
 
-void foreseeArc(double dt, const RigidPlanElement& planned, BodyPoint& point)
+void foreseeArc(double dt, const RigidPlanElement& planned, BodyPoint& point, double share)
 {
-    const Vec3 arm = point.position - planned.centre, foreseen = armOfChord(turnOf(dt, planned), arm);
+    const Vec3 arm = point.position - planned.centre, whole = armOfChord(turnOf(dt, planned), arm);
+    const Vec3 foreseen = share < 1.0 ? arm + point.shift + share * (whole - arm - point.shift) : whole;
     point.shift = foreseen - arm;
     point.velocity = planned.velocity + planned.beyond + cross(planned.angularVelocity, foreseen);
 }
 
-bool foreseeTurns(double dt, Coupling& coupling)
+bool foreseeTurns(double dt, double share, Coupling& coupling)
 {
-    const auto welds = std::span(coupling.constraints).subspan(coupling.contactCount, coupling.weldCount);
-    const auto isFree = [&](const BodyPoint& side) {
-        return side.of == BodyPoint::Of::Rigid && coupling.rigid[side.body].dynamic &&
-               coupling.rigid[side.body].articulation < 0;
-    };
-    const bool again = std::ranges::any_of(welds, [&](const Constraint& weld) {
-        return std::ranges::any_of(weld.sides, [&](const BodyPoint& side) {
-            return isFree(side) && goesElsewhere(dt, coupling.rigid[side.body], side);
-        });
-    });
-    if (!again) return false;
-    for (Constraint& weld : welds)
+    if (std::ranges::none_of(coupling.welds(),
+                             [&](const Constraint& weld) { return straysBeyond(dt, coupling, weld, kForeseen); }))
+        return false;
+    for (Constraint& weld : std::span(coupling.constraints).subspan(coupling.contactCount, coupling.weldCount))
         for (BodyPoint& side : weld.sides)
-            if (isFree(side)) foreseeArc(dt, coupling.rigid[side.body], side);
+            if (isFree(coupling, side)) foreseeArc(dt, coupling.rigid[side.body], side, share);
     return true;
+}
+
+std::vector<std::size_t> heldElsewhere(double dt, const Coupling& coupling)
+{
+    std::vector<std::size_t> bodies;
+    for (const Constraint& weld : coupling.welds()) {
+        if (!straysBeyond(dt, coupling, weld, kTold)) continue;
+        for (const BodyPoint& side : weld.sides)
+            if (side.of == BodyPoint::Of::Soft) bodies.push_back(side.body);
+    }
+    return bodies;
 }
 
 void addHeldInertia(double dt, const Constraint& weld, RigidPlan& plan)
