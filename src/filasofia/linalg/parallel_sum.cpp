@@ -10,10 +10,10 @@ namespace filasofia::linalg {
 std::optional<std::vector<PanelRow>> parallelSum(std::span<const double> b, std::span<const double> h, int n)
 {
     // The products are in float: an H that is much larger than B^-1 would leave a difference without digits.
-    constexpr double kShift = 1e-5;
+    constexpr double kMoreCompliant = 1e-5;
     fixBlocking();
     Eigen::MatrixXd compliance = Eigen::Map<const Eigen::MatrixXd>(b.data(), n, n);
-    compliance.diagonal() *= 1.0 + kShift;
+    compliance.diagonal() *= 1.0 + kMoreCompliant;
     const Eigen::LLT<Eigen::MatrixXd> ofB(compliance);
     if (ofB.info() != Eigen::Success) return std::nullopt;
     const Eigen::MatrixXd stiffness = ofB.solve(Eigen::MatrixXd::Identity(n, n)); // S = B^-1

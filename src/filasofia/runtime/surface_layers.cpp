@@ -298,10 +298,13 @@ template <class Layer>
 void SurfaceLayers<Layer>::check(const physics::PhysicsEngine& engine, const physics::PhysicsServer& physics) const
 {
     const std::lock_guard lock(mutex_);
-    for (const auto& [id, each] : patients_)
+    for (const auto& patient : patients_) { // clang 14 takes no structured binding in a requires-expression
+        const auto& each = patient.second;
         if constexpr (requires { each.start->def().tissue; })
-            if (each.start->def().tissue && physics.has(id))
-                checkTissue(id, *physics.def(id), engine, text(Kind<Layer>::kDoing, " of '", each.name, "'"));
+            if (each.start->def().tissue && physics.has(patient.first))
+                checkTissue(patient.first, *physics.def(patient.first), engine,
+                            text(Kind<Layer>::kDoing, " of '", each.name, "'"));
+    }
 }
 
 template <class Layer> auto SurfaceLayers<Layer>::surfaces(double time) const -> std::vector<Surface>

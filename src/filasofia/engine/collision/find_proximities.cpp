@@ -119,8 +119,15 @@ void testElementPairs(const SurfacePair& meeting, WorkerPool& pool, ProximityScr
 
 std::span<const PushedFeatures> pushedBetween(std::span<const PushedFeatures> all, BodyId first, BodyId second)
 {
-    const auto bodies = [](const PushedFeatures& each) { return std::pair(each.first, each.second); };
-    return std::ranges::equal_range(all, std::pair(first, second), {}, bodies);
+    // Not std::ranges::equal_range, whose result clang 14 cannot make of g++'s library.
+    struct ByBodies {
+        using Pair = std::pair<BodyId, BodyId>;
+        static Pair of(const PushedFeatures& each) { return {each.first, each.second}; }
+        bool operator()(const PushedFeatures& one, const Pair& other) const { return of(one) < other; }
+        bool operator()(const Pair& one, const PushedFeatures& other) const { return one < of(other); }
+    };
+    const auto [begin, end] = std::equal_range(all.begin(), all.end(), std::pair(first, second), ByBodies());
+    return {begin, end};
 }
 
 void checkSizes(const std::vector<CollisionSurface>& surfaces)

@@ -123,7 +123,7 @@ void CoarseCorrection::addColumns(const ConstraintNetwork& network, const Constr
     for (std::size_t row : motions.rows)
         for (const WeightedPoint& each : rows.pointsOf(rows.list[row])) reached.push_back(network.bodyOf(each.point));
     sortUnique(reached);
-    std::erase_if(reached, [&](std::size_t b) { return bodies[b].deflation() == nullptr; });
+    std::erase_if(reached, [&](std::size_t b) { return network.bodies[b].deflation() == nullptr; });
     column_.resize(static_cast<std::size_t>(first.back())); // zero in between
     for (int axis = 0; axis < 3; ++axis) {
         for (std::size_t m = 0; m < motions.rows.size(); ++m)

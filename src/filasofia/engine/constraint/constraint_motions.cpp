@@ -50,7 +50,7 @@ void addMotions(const Patch& patch, const ConstraintRows& rows, std::vector<Cons
     for (std::size_t c : patch) radius = std::max(radius, length(rowPosition(rows.list[c]) - middle));
     motions.push_back({patch, std::vector<Mat3>(patch.size(), Mat3::identity())});
     if (radius == 0.0) return;
-    ConstraintMotions& turns = motions.emplace_back(patch);
+    ConstraintMotions& turns = motions.emplace_back(ConstraintMotions{patch, {}});
     for (std::size_t c : patch)
         turns.u.push_back(1.0 / radius * transpose(crossMatrix(rowPosition(rows.list[c]) - middle)));
 }
