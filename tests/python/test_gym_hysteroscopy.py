@@ -1,4 +1,4 @@
-"""filasofia.gym: a polyp in the cavity of a uterus."""
+"""filasofia.gym: a polyp, and a myoma, in the cavity of a uterus."""
 
 import numpy as np
 import pytest
@@ -55,4 +55,63 @@ def test_forceps_take_nothing_that_is_out_of_their_reach():
     for _ in range(5):
         env.step([0.0, 0.0, 0.0, 1.0])
     assert not env.holds(env.tools[0])
+    env.close()
+
+
+def test_what_chips_take_is_what_is_left_less():
+    env = gym.HysteroscopicMyomectomy()
+    env.reset(seed=0)
+    act = scripted(env)
+    for _ in range(110):  # the first stroke, until a chip comes off
+        _, _, _, _, info = env.step(act())
+        if env.floating:
+            break
+    assert 0.0 < env.removed < 0.2 * env.whole
+    assert info["measures"]["left"] == 1.0 - env.removed / env.whole
+    chips = sum(each.mass for cut in env.cuts for each in cut.rupture.detached)
+    assert np.isclose(chips, env.removed * env.density)
+    for _ in range(env.floats + 1):
+        env.step([0, 0, 0, 0, -1])
+    assert env.floating == []
+    env.close()
+
+
+def test_a_loop_without_current_cuts_nothing():
+    env = gym.HysteroscopicMyomectomy()
+    env.reset(seed=0)
+    act = scripted(env)
+    for _ in range(110):
+        action = act()
+        action[-1] = -1.0
+        env.step(action)
+    assert env.removed == 0.0 and env.cuts == [] and env.left() == 1.0
+    env.close()
+
+
+def test_a_loop_that_cuts_the_wall_is_no_success():
+    env = gym.HysteroscopicMyomectomy()
+    env.reset(seed=0)
+    tool = env.tools[0]
+    for _ in range(40):  # beside the myoma, and down into the wall
+        env.step(np.append(np.clip((np.array([0.004, -0.035, -0.006]) - tool.place) / 6e-4, -1, 1), (0, -1)))
+    for _ in range(60):
+        _, _, _, _, info = env.step([0.0, -1.0, -0.2, 0.0, 1.0])
+    assert info["measures"]["wall"] > 5e-6
+    env.removed = env.whole
+    env.wall = 31e-6
+    assert not env.judge().success
+    env.close()
+
+
+def test_the_pedal_goes_back_with_a_state():
+    env = gym.HysteroscopicMyomectomy()
+    env.reset(seed=3)
+    env.step([0, 0, 0, 0, 1])
+    assert env.pressed
+    state = env.save_state()
+    ahead = env.step([0, -1, 0, 0.5, 1])[4]["state_hash"]
+    env.step([0, 0, 0, 0, -1])
+    assert not env.pressed
+    env.restore_state(state)
+    assert env.pressed and env.step([0, -1, 0, 0.5, 1])[4]["state_hash"] == ahead
     env.close()

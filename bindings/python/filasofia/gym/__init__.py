@@ -1,4 +1,4 @@
-"""Environments for gymnasium (docs/guide/environments.md): importing this registers filasofia/Reach-v0 and 20 more."""
+"""Environments for gymnasium (docs/guide/environments.md): importing this registers filasofia/Reach-v0 and 21 more."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .cannulation import Cannulation
 from .cuts import PolypRemoval, PrecisionCutting
 from .environment import SurgicalEnv
 from .gallbladder import Cholecystectomy, GallbladderDissection
-from .hysteroscopy import HysteroscopicPolypectomy
+from .hysteroscopy import HysteroscopicMyomectomy, HysteroscopicPolypectomy
 from .judgement import Judgement
 from .laparoscopy import ClipAndCut, PatternCutting, PegTransfer
 from .state import EnvState
@@ -52,6 +52,7 @@ TASKS = (
     GallbladderDissection,
     Cholecystectomy,
     HysteroscopicPolypectomy,
+    HysteroscopicMyomectomy,
 )
 
 # Name by name, because type checkers read no more than that.
@@ -65,6 +66,7 @@ __all__ = [
     "EnvState",
     "GallbladderDissection",
     "GraspLift",
+    "HysteroscopicMyomectomy",
     "HysteroscopicPolypectomy",
     "Joint",
     "Judgement",

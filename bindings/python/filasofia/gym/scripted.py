@@ -509,6 +509,52 @@ def _pluck(env: hysteroscopy.HysteroscopicPolypectomy) -> Moves:
     yield from _stay(4, 1.0)
 
 
+def _shave(env: hysteroscopy.HysteroscopicMyomectomy) -> Moves:
+    """Strokes towards the scope, from the top down to half a millimetre above the wall."""
+    tool, os = env.tools[0], np.asarray(env.os)
+    up = env.out()
+    across = np.cross(env.root() - os, up)
+    across /= np.linalg.norm(across)
+    ahead, beyond = np.cross(up, across), 0.0013
+    radius = env.loop.definition.width / 2
+
+    def held(ahead_: float, side: float, bottom: float) -> tuple[Array, float]:
+        """Where the loop's arms end, and how they are turned, so that its bottom is at a place above the wall."""
+        lowest = env.root() + side * across + ahead_ * ahead + bottom * up
+        place, roll = lowest + env.depth * up, 0.0
+        for _ in range(3):
+            base = aim(place, tool.port)
+            seen = turned(base * (1, -1, -1, -1), up)
+            roll = float(np.arctan2(seen[0], seen[2]))
+            place = lowest + env.depth * turned(base, (np.sin(roll), 0.0, np.cos(roll)))
+        return place, roll
+
+    def to(ahead_: float, side: float, bottom: float, pedal: float, slow: float = 1.0) -> Moves:
+        place, roll = held(ahead_, side, bottom)
+        for _ in range(100):
+            if np.linalg.norm(place - tool.place) < 3e-4 and abs(roll - tool.values[0]) < 0.03:
+                return
+            turn = np.clip((roll - tool.values[0]) * env.rate / env.frame_skip / tool.joints[0].speed, -1.0, 1.0)
+            yield np.append(slow * _towards(env, tool, place), (turn, pedal))
+
+    strokes = [(4e-3, 0.0), (2.4e-3, 1.8e-3), (2.4e-3, -1.8e-3)]
+    strokes += [(0.5e-3, side) for _ in range(2) for side in (0.0, 2.8e-3, -2.8e-3)]
+    for bottom, side in strokes:
+        from_ = env.rooted() - env.root()
+        beside = from_ @ across - side
+        near = np.abs(beside) < radius
+        thick = from_[near] @ up - bottom - radius + np.sqrt(radius**2 - beside[near] ** 2)
+        if not len(thick) or thick.max() < 1e-3:
+            continue
+        span = (from_ @ ahead)[near][thick > 0.0]
+        high = 6.7e-3
+        yield from to(span.max() + beyond, side, high, -1.0)
+        yield from to(span.max() + beyond, side, bottom, -1.0)
+        yield from to(span.min() - beyond, side, bottom, 1.0, slow=0.5)
+        yield from to(span.min() - beyond, side, high, -1.0)
+    yield from _stay(5, -1.0)
+
+
 def _again(action: Array, times: int) -> Moves:
     for _ in range(times):
         yield action
@@ -536,4 +582,5 @@ POLICIES: dict[type[SurgicalEnv], typing.Callable[[typing.Any], Moves]] = {
     gallbladder.GallbladderDissection: _detach,
     gallbladder.Cholecystectomy: _take_out,
     hysteroscopy.HysteroscopicPolypectomy: _pluck,
+    hysteroscopy.HysteroscopicMyomectomy: _shave,
 }
