@@ -282,4 +282,44 @@ TEST_CASE("a replay draws what the run has drawn: own lights, materials by name,
     CHECK(replay({.file = folder / "run.rec", .check = true}).made == 20); // nothing is drawn
 }
 
+TEST_CASE("a replay draws the blood of a duct that leaks as the run has drawn it")
+{
+    if (skipIf(!visual::hasBackend(Backend::Headless), "this build draws nothing")) return;
+    const Folder folder;
+    std::vector<Vec3> line;
+    for (int i = 0; i <= 20; ++i) line.push_back({1_mm * i - 10_mm, 0, 0});
+    /// An artery that is cut after 0.15 s; the number of steps before it leaks.
+    const auto bleed = [&](RunDef run) {
+        Simulation sim({.physics = {.rate = 500, .gravity = {}}, .window = {.width = 200, .height = 150}});
+        SoftBodyDef def{.name = "artery", .mesh = geometry::shapes::vessel(line, 1_mm, 0.8_mm, {8, 1})};
+        def.material = FemMaterial{.youngModulus = 40_kPa, .poissonRatio = 0.4};
+        def.attachments = {{.box = Box{{-1, -1, -1}, {-9.5_mm, 1, 1}}}, {.box = Box{{9.5_mm, -1, -1}, {1, 1, 1}}}};
+        def.dynamicTopology = true;
+        const BodyId artery = sim.add(def);
+        sim.bleed(artery, {});
+        sim.addDuct(artery, {.path = {line.front(), line.back()}, .radius = 1_mm, .inletPressure = 12e3});
+        RigidBodyDef knife{.name = "knife", .elements = {{{0.3_mm, 10_mm, 0}, axisAngle({0, 0, 1}, 90_deg)}}};
+        knife.collision = {{.mesh = geometry::shapes::sheet(10_mm, 10_mm, {1, 1}), .cutting = true}};
+        const BodyId blade = sim.add(knife);
+        int steps = 0, whole = 0;
+        sim.everyStep([&](double time) {
+            const Vec3 place{0.3_mm, 10_mm - std::min(time, 0.2) * 60_mm, 0};
+            sim.physics().setPose(blade, {place, axisAngle({0, 0, 1}, 90_deg)});
+            ++steps;
+            if (sim.duct(artery).state != surface::DuctState::Leaking) whole = steps;
+        });
+        run.headless = true;
+        sim.run(run);
+        return whole;
+    };
+    const int steps = bleed({.backend = Backend::Null, .steps = 180});
+    REQUIRE(steps > 50);
+    REQUIRE(steps < 150);
+    // While what the wounds of the ends would bleed is still seen.
+    bleed({.steps = steps + 10, .picture = folder / "run.png", .record = folder / "run.rec"});
+    const auto again = replay({.file = folder / "run.rec", .check = true, .picture = folder / "again.png"});
+    CHECK_FALSE(again.difference);
+    CHECK(bytesOf(folder / "run.png") == bytesOf(folder / "again.png"));
+}
+
 } // namespace replay_test

@@ -93,8 +93,11 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     feed.write(report);
     haptics.afterStep(report, physics);
     // Before the update event, so that its observers already know what happened in the step.
-    const std::uint32_t flags = postContactEvents(report) | postIntersectionEvents(report) | postChangeEvents(report) |
-                                stepDucts(report) | stepSurfaces(report);
+    std::uint32_t flags = postContactEvents(report);
+    flags |= postIntersectionEvents(report);
+    flags |= postChangeEvents(report);
+    flags |= stepSurfaces(report);
+    flags |= stepDucts(report); // what they pour is recorded now, so it is there from the next step on, as in a replay
     auto update = std::make_unique<event::PhysicsUpdateEvent>();
     now.stamp(*update);
     return flags | (events.tryPost(std::move(update)) ? 0u : kEventLost);
