@@ -1,3 +1,4 @@
+#include "filasofia/core/log.h"
 #include "filasofia/engine/piercing/threading.h"
 
 #include "engine/needles.h"
@@ -286,6 +287,46 @@ TEST_CASE("a rod that is a needle pierces by the same law, and its elasticity do
     CHECK(force == Approx(0.1 + 10.0 * inside).epsilon(0.03));
     while (y < 0.03 + 2e-3) move(kSlow);
     CHECK(in.frame.channels.empty());
+}
+
+TEST_CASE("a tip that slips through soft tissue counts as having pierced it, and that is told")
+{
+    // A layer of 15 kPa gives by its whole thickness before the contacts at the tip reach 0.5 N.
+    Stage stage;
+    physics::SoftBodyDef def{.name = "layer", .mesh = geometry::shapes::block({0.024, 0.006, 0.024}, {12, 3, 12})};
+    def.material = physics::FemMaterial{.youngModulus = 15e3, .poissonRatio = 0.4};
+    def.gravity = false;
+    def.collision = {{}};
+    def.puncture = physics::PunctureDef{};
+    def.attachments = {{.box = geometry::Box{{-1, -1, -1}, {-0.0119, 1, 1}}},
+                       {.box = geometry::Box{{0.0119, -1, -1}, {1, 1, 1}}}};
+    stage.add(def);
+    const std::vector<Vec3> line = {{0, 0, 0}, {0, 15e-3, 0}, {0, 30e-3, 0}};
+    physics::RigidBodyDef tool{.name = "needle",
+                               .elements = {Pose{{0.5e-3, 10e-3, 0.5e-3}, {}}},
+                               .mesh = geometry::shapes::tube(line, 0.4e-3, 8, true)};
+    tool.collision = {{}};
+    tool.needle = physics::NeedleDef{.line = line, .radius = 0.4e-3};
+    const BodyId needle = stage.add(tool);
+    std::string told;
+    setLogSink([&](LogLevel, std::string_view words) { told += text(words, "\n"); });
+    frame::Frame frame;
+    const auto move = [&](double from, double to) {
+        for (int i = 1; i <= 600; ++i) {
+            stage.post(physics::SetPose{needle, 0, Pose{{0.5e-3, from + i / 600.0 * (to - from), 0.5e-3}, {}}});
+            stage.step(1e-3);
+        }
+        stage.world.capture(frame);
+    };
+    move(10e-3, -14e-3);
+    REQUIRE(frame.channels.size() == 1);
+    CHECK(frame.channels[0].through);
+    CHECK(frame.channels[0].length == Approx(6e-3).epsilon(0.2));
+    CHECK(told == "the tip of rigid body 'needle' slipped through the surface of soft body 'layer' with less than the "
+                  "0.5 N that pierce it: it counts as pierced\n");
+    move(-14e-3, 10e-3);
+    CHECK(frame.channels.empty());
+    setLogSink({});
 }
 
 TEST_CASE("a frame names no channel of a body that is gone")

@@ -128,6 +128,42 @@ TEST_CASE("a thread that is drawn around the mouth of its channel stays out of t
     checkDrawn(0.5e-3, 135.0, 0.4);
 }
 
+TEST_CASE("a thread follows its needle into soft tissue without dragging it along")
+{
+    // The thread's contacts pushed the tissue at the mouth while the needle's tail was about to go in: with 6 N in
+    // place of none, until the thread snapped through.
+    Stage stage;
+    physics::SoftBodyDef def = tissueBlock(6e-3, {.force = 0.3, .cutting = 0.1, .friction = 10.0});
+    def.material = physics::FemMaterial{.youngModulus = 4e4, .poissonRatio = 0.4};
+    stage.add(def);
+    physics::RigidBodyDef tool = straightNeedle(1e-3);
+    const BodyId needle = stage.add(tool);
+    const Vec3 tail = tool.elements[0].position + Vec3{0, kToTip, 0};
+    physics::RodBodyDef rod{
+        .name = "thread", .points = {tail, tail + Vec3{0, 0.1, 0}}, .spacing = 1e-3, .radius = 0.3e-3};
+    rod.youngModulus = 2e8;
+    rod.gravity = false;
+    rod.friction = 0.0;
+    rod.collision = physics::RodCollision{.self = false};
+    rod.attachments = {{.nodes = {0}, .to = needle}};
+    stage.add(rod);
+    double pushed = 0.0, contact = 0.0, last = 0.0;
+    frame::Frame frame;
+    for (int i = 0; i < 1100; ++i) { // down by 55 mm, at 50 mm/s
+        stage.post(physics::SetPose{needle, 0, Pose{tool.elements[0].position - Vec3{0, i * 50e-6, 0}, {}}});
+        CHECK(stage.step(1e-3).flags == 0);
+        stage.world.capture(frame);
+        last = 0.0;
+        for (const frame::Channel& each : frame.channels) last += length(each.force);
+        pushed = std::max(pushed, last);
+        if (frame.channels.empty() || i < 700) continue; // the tail comes to the surface after 600
+        for (const frame::Contact& each : frame.contacts) contact = std::max(contact, each.normalForce);
+    }
+    CHECK(last == Approx(10.0 * 6e-3).epsilon(0.02)); // friction alone, along all of the block
+    CHECK(pushed < 0.3);
+    CHECK(contact < 0.05);
+}
+
 TEST_CASE("a needle in its channel is not told as intersecting, but what it carries beside it is")
 {
     constexpr double kBeside = 6e-3;

@@ -131,7 +131,8 @@ bool stay(const SurfacePair& meeting, int first, int second, const EdgeCrossing&
 Facing facingOf(const SurfacePair& meeting, int first, int second, const EdgeCrossing& at)
 {
     const CollisionSurface &one = *meeting.sides[0], &two = *meeting.sides[1];
-    const double apart = dot(at.between, at.across) >= 0.0 ? 1.0 : -1.0;
+    // Lines that cross in a point have the side that the tests of their vertices choose (point_feature.cpp).
+    const double apart = dot(at.between, at.across) >= -kRounded ? 1.0 : -1.0;
     const bool bends = one.element < 0 || two.element < 0; // one of them is tissue
     // Neither is a thread: around a cylinder that is a polygon it stayed at corners that it had left, and the forces at
     // its ends were off by 4.9 % in place of 1.2 % (720 degrees).

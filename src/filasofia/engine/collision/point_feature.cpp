@@ -100,6 +100,29 @@ bool excluded(const PointQuery& query, const Feature& feature)
            (isApex(query, feature) || nearAtRest(query.meeting, {query.point, -1, -1}, feature.vertices));
 }
 
+/// Along the line of a rod at a vertex; zero if the vertex is on no line.
+Vec3 alongLine(const CollisionSurface& surface, int vertex)
+{
+    if (!surface.shape->lines || surface.shape->vertexEdges[vertex].empty()) return {};
+    const auto [a, b] = surface.shape->edges[*surface.shape->vertexEdges[vertex].begin()];
+    return surface.x[b] - surface.x[a];
+}
+
+/// The way out for a point that is on a place of the other surface, where neither has an outside: across both of two
+/// lines. Two threads that were drawn as a cross in a plane slid along each other for ever with one along an axis.
+Vec3 acrossLines(const PointQuery& query, const Feature& feature)
+{
+    constexpr double kParallel = 1e-6; // [-] sine squared
+    const Vec3 own = alongLine(query.own(), query.point), target = alongLine(query.target(), feature.vertices[0]);
+    const Vec3 across = cross(own, target); // the opposite if the other side asks
+    if (lengthSquared(across) > kParallel * lengthSquared(own) * lengthSquared(target)) return normalized(across);
+    const Vec3 along = query.source == 0 ? own : target;
+    if (along == Vec3{}) return {0.0, 0.0, 1.0};
+    const Vec3 away = normalized(
+        cross(along, std::fabs(along.z) < length(along) * kAbove ? Vec3{0.0, 0.0, 1.0} : Vec3{1.0, 0.0, 0.0}));
+    return query.source == 0 ? away : -away;
+}
+
 // Adds a minimum at `place` on an edge or vertex with the pseudonormal `normal` (0 if it has none).
 void addMinimumAt(const PointQuery& query, const Feature& feature, Vec3 place, Vec3 normal, bool rim)
 {
@@ -112,7 +135,7 @@ void addMinimumAt(const PointQuery& query, const Feature& feature, Vec3 place, V
     const bool hasSides = shape.triangleFaces && !beside && normal != Vec3{}, twoSided = hasSides && !shape.closed;
     // So near that the difference of the two places is mostly rounding.
     if (distance < 1e-12 * (1.0 + length(place))) {
-        const Vec3 back = normalized(-vertexNormal(query.own(), query.point), {0.0, 0.0, 1.0});
+        const Vec3 back = normalized(-vertexNormal(query.own(), query.point), acrossLines(query, feature));
         const Vec3 outwards = normalized(normal, back);
         addMinimum(query, feature, outwards, hasSides ? dot(d, outwards) : distance, twoSided);
         return;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr std::size_t kEdgesOfBox = 8; ///< edges whose common box is tested before theirs
 constexpr double kNearer = 0.9;        ///< [-] how near lines may come in a step that is solved again, relative to now
+constexpr double kCrossed = 1e-6;      ///< [-] part of the sum of the radii: lines this near to each other cross
 constexpr double kMeet = 0.02;         ///< [-] part of the sum of the radii: lines this near to each other meet
 
 struct SweptBox {
@@ -53,12 +54,15 @@ void addPass(const SweptLine& one, std::size_t i, const SweptLine& two, std::siz
              std::vector<MissedContact>& out)
 {
     const std::array a{one.edges[i][0].from, one.edges[i][1].from}, b{two.edges[k][0].from, two.edges[k][1].from};
+    const Vec3 between = betweenEdges(a, b);
+    // Lines that cross at the start, as someone may draw them, have no side to stay on: contact parts them.
+    if (length(between) < kCrossed * radii) return;
     const Vec3 across = normalized(cross(a[1] - a[0], b[1] - b[0]), {0, 0, 1});
     const auto corners = [&](const SweptLine& line, std::size_t edge, const std::array<Vec3, 2>& x) {
         const auto& nodes = line.shape->edges[edge];
         return FeatureCorners{line.place, {nodes[0], nodes[1], -1}, {x[0], x[1], {}}};
     };
-    addPlane(corners(one, i, a), corners(two, k, b), betweenEdges(a, b), across, radii, {one.body, two.body}, out);
+    addPlane(corners(one, i, a), corners(two, k, b), between, across, radii, {one.body, two.body}, out);
 }
 
 void findBetween(const SweptLine& one, const SweptLine& two, double radii, std::vector<MissedContact>& out)

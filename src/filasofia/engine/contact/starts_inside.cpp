@@ -5,6 +5,7 @@
 #include "filasofia/engine/contact/part_crossings.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace filasofia::engine {
 namespace {
@@ -39,20 +40,43 @@ bool isStart(const std::vector<SurfaceOwner>& owners, const std::vector<bool>& a
     return i != k && (added[i] || added[k]) && (movable(owners[i], plan) || movable(owners[k], plan));
 }
 
+/// [m] How deep the tubes, or insets, of two surfaces are in each other by their contacts; 0: not at all.
+double depthOf(const SurfaceOwner& one, const SurfaceOwner& two, const ContactDetection& detection,
+               std::array<int, 2> pair)
+{
+    double depth = 0.0;
+    for (const Proximity& each : detection.proximities)
+        if (each.surfaces == pair)
+            depth = std::max(depth, insetAt(*one.collision, each, 0) + insetAt(*two.collision, each, 1) - each.gap);
+    return depth;
+}
+
 /// The rod, of two, whose tube is in the other body by more than half of its radius, and than that body's contacts are
 /// found from; nullptr: neither is. Contacts follow it up to its centre line, so nothing is lost, but a tube so deep is
 /// pushed out by whatever force that takes: with a radius in the wrong unit by meganewtons.
 const SurfaceOwner* deepTube(const Scene& scene, const SurfaceOwner& one, const SurfaceOwner& two,
                              const ContactDetection& detection, std::array<int, 2> pair)
 {
-    double depth = 0.0;
-    for (const Proximity& each : detection.proximities)
-        if (each.surfaces == pair)
-            depth = std::max(depth, insetAt(*one.collision, each, 0) + insetAt(*two.collision, each, 1) - each.gap);
+    const double depth = depthOf(one, two, detection, pair);
     const auto isDeep = [&](const SurfaceOwner& rod, const SurfaceOwner& other) {
         return isLine(scene, rod) && depth > std::max(0.5 * rod.collision->round, other.collision->proximity);
     };
     return isDeep(one, two) ? &one : isDeep(two, one) ? &two : nullptr;
+}
+
+/// Warns of a rod that starts in itself by more than half of its radius.
+void warnOfRodsInThemselves(const Scene& scene, const std::vector<SurfaceOwner>& owners, const std::vector<bool>& added,
+                            const ContactDetection& detection)
+{
+    for (const std::array<int, 2>& pair : detection.scratch.surfacePairs) {
+        const auto i = static_cast<std::size_t>(pair[0]);
+        if (pair[0] != pair[1] || !added[i] || !isLine(scene, owners[i])) continue;
+        const SurfaceOwner& rod = owners[i];
+        const double depth = depthOf(rod, rod, detection, pair);
+        if (depth > 0.5 * rod.collision->round)
+            logWarning("body '", nameOf(scene, rod), "' starts inside itself, by ", std::round(1e5 * depth) / 100.0,
+                       " mm: it is pushed apart, as its radius is ", 1e3 * rod.collision->round, " mm");
+    }
 }
 
 /// What becomes of them.
@@ -104,6 +128,7 @@ void warnOfStartsInside(const Scene& scene, const std::vector<SurfaceOwner>& own
                         std::span<const std::array<int, 2>> crossing, const Coupling& coupling)
 {
     const ContactDetection& detection = coupling.detection;
+    warnOfRodsInThemselves(scene, owners, added, detection);
     std::vector<std::array<BodyId, 2>> told;
     for (const std::array<int, 2>& pair : detection.scratch.surfacePairs) {
         if (!isStart(owners, added, pair, coupling.rigid)) continue;

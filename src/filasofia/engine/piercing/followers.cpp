@@ -89,17 +89,12 @@ std::optional<Channel> partBehind(const Scene& scene, std::ptrdiff_t index, Chan
 
 } // namespace
 
-void follow(const Scene& scene, const Threading& now, Channel& channel)
+void follow(const Scene& scene, Channel& channel)
 {
-    if (now.places.empty()) return;
-    double entry = now.places.front(), end = now.lines.end();
-    while (entry > end && findBody(scene, channel.lines.back().body)) {
+    while (findBody(scene, channel.lines.back().body)) {
         const auto next = followerOf(scene, channel.lines.back());
         if (!next || std::ranges::find(channel.lines, next->body, &ThreadedLine::body) != channel.lines.end()) return;
         channel.lines.push_back(*next);
-        const Threading longer(scene, channel);
-        entry = longer.places.front();
-        end = longer.lines.end();
     }
 }
 

@@ -138,7 +138,7 @@ void keepChannels(double dt, const Coupling& coupling, Scene& scene)
                 point = {.nodes = point.nodes, .before = point.before, .held = now[c].places[k]};
         if (const LineShape* needle = now[c].needle()) leavePath(now[c], *needle, channel);
         if (const LineShape* needle = now[c].cutting()) advanceTip(now[c].tissue, *needle, channel);
-        follow(scene, now[c], channel);
+        follow(scene, channel);
         const Threading after(scene, channel);
         reportPlaces(scene, after, scene.channelReports[c]);
         empty.push_back(isEmpty(after));

@@ -16,8 +16,11 @@ public:
     [[nodiscard]] BodyId body() const { return id_; }
     [[nodiscard]] double begin() const { return places_.front(); } ///< [m]
     [[nodiscard]] double end() const { return places_.back(); }    ///< [m]
-    [[nodiscard]] double radius() const { return radius_; }        ///< [m]
-    [[nodiscard]] bool sharp() const { return sharp_; }            ///< it is a needle, whose front cuts
+    [[nodiscard]] std::size_t segments() const { return places_.size() - 1; }
+    /// [m] Where a segment begins and ends, from the front on.
+    [[nodiscard]] std::pair<double, double> segment(std::size_t s) const { return {places_[s], places_[s + 1]}; }
+    [[nodiscard]] double radius() const { return radius_; } ///< [m]
+    [[nodiscard]] bool sharp() const { return sharp_; }     ///< it is a needle, whose front cuts
     /// Whether the line ends at a cut.
     [[nodiscard]] bool isCutOff() const { return cutOff_; }
     /// Whether a node of the rod belongs to the line.

@@ -1,14 +1,20 @@
 #include "filasofia/engine/piercing/channels.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/engine/contact/attachment_points.h"
+#include "filasofia/engine/contact/attachments.h"
 #include "filasofia/engine/contact/pinned_contacts.h"
 #include "filasofia/engine/piercing/embed.h"
 #include "filasofia/engine/piercing/threading.h"
 #include "filasofia/engine/scene/find_body.h"
+#include "filasofia/geometry/distance.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <span>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
@@ -21,16 +27,21 @@ struct Push {
     BodyPoint place = {};   ///< in the tissue, where that one is
 };
 
-bool hasNeedle(const Scene& scene, BodyId id, const BodyPoint& point, const RigidPlan& plan)
+bool isNeedle(const Scene& scene, BodyId id)
 {
     const auto place = findBody(scene, id);
     if (!place) return false;
-    if (place->soft) {
-        const Rod& rod = scene.soft[place->index].model.rod;
-        return rod.needle && !isCut(rod, 0); // a tip of one node has no direction
-    }
-    const auto& needle = scene.rigid[place->index].model.needle;
-    return needle && point.of == BodyPoint::Of::Rigid && plan[point.body].element == needle->element;
+    if (!place->soft) return scene.rigid[place->index].model.needle.has_value();
+    const Rod& rod = scene.soft[place->index].model.rod;
+    return rod.needle && !isCut(rod, 0); // a tip of one node has no direction
+}
+
+bool hasNeedle(const Scene& scene, BodyId id, const BodyPoint& point, const RigidPlan& plan)
+{
+    if (!isNeedle(scene, id)) return false;
+    const BodyPlace place = *findBody(scene, id);
+    return place.soft || (point.of == BodyPoint::Of::Rigid &&
+                          plan[point.body].element == scene.rigid[place.index].model.needle->element);
 }
 
 bool canBePierced(const Scene& scene, BodyId id)
@@ -93,6 +104,72 @@ std::vector<Push> pushes(double dt, const Coupling& coupling, const Scene& scene
     return found;
 }
 
+void beginChannel(BodyId tissue, BodyId needle, std::vector<NodeWeight> entry, Scene& scene)
+{
+    const std::vector<Vec3>& x = scene.soft[findBody(scene, tissue)->index].state.x;
+    const LineShape line(scene, {needle});
+    Channel channel{
+        .tissue = tissue, .spacing = spacingOf(scene, needle), .lines = {{needle}}, .points = {}, .end = entry};
+    const double held = line.nearest(meanOf(entry, x), 0.0);
+    channel.points.push_back({.nodes = std::move(entry), .held = held});
+    scene.channels.push_back(std::move(channel));
+}
+
+/// Where a line goes into a surface, nearest to the line's front, but not in the front itself.
+struct Entry {
+    double place = std::numeric_limits<double>::infinity(); ///< [m] on the line
+    geometry::Triangle triangle = {};
+};
+Entry entryOf(const LineShape& line, const SoftBody& tissue)
+{
+    constexpr double kAlong = 2.0; // radii by which a tip may be in a surface that it has not pierced
+    const std::vector<Vec3>& x = tissue.state.x;
+    const auto at = [&](int node) { return x[static_cast<std::size_t>(node)]; };
+    Entry out;
+    for (std::size_t s = 0; s < line.segments(); ++s) {
+        const auto [front, back] = line.segment(s);
+        const Vec3 from = line.position(front), along = line.position(back) - from;
+        for (const geometry::Triangle& triangle : tissue.model.surface) {
+            const Vec3 a = at(triangle[0]), b = at(triangle[1]), c = at(triangle[2]);
+            if (!(dot(cross(b - a, c - a), along) > 0.0)) continue; // it comes out, or the node is of no surface
+            const double part = geometry::rayTriangle(from, along, a, b, c);
+            const double place = front + part * (back - front);
+            if (part <= 1.0 && place > kAlong * line.radius() && place < out.place) out = {place, triangle};
+        }
+        if (std::isfinite(out.place)) break;
+    }
+    return out;
+}
+
+/// A tip that slipped through a surface, between the nodes of soft tissue or beside them, has pierced it, too: else
+/// nothing would hold it, and nobody would know.
+void pierceWhereSlipped(const Coupling& coupling, Scene& scene)
+{
+    for (const physics::Intersection& each : coupling.detection.intersections.told)
+        for (const auto& [id, tissueId] : {std::pair(each.first, each.second), std::pair(each.second, each.first)}) {
+            if (each.cause == physics::IntersectionCause::Start || id == tissueId) continue;
+            if (!isNeedle(scene, id) || !canBePierced(scene, tissueId) || isInside(scene, id, tissueId)) continue;
+            const SoftBody& tissue = scene.soft[findBody(scene, tissueId)->index];
+            const std::vector<Vec3>& x = tissue.state.x;
+            const LineShape line(scene, {id});
+            const Entry entry = entryOf(line, tissue);
+            if (!std::isfinite(entry.place)) continue;
+            const Vec3 place = line.position(entry.place);
+            const bool known = std::ranges::any_of(scene.channels, [&](const Channel& channel) {
+                return channel.tissue == tissueId &&
+                       distanceToPath(channel, place, x) < 2.0 * line.radius() + channel.spacing;
+            });
+            if (known) continue;
+            std::vector<NodeWeight> near;
+            for (const int node : entry.triangle) near.push_back({node, 1.0 / 3.0});
+            auto nodes = embedNearest(place, near, tissue.model, x);
+            if (!nodes) continue;
+            logWarning("the tip of ", nameOf(scene, id), " slipped through the surface of ", nameOf(scene, tissueId),
+                       " with less than the ", tissue.model.puncture->force, " N that pierce it: it counts as pierced");
+            beginChannel(tissueId, id, std::move(*nodes), scene);
+        }
+}
+
 } // namespace
 
 void yieldToTips(double dt, const Scene& scene, Coupling& coupling)
@@ -119,16 +196,10 @@ void puncture(double dt, const Coupling& coupling, Scene& scene)
         if (!(dot(push.force, needle.forward(0.0)) >= tissue.model.puncture->force)) continue;
         const std::vector<NodeWeight> touched = nodeWeights(push.place);
         const std::vector<Vec3>& x = tissue.state.x;
-        const auto entry = embedNearest(meanOf(touched, x), touched, tissue.model, x);
-        if (!entry) continue;
-        Channel channel{.tissue = push.tissue,
-                        .spacing = spacingOf(scene, push.needle),
-                        .lines = {{push.needle}},
-                        .points = {},
-                        .end = *entry};
-        channel.points.push_back({.nodes = *entry, .held = needle.nearest(meanOf(*entry, x), 0.0)});
-        scene.channels.push_back(std::move(channel));
+        auto entry = embedNearest(meanOf(touched, x), touched, tissue.model, x);
+        if (entry) beginChannel(push.tissue, push.needle, std::move(*entry), scene);
     }
+    pierceWhereSlipped(coupling, scene);
 }
 
 } // namespace filasofia::engine
