@@ -11,6 +11,7 @@
 #include "filasofia/runtime/keys.h"
 #include "filasofia/scene/import.h"
 
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 
@@ -144,6 +145,14 @@ std::string unfinishedLine(const prefab::Task& task)
     return text("task '", prefab::shown(task.def().name), "' is not finished: ", task.status(), "\n");
 }
 
+/// Says how many throws of a knot are tied.
+std::string knotLine(const scene::SceneKnotProgress& knot)
+{
+    return text("knot '", prefab::shown(knot.name), "': ", knot.tied, " of ", knot.throws,
+                knot.throws == 1 ? " throw" : " throws", " tied, drawn with up to ",
+                std::round(100.0 * knot.largestForce) / 100.0, " N\n");
+}
+
 /// Says which commands of the scene a run of a given number of steps has ended before; empty if none.
 std::string lateCommandsLine(const std::vector<scene::TimedCommand>& commands, const RunReport& report)
 {
@@ -200,6 +209,7 @@ int runFile(const RunCommandOptions& options)
     if (scene.added.tracker) scene.added.tracker->close();
     const int code = print(report);
     if (scene.added.task) std::cout << unfinishedLine(*scene.added.task);
+    for (const auto& progress : scene.added.knots) std::cout << knotLine(progress());
     if (options.run.steps > 0) std::cout << lateCommandsLine(scene.def.commands, report);
     return code;
 }

@@ -74,9 +74,10 @@ int train(const Training& training)
     MetricTracker tracker(sim, observed);
     marks = &tracker;
 
-    const ForceBar bar(
-        sim,
-        {.name = "Force on tissue", .bodies = {scope.body(), forceps.body()}, .warning = rules.warning, .full = 5});
+    const ForceBar bar(sim, {.name = "Force on tissue",
+                             .bodies = {scope.body(), forceps.body()},
+                             .warning = rules.warning,
+                             .full = fullScale(rules)});
     const PerforationWatch perforations(
         sim, {.wall = bodies.uterus,
               .tools = {{.body = scope.body(), .tip = {0, 0, 1_mm}}, {.body = forceps.body()}},

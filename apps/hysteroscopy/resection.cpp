@@ -232,7 +232,7 @@ int resection(const Training& training, const Patient& patient)
                       .force = {.name = "Force on tissue",
                                 .bodies = {scope.body(), loop.body()},
                                 .warning = rules.warning,
-                                .full = 5},
+                                .full = fullScale(rules)},
                       .done = "The myoma is off",
                       .dress = [&](VisualServer& server) { scope.dress(server); },
                       .results = results});

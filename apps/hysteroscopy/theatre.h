@@ -27,6 +27,8 @@ constexpr auto fields(const Rules*)
         field("pressure", &Rules::pressure, "Pa", closed(0, 20e3), "of the fluid at the start"),
         field("uterusModulus", &Rules::uterusModulus, "Pa", closed(1e3, 1e6), "Young's modulus of the uterus"));
 }
+/// [N] At the end of the force bar.
+constexpr double fullScale(const Rules& rules) { return std::max(5.0, 1.5 * rules.warning); }
 inline constexpr Rules kRules[] = {{.guided = true}, {}, {.timeLimit = 300, .warning = 2}}; ///< by difficulty
 inline const std::vector<std::string> kDifficulties = {"easy", "normal", "hard"};
 

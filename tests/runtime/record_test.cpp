@@ -248,6 +248,8 @@ TEST_CASE("the summary counts what did not go as asked")
     report.nothingChanged = 1;
     CHECK_THAT(runtime::summary(report),
                Catch::Contains("\n'liver': cut 12.3 mm^2, torn 0.5 mm^2, in 3 steps; pieces that came off: 2\n"));
+    report.opened = {{.body = "silk", .steps = 1, .cut = 0.0314e-6, .pieces = 1}}; // a thread of 0.1 mm
+    CHECK_THAT(runtime::summary(report), Catch::Contains("\n'silk': cut 0.031 mm^2, torn 0.0 mm^2, in 1 step; pieces"));
     CHECK_THAT(runtime::summary(report), Catch::Contains("(SetTissue) found no element in 1 step\n"));
     report.refused = {.steps = 5, .jumped = 2, .off = 3};
     CHECK_THAT(

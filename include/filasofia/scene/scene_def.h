@@ -4,6 +4,7 @@
 #include "filasofia/scene/scene_parts.h"
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -233,12 +234,22 @@ constexpr auto fields(const SceneDef*)
 /// The Def of a simulation for this scene.
 runtime::SimulationDef simulationDef(const SceneDef& scene);
 
+/// How far a knot of a scene is.
+struct SceneKnotProgress {
+    std::string name = {};
+    int throws = 0;            ///< [-], that it has
+    int tied = 0;              ///< [-], that are tied and tightened since the hands began
+    double largestForce = 0.0; ///< [N], with which a hand has drawn at its strand
+};
+
 /// What was made of a scene. If it has a task and a tracker, keep it until the run has ended.
 struct [[nodiscard]] AddedScene {
     std::vector<BodyId> bodies = {}; ///< their ids in the order of the scene, those of the instruments behind them
     std::shared_ptr<const prefab::Task> task = {}; ///< null if the scene has none
     /// Null if no session is written. Let it go when the run has ended, and before the simulation.
     std::shared_ptr<prefab::MetricTracker> tracker = {};
+    /// How far each knot is, in the order of SceneDef::knots; they end before the simulation.
+    std::vector<std::function<SceneKnotProgress()>> knots = {};
 };
 
 /// Adds the scene's bodies, pictures, motions, commands, cameras, lights, instruments, knots, haptics and task to a

@@ -229,6 +229,8 @@ void check(const RodBodyDef& def)
     checkVelocity(def.velocity, object + ": velocity");
     if (def.breakForce < kNever && !def.dynamicTopology)
         fail(object, ": breakForce must be infinite without dynamicTopology, got ", def.breakForce, " N");
+    if (def.hardening > 0.0 && !std::isfinite(def.yieldStrain))
+        fail(object, ": hardening must be 0 without a yieldStrain, got ", def.hardening);
     if (def.needle && def.closed) fail(object, ": needle must be false if closed: a ring has no tip");
     if (def.needle && !def.collision) fail(object, ": collision must be given if needle is true: ", kTouchesNothing);
     static_cast<void>(centreLine(def));

@@ -151,7 +151,8 @@ struct FluidPanel::Impl {
                           now.beyondLimit ? ": too much" : "");
             line(words);
             if (now.beyondLimit) ImGui::PopStyleColor();
-            if (surface::bloodShare(now) > kCloudy) line("Blood clouds it: open the outflow");
+            // Always three lines: a window is as high as it was in the last picture.
+            line(surface::bloodShare(now) > kCloudy ? "Blood clouds it: open the outflow" : " ");
         }
         ImGui::End();
     }

@@ -126,11 +126,20 @@ std::string unrestLine(const RunReport& report)
     return out + "\n";
 }
 
+/// [mm^2], with two digits where a tenth would hide it: a thread's section.
+std::string area(double squareMetres)
+{
+    const double shown = 1e6 * squareMetres;
+    char words[32];
+    std::snprintf(words, sizeof words, shown == 0.0 || shown >= 0.1 ? "%.1f" : "%.2g", shown);
+    return words;
+}
+
 std::string openedLine(const OpenedSurfaces& opened)
 {
     const std::string cavities = opened.cavities > 0 ? text("; cavities opened: ", opened.cavities) : std::string();
-    return line("'%s': cut %.1f mm^2, torn %.1f mm^2, in %llu %s; pieces that came off: %llu%s",
-                oneLine(shortened(opened.body)).c_str(), opened.cut * 1e6, opened.torn * 1e6,
+    return line("'%s': cut %s mm^2, torn %s mm^2, in %llu %s; pieces that came off: %llu%s",
+                oneLine(shortened(opened.body)).c_str(), area(opened.cut).c_str(), area(opened.torn).c_str(),
                 static_cast<unsigned long long>(opened.steps), opened.steps == 1 ? "step" : "steps",
                 static_cast<unsigned long long>(opened.pieces), cavities.c_str());
 }

@@ -92,7 +92,7 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
             failAtPlace(body.places, pathIn(body, error.what()), error.what());
         }
     const Instruments instruments = addInstruments(simulation, scene, ids);
-    addKnots(simulation, scene, ids);
+    added.knots = addKnots(simulation, scene, ids);
     dressScene(simulation, scene, ids);
     for (const TimedCommand& each : scene.commands)
         if (const auto* gone = std::get_if<physics::RemoveBody>(&each.command);

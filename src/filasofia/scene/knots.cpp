@@ -28,6 +28,8 @@ public:
         }
     }
 
+    [[nodiscard]] int tied() const { return hands_.tied(); }
+    [[nodiscard]] double largestForce() const { return hands_.largestForce(); }
     [[nodiscard]] int past() const { return past_; }
     void goBack(int past) { past_ = past; }
 
@@ -38,40 +40,51 @@ private:
     int past_ = 0; ///< 1: the hands have begun, 2: they have let go
 };
 
-template <class Hands, class Def> void follow(runtime::Simulation& simulation, const SceneKnot& knot, const Def& def)
+using Progress = std::function<SceneKnotProgress()>;
+
+template <class Hands, class Def>
+Progress follow(runtime::Simulation& simulation, const SceneKnot& knot, const Def& def)
 {
     const auto follower = std::make_shared<KnotFollower<Hands>>(simulation, knot, def);
     simulation.everyStep([follower](double time) { follower->follow(time); });
     rememberPast(simulation, text("the times of knot '", def.name, "'"), follower);
+    return [follower, name = def.name, throws = static_cast<int>(def.turns.size())] {
+        return SceneKnotProgress{name, throws, follower->tied(), follower->largestForce()};
+    };
 }
 
 struct KnotAdder {
     runtime::Simulation& simulation;
     const SceneKnot& knot;
 
-    void operator()(const prefab::KnotDef& def) const { follow<prefab::KnotHands>(simulation, knot, def); }
-    void operator()(const prefab::InstrumentTieDef& def) const { follow<prefab::InstrumentTie>(simulation, knot, def); }
+    Progress operator()(const prefab::KnotDef& def) const { return follow<prefab::KnotHands>(simulation, knot, def); }
+    Progress operator()(const prefab::InstrumentTieDef& def) const
+    {
+        return follow<prefab::InstrumentTie>(simulation, knot, def);
+    }
 };
 
-void addKnot(runtime::Simulation& simulation, SceneKnot knot, const std::vector<BodyId>& ids)
+Progress addKnot(runtime::Simulation& simulation, SceneKnot knot, const std::vector<BodyId>& ids)
 {
     if (!std::visit([](const auto& def) { return def.thread; }, knot.def)) fail("thread must be a body of the scene");
     SceneNumbers(ids).replaceIn(knot);
     if (knot.release && !(*knot.release > knot.begin))
         fail("release must be > begin = ", knot.begin, " s, got ", *knot.release);
-    std::visit(KnotAdder{simulation, knot}, knot.def);
+    return std::visit(KnotAdder{simulation, knot}, knot.def);
 }
 
 } // namespace
 
-void addKnots(runtime::Simulation& simulation, const SceneDef& scene, const std::vector<BodyId>& ids)
+std::vector<Progress> addKnots(runtime::Simulation& simulation, const SceneDef& scene, const std::vector<BodyId>& ids)
 {
+    std::vector<Progress> knots;
     for (std::size_t i = 0; i < scene.knots.size(); ++i) try {
-            addKnot(simulation, scene.knots[i], ids);
+            knots.push_back(addKnot(simulation, scene.knots[i], ids));
         } catch (const Error& error) {
             const std::string path = text("knots[", i, "]");
             failAtPlace(scene.places, path, text(path, ": ", error.what()));
         }
+    return knots;
 }
 
 } // namespace filasofia::scene

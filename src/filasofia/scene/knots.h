@@ -4,7 +4,8 @@
 
 namespace filasofia::scene {
 
-/// Adds the hands that tie a scene's knots, and lets them begin and let go at their times.
-void addKnots(runtime::Simulation& simulation, const SceneDef& scene, const std::vector<BodyId>& ids);
+/// Adds the hands that tie a scene's knots, and lets them begin and let go at their times. Returns how far each is.
+std::vector<std::function<SceneKnotProgress()>> addKnots(runtime::Simulation& simulation, const SceneDef& scene,
+                                                         const std::vector<BodyId>& ids);
 
 } // namespace filasofia::scene

@@ -108,6 +108,7 @@ TEST_CASE("what cannot be a rod is refused with one Error that names the rod, th
                "breakForce must be infinite without dynamicTopology, got 2 N");
     checkError(with([](RodBodyDef& d) { d.yieldStrain = 0.0; }), "yieldStrain must be > 0, got 0");
     checkError(with([](RodBodyDef& d) { d.hardening = 1.0; }), "hardening must be in [0, 1), got 1");
+    checkError(with([](RodBodyDef& d) { d.hardening = 0.1; }), "hardening must be 0 without a yieldStrain, got 0.1");
     checkError(with([](RodBodyDef& d) { d.friction = -0.1; }), "friction must be >= 0");
     checkError(with([](RodBodyDef& d) { d.collision = RodCollision{.proximity = -1.0}; }), "proximity must be >= 0 m");
     checkError(with([](RodBodyDef& d) { d.attachments = {{.nodes = {11}}}; }), "nodes must be in [0, 11), got 11");
