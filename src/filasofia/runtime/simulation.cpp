@@ -62,7 +62,8 @@ void warn(const RunReport& report)
                    report.worstStrained.valid, " (FemMaterial::validStrain, or the limit of its law)");
     if (report.restless > 0)
         logWarning(steps(report.restless), " a body went on moving though nothing drove it, at most at ",
-                   std::round(1e4 * report.worstUnrest.speed) / 10.0, " mm/s, in '", report.worstUnrestBody, "' (Restless)");
+                   std::round(1e4 * report.worstUnrest.speed) / 10.0, " mm/s, in '", report.worstUnrestBody,
+                   "' (Restless)");
     if (report.energyGained > 0)
         logWarning(steps(report.energyGained), " such a body gained energy from nowhere (EnergyGained)");
     if (report.outOfTime > 0) logWarning(steps(report.outOfTime), " a solver stopped at the deadline");
