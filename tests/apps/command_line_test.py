@@ -741,6 +741,11 @@ class Save(Program):
         self.assertIn('"trainee":"A. B."', Path(session).read_text().splitlines()[0])
         self.refused("run", "bunny", "--headless", "--measures", session, says=["--measures applies to scene files"])
 
+    def test_how_far_a_knot_is_is_told(self):
+        tie = str(Path(__file__).parents[2] / "examples/scenes/tie.json")
+        said = self.output("run", tie, "--headless", "--steps", "50")
+        self.assertRegex(said, r"(?m)^knot 'knot': 0 of 3 throws tied, drawn with up to \d+(\.\d+)? N$")
+
     def test_commands_later_than_the_end_of_a_run_are_told(self):
         bladder = str(Path(__file__).parents[2] / "examples/scenes/bladder.json")  # commands at 0 and 1 s
         said = self.output("run", bladder, "--headless", "--steps", "100")

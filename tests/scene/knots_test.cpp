@@ -21,7 +21,9 @@ const std::string kInstrumentTie = text(FILASOFIA_SOURCE_DIR, "/examples/scenes/
 std::string thread(const std::string& knot)
 {
     return R"({
-"bodies": [{"type": "RodBodyDef", "name": "silk", "points": ["-20 50 0 mm", "0 -4 0 mm", "20 50 0 mm"], "spacing": "1 mm"},
+"bodies": [{"type": "RodBodyDef", "name": "silk", "points": ["-20 50 0 mm", "0 -4 0 mm", "20 50 0 mm"], "spacing": "1 mm",
+            "collision": {}},
+           {"type": "RodBodyDef", "name": "loose", "points": ["-20 50 0 mm", "20 50 0 mm"], "collision": {"self": false}},
            {"type": "RigidBodyDef", "name": "bar"}],
 "knots": [{)" +
            knot + "}]}";
@@ -67,6 +69,10 @@ TEST_CASE("scenes: a needle driver comes to tie a knot at its time, also after r
     const auto state = run.save();
     for (int i = 0; i < 100; ++i) run.step();
     CHECK(held() == 4); // by the hand, and by two fingers of an assistant
+    REQUIRE(added.knots.size() == 1);
+    CHECK(added.knots[0]().name == "instrument tie");
+    CHECK(added.knots[0]().throws == 1);
+    CHECK(added.knots[0]().tied == 0);
     const std::uint64_t hash = sim.physics().hash();
     run.restore(*state);
     for (int i = 0; i < 100; ++i) run.step();
@@ -95,6 +101,8 @@ TEST_CASE("scenes: hands tie a knot at its time, let go, and the knot holds, als
     CHECK(sim.physics().hash() == hash);
     to(7.0);
     CHECK(held() == 1);
+    CHECK(added.knots[0]().tied == added.knots[0]().throws);
+    CHECK(added.knots[0]().largestForce > 0.1);
     double tight = 0.0; // [N] on the left bar, which was drawn away
     for (const frame::Contact& each : sim.physics().latest()->contacts)
         if (each.first == added.bodies[0] || each.second == added.bodies[0])
@@ -115,7 +123,9 @@ TEST_CASE("scenes: a wrong knot is an Error with its place")
     CHECK_THAT(folder.errorOf(thread(R"("thread": "silk", "force": "0 N")")),
                Contains("knots[0].force must be > 0 N, got"));
     CHECK_THAT(folder.errorOf(thread(R"("thread": "silk", "begun": 1)")), Contains("begun") && Contains("begin"));
-    CHECK_THAT(problem(R"("thread": "bar")"), Contains("scene.json:4:11: knots[0]: knot 'knot': thread must be a rod"));
+    CHECK_THAT(problem(R"("thread": "bar")"), Contains("scene.json:6:11: knots[0]: knot 'knot': thread must be a rod"));
+    CHECK_THAT(problem(R"("thread": "loose")"),
+               Contains("knot 'knot': thread must collide with itself (collision.self), got rod 'loose'"));
     CHECK_THAT(problem(R"("thread": "silk", "begin": "2 s", "release": "2 s")"),
                Contains("knots[0]: release must be > begin = 2 s, got 2"));
     CHECK_THAT(problem(R"("thread": "silk", "nodes": [0, 9999])"), Contains("nodes must be in [0, "));
