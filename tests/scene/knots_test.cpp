@@ -23,7 +23,8 @@ std::string thread(const std::string& knot)
     return R"({
 "bodies": [{"type": "RodBodyDef", "name": "silk", "points": ["-20 50 0 mm", "0 -4 0 mm", "20 50 0 mm"], "spacing": "1 mm",
             "collision": {}},
-           {"type": "RodBodyDef", "name": "loose", "points": ["-20 50 0 mm", "20 50 0 mm"], "collision": {"self": false}},
+           {"type": "RodBodyDef", "name": "loose", "points": ["-20 50 0 mm", "20 50 0 mm"], "spacing": "2 mm",
+            "collision": {"self": false}},
            {"type": "RigidBodyDef", "name": "bar"}],
 "knots": [{)" +
            knot + "}]}";
@@ -123,7 +124,7 @@ TEST_CASE("scenes: a wrong knot is an Error with its place")
     CHECK_THAT(folder.errorOf(thread(R"("thread": "silk", "force": "0 N")")),
                Contains("knots[0].force must be > 0 N, got"));
     CHECK_THAT(folder.errorOf(thread(R"("thread": "silk", "begun": 1)")), Contains("begun") && Contains("begin"));
-    CHECK_THAT(problem(R"("thread": "bar")"), Contains("scene.json:6:11: knots[0]: knot 'knot': thread must be a rod"));
+    CHECK_THAT(problem(R"("thread": "bar")"), Contains("scene.json:7:11: knots[0]: knot 'knot': thread must be a rod"));
     CHECK_THAT(problem(R"("thread": "loose")"),
                Contains("knot 'knot': thread must collide with itself (collision.self), got rod 'loose'"));
     CHECK_THAT(problem(R"("thread": "silk", "begin": "2 s", "release": "2 s")"),
