@@ -143,31 +143,26 @@ Entry entryOf(const LineShape& line, const SoftBody& tissue)
 
 /// A tip that slipped through a surface, between the nodes of soft tissue or beside them, has pierced it, too: else
 /// nothing would hold it, and nobody would know.
-void pierceWhereSlipped(const Coupling& coupling, Scene& scene)
+void pierceIfSlipped(BodyId needle, BodyId tissue, Scene& scene)
 {
-    for (const physics::Intersection& each : coupling.detection.intersections.told)
-        for (const auto& [id, tissueId] : {std::pair(each.first, each.second), std::pair(each.second, each.first)}) {
-            if (each.cause == physics::IntersectionCause::Start || id == tissueId) continue;
-            if (!isNeedle(scene, id) || !canBePierced(scene, tissueId) || isInside(scene, id, tissueId)) continue;
-            const SoftBody& tissue = scene.soft[findBody(scene, tissueId)->index];
-            const std::vector<Vec3>& x = tissue.state.x;
-            const LineShape line(scene, {id});
-            const Entry entry = entryOf(line, tissue);
-            if (!std::isfinite(entry.place)) continue;
-            const Vec3 place = line.position(entry.place);
-            const bool known = std::ranges::any_of(scene.channels, [&](const Channel& channel) {
-                return channel.tissue == tissueId &&
-                       distanceToPath(channel, place, x) < 2.0 * line.radius() + channel.spacing;
-            });
-            if (known) continue;
-            std::vector<NodeWeight> near;
-            for (const int node : entry.triangle) near.push_back({node, 1.0 / 3.0});
-            auto nodes = embedNearest(place, near, tissue.model, x);
-            if (!nodes) continue;
-            logWarning("the tip of ", nameOf(scene, id), " slipped through the surface of ", nameOf(scene, tissueId),
-                       " with less than the ", tissue.model.puncture->force, " N that pierce it: it counts as pierced");
-            beginChannel(tissueId, id, std::move(*nodes), scene);
-        }
+    if (!isNeedle(scene, needle) || !canBePierced(scene, tissue) || isInside(scene, needle, tissue)) return;
+    const SoftBody& body = scene.soft[findBody(scene, tissue)->index];
+    const std::vector<Vec3>& x = body.state.x;
+    const LineShape line(scene, {needle});
+    const Entry entry = entryOf(line, body);
+    if (!std::isfinite(entry.place)) return;
+    const Vec3 place = line.position(entry.place);
+    const bool known = std::ranges::any_of(scene.channels, [&](const Channel& channel) {
+        return channel.tissue == tissue && distanceToPath(channel, place, x) < 2.0 * line.radius() + channel.spacing;
+    });
+    if (known) return;
+    std::vector<NodeWeight> near;
+    for (const int node : entry.triangle) near.push_back({node, 1.0 / 3.0});
+    auto nodes = embedNearest(place, near, body.model, x);
+    if (!nodes) return;
+    logWarning("the tip of ", nameOf(scene, needle), " slipped through the surface of ", nameOf(scene, tissue),
+               " with less than the ", body.model.puncture->force, " N that pierce it: it counts as pierced");
+    beginChannel(tissue, needle, std::move(*nodes), scene);
 }
 
 } // namespace
@@ -199,7 +194,11 @@ void puncture(double dt, const Coupling& coupling, Scene& scene)
         auto entry = embedNearest(meanOf(touched, x), touched, tissue.model, x);
         if (entry) beginChannel(push.tissue, push.needle, std::move(*entry), scene);
     }
-    pierceWhereSlipped(coupling, scene);
+    for (const physics::Intersection& each : coupling.detection.intersections.told) {
+        if (each.cause == physics::IntersectionCause::Start || each.first == each.second) continue;
+        pierceIfSlipped(each.first, each.second, scene);
+        pierceIfSlipped(each.second, each.first, scene);
+    }
 }
 
 } // namespace filasofia::engine
