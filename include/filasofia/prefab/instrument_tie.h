@@ -13,7 +13,7 @@ namespace filasofia::prefab {
 /// next.
 struct InstrumentTieDef {
     std::string name = "instrument tie";
-    BodyId thread = {}; ///< a rod
+    BodyId thread = {}; ///< a rod that collides with itself
     /// [-], in [0, nodes of the rod): the one that the hand holds, and the one of the tail that the driver takes;
     /// empty: the rod's ends. Above the tissue the first strand needs about 100 mm, the tail 30 to 35 mm. The driver
     /// holds a tail better 3 mm before its end. A tail stands up, away from the other strand.

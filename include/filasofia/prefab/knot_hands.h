@@ -12,7 +12,7 @@ namespace filasofia::prefab {
 /// A knot of throws that two hands tie with the ends of a thread, one after another, each tightened before the next.
 struct KnotDef {
     std::string name = "knot";
-    BodyId thread = {}; ///< a rod
+    BodyId thread = {}; ///< a rod that collides with itself
     /// [-], in [0, nodes of the rod): the two that hands hold, that of the longer strand first; empty: the rod's ends.
     /// Above the tissue the first strand needs lengths for the loops, the second one for the way through them:
     /// with the values here, about 45 and 35 mm.
