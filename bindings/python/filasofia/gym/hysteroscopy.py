@@ -372,9 +372,9 @@ class HysteroscopicMyomectomy(UterusEnv):
                     self.removed += volume
                     self.floating.append((piece.piece, self.steps + self.floats))
         self.seen = len(self.cuts)
-        for piece, until in self.floating:
+        for number, until in self.floating:
             if self.steps >= until:
-                self.sim.remove_piece(self.myoma, piece)
+                self.sim.remove_piece(self.myoma, number)
         self.floating = [each for each in self.floating if self.steps < each[1]]
         away = distance(self.bottom(), self.rooted().mean(axis=0))
         new, left = (self.wall - lost) * 1e6, self.left()
