@@ -33,7 +33,7 @@ KnotDef checked(runtime::Simulation& simulation, KnotDef def)
     return def;
 }
 
-double shown(double length) { return std::round(1e4 * length) / 10.0; } // [mm]
+double inMillimetres(double length) { return std::round(1e4 * length) / 10.0; }
 
 enum class Phase {
     Idle,    ///< holds nothing
@@ -246,8 +246,6 @@ struct KnotHands::Impl {
         const std::vector<Vec3> loops = loopsOf(frame, made(), 0.0);
         double left = kLead * distance(at(node), loops.front());
         const double needed = left + static_cast<double>(loops.size() - 1) * fingerStep(frame);
-        double strand = 0.0;
-        for (int i = node; i != def.nodes[0]; i -= inwards) strand += distance(at(i), at(i - inwards));
         fingers.clear();
         for (std::size_t i = 0; i < loops.size(); ++i) {
             for (; left > 0.0 && node != def.nodes[0]; node -= inwards) left -= distance(at(node), at(node - inwards));
@@ -256,11 +254,14 @@ struct KnotHands::Impl {
             fingers.push_back({.node = node, .from = at(node)});
             simulation.physics().setPose(fingersBody, Pose{at(node)}, static_cast<int>(i));
         }
-        if (fingers.size() < loops.size())
+        if (fingers.size() < loops.size()) {
+            double strand = 0.0;
+            for (int i = baseOf(thread, 0); i != def.nodes[0]; i -= inwards) strand += distance(at(i), at(i - inwards));
             logWarning("knot '", def.name, "': the first strand is too short for throw ", throws + 1, ": ",
-                       shown(strand), " mm of it are more than ", shown(kSkin), " mm above the place, and ",
-                       shown(needed), " mm are needed; ", fingers.size(), " of ", loops.size(),
-                       " fingers find a node of it");
+                       inMillimetres(strand), " mm of it are more than ", inMillimetres(kSkin),
+                       " mm above the place, and ", inMillimetres(needed), " mm are needed; ", fingers.size(), " of ",
+                       loops.size(), " fingers find a node of it");
+        }
         pinching.clear();
         for (int i = 0; throws > 0 && i < 2; ++i) {
             const int base = baseOf(thread, i);

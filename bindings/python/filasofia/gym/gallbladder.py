@@ -12,7 +12,7 @@ from . import bodies
 from .environment import STEEL, SurgicalEnv, distance
 from .judgement import Judgement
 from .laparoscopy import applier
-from .tool import Array, Joint, Tool, aim, posed, times, turned
+from .tool import Array, Joint, Tool, aim, holds_down, posed, times, turned
 
 HOOK, APPLIER, SCISSORS = range(3)  #: what the right hand has
 ASIDE = np.array([np.sqrt(0.5), -np.sqrt(0.5), 0.0, 0.0])  # a clip applier's shaft, +z, becomes a Tool's, +y
@@ -153,7 +153,7 @@ class GallbladderEnv(SurgicalEnv):
         if tool is self.tools[0]:
             super()._grip(tool, command)
         else:
-            self.press(command > 0.3 or (self.pressed and command > -0.3))
+            self.press(holds_down(self.pressed, command))
 
     def press(self, on: bool) -> None:
         """Presses or releases the pedal of the hook."""

@@ -13,7 +13,7 @@ import filasofia as fs
 from . import bodies
 from .environment import STEEL, SurgicalEnv, distance
 from .judgement import Judgement
-from .tool import Array, Joint, Tool, aim, posed, times, turned
+from .tool import Array, Joint, Tool, aim, holds_down, posed, times, turned
 
 MESHES = "meshes/hysteroscopy/"
 OVER = np.array([0.0, 1.0, 0.0, 0.0])  # about x: the trainer's fundus is up, and its scope comes from below
@@ -42,8 +42,6 @@ class UterusEnv(SurgicalEnv):
     def build(self) -> list[Tool]:
         self.sim.set_gravity((0, 0, 0))  # the cavity is full of saline, in which tissue hardly weighs anything
         self.known = json.loads(pathlib.Path(fs.asset(MESHES + "uterus.json")).read_text("utf-8"))
-        axis = self.known["centreline"]
-        self.axis = np.array([[-each["at"][1], each["halfWidth"], each["halfDepth"]] for each in axis])
         self.pelvis = self.sim.add(fs.RigidBodyDef(name="pelvis", elements=[(0, 0, 0)]))
         self.uterus = self._uterus()
         return [self.grow()]
@@ -52,10 +50,32 @@ class UterusEnv(SurgicalEnv):
         """Adds what grows in the uterus; returns the instrument."""
         raise NotImplementedError
 
-    def site(self, number: int) -> tuple[Array, Array]:
-        """A place on the wall [m], and the direction out of the wall there."""
-        at, normal = (turned(OVER, self.known["sites"][number][each]) for each in ("at", "normal"))
-        return at, normal
+    def growth(self, name: str, mesh: typing.Any, base: list[int], site: int, **fields: typing.Any) -> fs.BodyId:
+        """Adds what grows at a site of the wall; `look` and `interior` are its materials, `once_cut` whether its pieces
+        meet each other, and the other fields those of SoftBodyDef.
+        """
+        self.at, self.normal = (turned(OVER, self.known["sites"][site][each]) for each in ("at", "normal"))
+        self.base = np.array(base)
+        look, interior, once_cut = (fields.pop(each) for each in ("look", "interior", "once_cut"))
+        body = self.sim.add(
+            fs.SoftBodyDef(
+                name=name,
+                mesh=mesh,
+                pose=posed(self.at, aim((0.0, 0.0, 0.0), self.normal)),
+                attachments=[fs.AttachmentDef(nodes=base, stiffness=40.0, to=self.uterus)],
+                collision=[fs.CollisionDef(proximity=1e-4, group=2, self_once_cut=once_cut)],
+                rayleigh=fs.Rayleigh(mass=10, stiffness=0.02),
+                dynamic_topology=True,
+                **fields,
+            )
+        )
+        self.sim.show(body, subdivision=1, material=look, interior=interior)
+        return body
+
+    def carried(self, place: typing.Any) -> Array:
+        """Where a place of the uterus, as it was made, is in this episode [m]."""
+        placed = self.placed()
+        return turned(np.array(placed.orientation), place) + placed.position
 
     def prepare(self) -> None:
         self.angle, self.tilt = 0.0, np.zeros(2)
@@ -110,18 +130,6 @@ class UterusEnv(SurgicalEnv):
     def moves(self) -> dict[fs.BodyId, typing.Any]:
         return {**super().moves(), self.pelvis: self.placed()}
 
-    def limit(self, tool: Tool, place: Array) -> Array:
-        """Not through the wall: within the cavity as it was made, turned as the uterus is, less 1 mm."""
-        moved = self.placed()
-        back = np.array(moved.orientation) * (1, -1, -1, -1)
-        x, y, z = turned(back, np.asarray(place) - moved.position)
-        wide, deep = (np.interp(y, self.axis[::-1, 0], self.axis[::-1, k]) for k in (1, 2))
-        out = np.hypot(x / max(wide - 0.001, 1e-3), z / max(deep - 0.001, 1e-3))
-        if out <= 1.0:
-            return place
-        inside = np.array([x / out, y, z / out])
-        return turned(np.array(moved.orientation), inside) + moved.position
-
 
 class HysteroscopicPolypectomy(UterusEnv):
     """Grasp a polyp in the cavity of a uterus, tear it off its root, and draw it out through the cervix.
@@ -143,25 +151,17 @@ class HysteroscopicPolypectomy(UterusEnv):
     def grow(self) -> Tool:
         name, site = self.polyps[self.difficulty]
         kind = described("polyps.json", "polyps", name)
-        at, normal = self.site(site)
-        self.base = np.array(kind["base"])
-        self.polyp = self.sim.add(
-            fs.SoftBodyDef(
-                name="polyp",
-                mesh=fs.asset(MESHES + name + ".msh"),
-                pose=posed(at, aim((0.0, 0.0, 0.0), normal)),
-                material=fs.FemMaterial(young_modulus=8e3, poisson_ratio=0.4, tearing_threshold=9e3),
-                attachments=[fs.AttachmentDef(nodes=kind["base"], stiffness=40.0, to=self.uterus)],
-                collision=[fs.CollisionDef(proximity=1e-4, group=2)],
-                rayleigh=fs.Rayleigh(mass=10, stiffness=0.02),
-                friction=0.8,
-                dynamic_topology=True,
-            )
-        )
-        self.sim.show(
-            self.polyp,
-            subdivision=1,
-            material=fs.MucosaMaterial(base_color=(0.72, 0.2, 0.16), noise_scale=700),
+        axis = self.known["centreline"]
+        self.axis = np.array([[-each["at"][1], each["halfWidth"], each["halfDepth"]] for each in axis])
+        self.polyp = self.growth(
+            "polyp",
+            fs.asset(MESHES + name + ".msh"),
+            kind["base"],
+            site,
+            material=fs.FemMaterial(young_modulus=8e3, poisson_ratio=0.4, tearing_threshold=9e3),
+            friction=0.8,
+            once_cut=True,
+            look=fs.MucosaMaterial(base_color=(0.72, 0.2, 0.16), noise_scale=700),
             interior=fs.TissueMaterial(base_color=(0.42, 0.02, 0.015), wetness=1),
         )
         start = (0.0, -0.03, 0.0)
@@ -202,6 +202,17 @@ class HysteroscopicPolypectomy(UterusEnv):
         self.sim.set_tissue(self.polyp, fs.TissueRegion(where=fs.Ball(radius=1.0), young_modulus=stiff))
         self.sim.step(round(0.4 * self.rate), self.moves())
 
+    def limit(self, tool: Tool, place: Array) -> Array:
+        """Not through the wall: within the cavity as it was made, turned as the uterus is, less 1 mm."""
+        moved = self.placed()
+        back = np.array(moved.orientation) * (1, -1, -1, -1)
+        x, y, z = turned(back, np.asarray(place) - moved.position)
+        wide, deep = (np.interp(y, self.axis[::-1, 0], self.axis[::-1, k]) for k in (1, 2))
+        out = np.hypot(x / max(wide - 0.001, 1e-3), z / max(deep - 0.001, 1e-3))
+        if out <= 1.0:
+            return place
+        return self.carried((x / out, y, z / out))
+
     def catch(self, tool: Tool) -> fs.AttachmentId | None:
         places = self.sim.frame[self.polyp].positions
         away = np.linalg.norm(places - tool.place, axis=1)
@@ -231,8 +242,7 @@ class HysteroscopicPolypectomy(UterusEnv):
         self.wall = float(contacts["normal_force"][mine & theirs].sum())
         limit = (2.0, 1.0, 0.5)[self.difficulty]
         self.pressed = self.pressed + self.frame_skip / self.rate if self.wall > limit else 0.0
-        pelvis = self.placed()
-        drawn = float(np.linalg.norm(self.root() - turned(np.array(pelvis.orientation), self.rooted) - pelvis.position))
+        drawn = float(np.linalg.norm(self.root() - self.carried(self.rooted)))
         self.hurt = self.hurt or self.pressed > 0.2 or drawn > 0.01
         way = max(self.os[1] - float(self.middle()[1]), 0.0)
         away = 0.0 if self.holds(self.tools[0]) else distance(self.tools[0].place, self.middle())
@@ -260,38 +270,28 @@ class HysteroscopicMyomectomy(UterusEnv):
     eye, looks_at = (0.003, -0.036, 0.044), (0.0, -0.044, -0.004)
     tilts = 0.03
     cuttable = True
-    site_number = 195  #: among the sites of uterus.json: one that the camera sees from the front
+    site = 195  #: among the sites of uterus.json: one that the camera sees from the front
     floats = 25  #: actions for which a chip is seen
     most_left, most_cut = (0.5, 0.4, 0.3), (30.0, 20.0, 10.0)  #: [-], [mm^2]
     density = 1000.0  #: [kg/m^3]
 
     def grow(self) -> Tool:
         kind = described("myomas.json", "myomas", "myoma_11")
-        self.at, self.normal = self.site(self.site_number)
-        self.base = np.array(kind["base"])
         mesh = fs.load_tet_mesh(fs.asset(MESHES + "myoma_11.msh"))
         corners = np.asarray(mesh.nodes)[np.asarray(mesh.tetrahedra)]
         a, b, c, d = (corners[:, k] for k in range(4))
         volumes = np.einsum("ij,ij->i", np.cross(b - a, c - a), d - a) / 6
         self.whole = float(volumes[corners[:, :, 1].mean(axis=1) > 0].sum())
-        self.myoma = self.sim.add(
-            fs.SoftBodyDef(
-                name="myoma",
-                mesh=mesh,
-                pose=posed(self.at, aim((0.0, 0.0, 0.0), self.normal)),
-                material=fs.FemMaterial(young_modulus=30e3, poisson_ratio=0.42),
-                attachments=[fs.AttachmentDef(nodes=kind["base"], stiffness=40.0, to=self.uterus)],
-                collision=[fs.CollisionDef(proximity=1e-4, group=2, self_once_cut=False)],
-                mass=fs.Density(self.density),
-                rayleigh=fs.Rayleigh(mass=10, stiffness=0.02),
-                friction=0.2,
-                dynamic_topology=True,
-            )
-        )
-        self.sim.show(
-            self.myoma,
-            subdivision=1,
-            material=fs.MucosaMaterial(base_color=(0.76, 0.4, 0.34), noise_scale=700, vessels=0.5),
+        self.myoma = self.growth(
+            "myoma",
+            mesh,
+            kind["base"],
+            self.site,
+            material=fs.FemMaterial(young_modulus=30e3, poisson_ratio=0.42),
+            mass=fs.Density(self.density),
+            friction=0.2,
+            once_cut=False,
+            look=fs.MucosaMaterial(base_color=(0.76, 0.4, 0.34), noise_scale=700, vessels=0.5),
             interior=fs.TissueMaterial(base_color=(0.8, 0.62, 0.54), wetness=1),
         )
         self.sim.burn(self.myoma, fs.BurningDef(depth=5e-4))
@@ -305,14 +305,12 @@ class HysteroscopicMyomectomy(UterusEnv):
 
     def prepare(self) -> None:
         super().prepare()
-        self.pressed, self.removed, self.wall, self.seen = False, 0.0, 0.0, 0
-        self.floating: list[tuple[int, int]] = []  # pieces, and the action after which they are gone
         self.sim.step(100)
 
     def arrange(self) -> None:
         super().arrange()
         self.pressed, self.removed, self.wall, self.seen = False, 0.0, 0.0, 0
-        self.floating = []
+        self.floating: list[tuple[int, int]] = []  # pieces, and the action after which they are gone
         stiff = 30e3 * float(np.exp(self.np_random.uniform(-0.3, 0.3)))
         self.sim.set_tissue(self.myoma, fs.TissueRegion(where=fs.Ball(radius=1.0), young_modulus=stiff))
         self.sim.step(round(0.4 * self.rate), self.moves())
@@ -321,12 +319,9 @@ class HysteroscopicMyomectomy(UterusEnv):
         tool = self.tools[0]
         return {**super().moves(), self.loop.body: posed(tool.place, times(tool.turn(), LOOP))}
 
-    def limit(self, tool: Tool, place: Array) -> Array:
-        return place
-
     def _grip(self, tool: Tool, command: float) -> None:
         """Presses or releases the pedal."""
-        on = command > 0.3 or (self.pressed and command > -0.3)
+        on = holds_down(self.pressed, command)
         if on != self.pressed:
             self.loop.cut(on)
         self.pressed = on
@@ -342,8 +337,7 @@ class HysteroscopicMyomectomy(UterusEnv):
 
     def root(self) -> Array:
         """The place of the wall where it grows, in this episode [m]."""
-        placed = self.placed()
-        return turned(np.array(placed.orientation), self.at) + placed.position
+        return self.carried(self.at)
 
     def rooted(self) -> Array:
         """The surface of what has not come off (n, 3) [m]."""

@@ -91,6 +91,11 @@ def aim(place: typing.Any, port: typing.Any = None) -> Array:
     return found / np.linalg.norm(found)
 
 
+def holds_down(before: bool, command: float) -> bool:
+    """Whether the last component of an action holds a pedal down: above 0.3 it does, down to -0.3 if it did before."""
+    return command > 0.3 or (before and command > -0.3)
+
+
 def posed(place: Array, turn: Array) -> fs.Pose:
     """A Pose of arrays."""
     return fs.Pose(tuple(float(each) for each in place), tuple(float(each) for each in turn))
