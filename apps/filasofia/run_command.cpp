@@ -24,7 +24,7 @@ struct RunCommandOptions {
     double rate = 1000.0;
     int threads = 0;
     std::string engine = runtime::engineNames().front();
-    bool anyFolder = false, strict = false;
+    bool anyFolder = false, strict = false, failOnWarnings = false;
     std::string package;
     std::string measures;
     RunDef run;
@@ -72,10 +72,20 @@ std::vector<std::string> bunnySizes()
     return sizes;
 }
 
-int print(const RunReport& report)
+/// Whether something went wrong in some step, as the log says at the end.
+bool hasWarnings(const RunReport& report)
+{
+    return report.undone + report.notConverged + report.outOfTime + report.inverted + report.intersecting +
+                   report.beyondStrain + report.restless + report.energyGained + report.refused.steps +
+                   report.nothingChanged >
+               0 ||
+           !report.lost.empty() || !report.nothingHeld.empty() || !report.bluntBlades.empty();
+}
+
+int print(const RunReport& report, const RunCommandOptions& options)
 {
     std::cout << runtime::summary(report);
-    return report.complete() ? 0 : kFailed;
+    return report.complete() && !(options.failOnWarnings && hasWarnings(report)) ? 0 : kFailed;
 }
 
 /// Refuses an option that the file says itself.
@@ -207,7 +217,7 @@ int runFile(const RunCommandOptions& options)
     const RunReport report = watched ? runReloading(scene, options, load) : scene.simulation->run(options.run);
     if (scene.added.task) scene.added.task->leave();
     if (scene.added.tracker) scene.added.tracker->close();
-    const int code = print(report);
+    const int code = print(report, options);
     if (scene.added.task) std::cout << unfinishedLine(*scene.added.task);
     for (const auto& progress : scene.added.knots) std::cout << knotLine(progress());
     if (options.run.steps > 0) std::cout << lateCommandsLine(scene.def.commands, report);
@@ -235,7 +245,7 @@ int runScene(RunCommandOptions& options)
     def.engine = options.engine;
     Simulation sim(def);
     scene.make(sim, options.bunny);
-    return print(sim.run(options.run));
+    return print(sim.run(options.run), options);
 }
 
 /// An option whose value has a legal range.
@@ -290,6 +300,9 @@ std::vector<Option> optionsOf(RunCommandOptions& o)
          "Write what a scene file measures to this .jsonl file, for report, or to a .csv file", "FILE"},
         {"--any-folder", &o.anyFolder, "The files that a scene file names may be outside its folder"},
         {"--strict", &o.strict, "URDF, MJCF and .scn: what is not read is an error"},
+        {"--fail-on-warnings", &o.failOnWarnings,
+         "Exit code 1 if a step went wrong: a solver at its limit, elements inside out, bodies in each other, unrest "
+         "..."},
         {"--package", &o.package,
          "URDF: the folder of package://NAME, or one that has it; .scn: one that has its files", "FOLDER"},
     };

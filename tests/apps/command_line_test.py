@@ -332,6 +332,18 @@ class Run(Program):
             self.assertIn("engine 'sofa' is not built in", done.stderr)
             self.assertEqual(done.stderr.count("\n"), 1)
 
+    def test_a_run_with_warnings_fails_only_on_request(self):
+        block = '"type": "SoftBodyDef", "mesh": {"type": "block", "size": "20 20 20 mm", "cells": [1, 1, 1]}'
+        for held, code in (("[-1, -1, -1], [1, 1, 1]", 0), ("[8, 8, 8], [9, 9, 9]", 1)): # nothing is in the second box
+            with tempfile.TemporaryDirectory() as folder:
+                scene = Path(folder, "scene.json")
+                scene.write_text('{"bodies": [{' + block + ', "attachments": [{"box": [' + held + ']}]}]}')
+                for more, expected in (([], 0), (["--fail-on-warnings"], code)):
+                    done = subprocess.run([PROGRAM, "run", str(scene), "--headless", "--steps", "3", *more], text=True,
+                                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300)
+                    self.assertEqual(done.returncode, expected, done.stderr)
+                    self.assertIn("state hash", done.stdout)
+
     def test_robots_and_models_of_mujoco_run_and_what_is_not_read_is_told(self):
         with tempfile.TemporaryDirectory() as folder:
             model = Path(folder, "model.xml")

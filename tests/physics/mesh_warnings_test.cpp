@@ -78,8 +78,14 @@ TEST_CASE("a body with thin elements is told how many, and which is the worst")
     const geometry::TetMesh block = *geometry::shapes::block({0.2, 0.002, 0.2}, {4, 4, 4});
     CHECK_THAT(logOf(soft(block)), Contains("soft body 'organ': 384 of 384 tetrahedra are thin: longest edge over "
                                             "smallest height is ") &&
-                                       Contains("(at most 100 is advised)"));
+                                       Contains("(at most 40 is advised)") && Contains("make it a shell"));
     CHECK(logOf(soft(*geometry::shapes::block({0.1, 0.01, 0.1}, {4, 4, 4}))).empty());
+    CHECK_THAT(logOf(soft(*geometry::shapes::block({0.1, 1e-4, 0.1}, {20, 1, 20}))),
+               Contains("2400 of 2400 tetrahedra are thin") && Contains("make it a shell"));
+    geometry::TetMesh dented = *geometry::shapes::block({0.1, 0.1, 0.1}, {2, 2, 2});
+    for (Vec3& p : dented.nodes)
+        if (length(p) < 1e-9) p.y = -0.0497; // near the face below
+    CHECK_THAT(logOf(soft(dented)), Contains("(at most 100 is advised)") && !Contains("shell"));
 }
 
 TEST_CASE("a body as large as a bridge is told how millimetres are read, wherever it comes from")

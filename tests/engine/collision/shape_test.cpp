@@ -27,6 +27,29 @@ TEST_CASE("a shape lists each edge once with its neighbouring triangles, and kno
     CHECK(!makeCollisionShape(turned, {}).closed);
 }
 
+TEST_CASE("a shape that never deforms knows its flat edges, and those of others may bend")
+{
+    const CollisionShape box = makeCollisionShape(boxMesh({1, 1, 1}, 2), {.rigid = true});
+    int flat = 0;
+    for (int e = 0; e < static_cast<int>(box.edges.size()); ++e) {
+        const auto [a, b] = box.edges[e];
+        const auto onRim = [&](double Vec3::*one, double Vec3::*two) {
+            const auto ends = [&](double Vec3::*axis) {
+                const double x = box.rest[a].*axis;
+                return x == box.rest[b].*axis && std::abs(x) == 1.0;
+            };
+            return ends(one) && ends(two);
+        };
+        CHECK(box.flat(e) != (onRim(&Vec3::x, &Vec3::y) || onRim(&Vec3::y, &Vec3::z) || onRim(&Vec3::z, &Vec3::x)));
+        flat += box.flat(e) ? 1 : 0;
+    }
+    CHECK(flat == 72 - 24);
+    CHECK(makeCollisionShape(boxMesh({1, 1, 1}, 2), {}).flatEdges.empty());
+    const CollisionShape sheet = makeCollisionShape(sheetMesh(1, 3), {.rigid = true});
+    for (int e = 0; e < static_cast<int>(sheet.edges.size()); ++e)
+        CHECK(sheet.flat(e) == (sheet.edgeTriangles[e].size() == 2)); // not the rim's
+}
+
 TEST_CASE("every vertex and edge of a shape has one owner, and every element is in one leaf")
 {
     geometry::TriangleMesh mesh = boxMesh({1, 1, 1}, 5);

@@ -23,9 +23,9 @@ physics::SoftBodyDef tissue(Vec3 size, std::array<int, 3> cells, double young, g
             .friction = 0.8};
 }
 
-physics::RigidBodyDef told(std::shared_ptr<const geometry::TriangleMesh> mesh, Vec3 at)
+physics::RigidBodyDef told(std::shared_ptr<const geometry::TriangleMesh> mesh, Vec3 at, double friction = 0.8)
 {
-    return {.elements = {{at, {}}}, .mesh = std::move(mesh), .collision = {{}}, .friction = 0.8};
+    return {.elements = {{at, {}}}, .mesh = std::move(mesh), .collision = {{}}, .friction = friction};
 }
 
 double fastest(Stage& stage)
@@ -54,7 +54,8 @@ struct Squeeze {
         : stage({.period = 1.0 / rate, .threads = 1}), dt(1.0 / rate), at(place), gap(open)
     {
         stage.add(body);
-        for (const std::size_t k : {0u, 1u}) jaws[k] = stage.add(told(shapes::box(jawSize), placeOf(k, jawSize.y)));
+        for (const std::size_t k : {0u, 1u})
+            jaws[k] = stage.add(told(shapes::box(jawSize), placeOf(k, jawSize.y), body.friction));
         thickness = jawSize.y;
     }
     /// Moves the jaws evenly, and calls `each` with the report of every step.
@@ -230,6 +231,32 @@ TEST_CASE("a corner that was pressed through the face of its own tetrahedron is 
     for (int i = 0; i < 3; ++i) place(-2e-4); // inside out
     place(1e-4);
     CHECK(stage.world.scene().contactReports.empty());
+}
+
+TEST_CASE("plates without friction that press tissue push it to no side")
+{
+    // Edges of tissue met the diagonal of the plate's face, which is no edge: contacts were tilted by up to 0.008, and
+    // shot the block out sideways once it was pressed to a third.
+    const physics::SoftBodyDef block{
+        .mesh = shapes::block({0.02, 0.02, 0.02}, {4, 4, 4}),
+        .material = physics::FemMaterial{.youngModulus = 1e4,
+                                         .poissonRatio = 0.49,
+                                         .law = physics::Ogden{{{.exponent = -4.7, .share = 1.0}}}},
+        .collision = {{}},
+        .friction = 0.0};
+    Squeeze it(block, {0.08, 0.01, 0.08}, {}, 0.01, 1e3);
+    double tilt = 0.0;
+    const auto look = [&](const physics::StepReport&) {
+        for (const frame::Contact& each : it.stage.world.scene().contactReports)
+            if (each.normalForce > 0.0) tilt = std::max(tilt, std::hypot(each.normal.x, each.normal.z));
+    };
+    it.go({}, 0.0033, 0.5, look);
+    it.go({}, 0.0033, 0.3, look);
+    CHECK(tilt < 1e-4);
+    Vec3 middle;
+    for (const Vec3 p : it.stage.soft().x) middle += p / static_cast<double>(it.stage.soft().x.size());
+    CHECK(std::hypot(middle.x, middle.z) < 1e-5);
+    CHECK(pressed(it.stage) > 100.0);
 }
 
 } // namespace squeezed_tissue_test

@@ -36,7 +36,7 @@ double ownProximityOf(const CollisionShape& shape, double proximity)
 
 /// `round` [m]: half the thickness of a shell, whose triangles are its middle.
 CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, const std::string& field,
-                       Partners partners = Partners::All, double round = 0.0)
+                       const CollisionOptions& how = {}, double round = 0.0)
 {
     if (const std::size_t features = mesh.vertices.size() + 4 * mesh.triangles.size(); features >= kMaxFeatures)
         fail(field, ".mesh must have < ", kMaxFeatures, " vertices, edges and triangles, got up to ", features);
@@ -48,11 +48,12 @@ CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& de
                                                      .triangleFaces = def.primitives.triangles,
                                                      .proximity = def.proximity,
                                                      .depth = def.proximity + depth,
-                                                     .partners = partners,
+                                                     .partners = how.partners,
                                                      .sheet = round > 0.0,
                                                      .group = def.group,
                                                      .self = def.self,
-                                                     .cutting = def.cutting});
+                                                     .cutting = def.cutting,
+                                                     .rigid = how.rigid});
     model.inset = round > 0.0 ? roundInset(shape, round) : makeInset(shape, depth);
     model.proximity = def.proximity;
     model.ownProximity = ownProximityOf(shape, def.proximity);
@@ -221,7 +222,7 @@ std::vector<CollisionModel> buildCollision(const physics::SoftBodyDef& def, cons
     for (std::size_t i = 0; i < def.collision.size(); ++i) {
         const std::string field = text("soft body '", def.name, "': collision[", i, "]");
         checkPrimitives(def.collision[i], field);
-        models.push_back(modelOf(worldShell, def.collision[i], field, Partners::All, halfThickness));
+        models.push_back(modelOf(worldShell, def.collision[i], field, {}, halfThickness));
         models.back().embedding = nodeEmbedding(nodes);
         models.back().own = true;
     }
@@ -270,9 +271,9 @@ std::vector<CollisionModel> buildCollision(const physics::RigidBodyDef& def)
         auto mesh = physics::loadMesh(each.mesh, field + ".mesh");
         if (!mesh) mesh = physics::loadMesh(def.mesh, text("rigid body '", def.name, "': mesh"));
         if (!mesh) fail(field, ".mesh must name a file or be a mesh: the body has none either");
-        CollisionModel& model = models.emplace_back(modelOf(*mesh, each, field));
+        CollisionModel& model = models.emplace_back(modelOf(*mesh, each, field, {.rigid = true}));
         auto exact = model.shape->closed ? exactModelOf(*mesh, each) : std::nullopt;
-        if (exact) model = modelOf(*mesh, each, field, Partners::Soft);
+        if (exact) model = modelOf(*mesh, each, field, {.partners = Partners::Soft, .rigid = true});
         model.element = each.element;
         model.core = mesh->vertices;
         if (exact) exacts.push_back(std::move(*exact));

@@ -73,6 +73,26 @@ std::vector<std::array<int, 3>> sidesOf(const CollisionShape& shape)
     return sides;
 }
 
+// [-] Sine of the angle between the triangles of an edge up to which it is flat. A board of 1 m that lies across such
+// an edge is 0.05 mm deep in it.
+constexpr double kFlatEdge = 1e-4;
+
+/// Per edge whether its two triangles lie in one plane, at rest.
+std::vector<char> flatEdgesOf(const CollisionShape& shape)
+{
+    std::vector<char> flat(shape.edges.size());
+    for (int e = 0; e < static_cast<int>(shape.edges.size()); ++e) {
+        const int start = shape.edgeTriangles.start[e];
+        if (shape.edgeTriangles.start[e + 1] - start != 2) continue;
+        const Vec3 a = shape.rest[shape.edges[e][0]], along = shape.rest[shape.edges[e][1]] - a;
+        const Vec3 one = cross(along, shape.rest[shape.edgeOpposites[start]] - a);
+        const Vec3 two = cross(shape.rest[shape.edgeOpposites[start + 1]] - a, along);
+        const double sizes = length(one) * length(two);
+        flat[e] = dot(one, two) > 0.0 && length(cross(one, two)) <= kFlatEdge * sizes;
+    }
+    return flat;
+}
+
 } // namespace
 
 void connect(std::span<const EdgeUse> uses, CollisionShape& shape)
@@ -194,6 +214,7 @@ CollisionShape makeCollisionShape(const geometry::TriangleMesh& mesh, const Coll
     plantTree(shape);
     shareOut(shape);
     shape.lines = shape.lines && !shape.edges.empty();
+    if (options.rigid) shape.flatEdges = flatEdgesOf(shape);
     return shape;
 }
 

@@ -37,6 +37,7 @@ struct CollisionOptions {
     int group = 0;        ///< only surfaces of the same group collide
     bool self = false;    ///< the surface collides with itself
     bool cutting = false; ///< passes through surfaces that it may cut
+    bool rigid = false;   ///< never deforms
 };
 
 /// The collision topology of a surface: a triangle mesh's features, and a tree over them. Rebuilt after a topology
@@ -62,9 +63,12 @@ struct CollisionShape {
     std::vector<std::array<int, 2>> edges;     ///< each edge once, lower vertex first, ascending
     geometry::CompressedRows edgeTriangles;    ///< per edge, ascending
     std::vector<int> edgeOpposites;            ///< parallel to edgeTriangles.items: the triangle's third vertex
-    geometry::CompressedRows vertexEdges;      ///< per vertex, ascending
-    geometry::CompressedRows vertexTriangles;  ///< per vertex, ascending
-    bool sheet = false;                        ///< a shell
+    /// Per edge of a shape that never deforms: 1 if its two triangles lie in one plane. It meets no edge: what lies
+    /// across it touches the plane with a point. Empty: none does.
+    std::vector<char> flatEdges;
+    geometry::CompressedRows vertexEdges;     ///< per vertex, ascending
+    geometry::CompressedRows vertexTriangles; ///< per vertex, ascending
+    bool sheet = false;                       ///< a shell
     /// Has triangles and an inside: no sheet, and every edge of theirs is traversed as often in one direction as in the
     /// other.
     bool closed = false;
@@ -86,6 +90,11 @@ struct CollisionShape {
     int grafted = 0;               ///< elements that edits have inserted since the tree was built
 
     [[nodiscard]] double ownDepth() const { return depth - proximity + ownProximity; } ///< [m] >= ownProximity
+
+    [[nodiscard]] bool flat(int edge) const
+    {
+        return !flatEdges.empty() && flatEdges[static_cast<std::size_t>(edge)] != 0;
+    }
 
     /// Vertices, edges and triangles are numbered in one sequence.
     [[nodiscard]] int edgeFeature(int edge) const { return static_cast<int>(rest.size()) + edge; }

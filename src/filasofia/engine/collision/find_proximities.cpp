@@ -96,11 +96,11 @@ void testElements(const SurfacePair& meeting, std::array<int, 2> pair, Proximity
     if (!one.lines || !two.lines) return;
     const Bounds& other = meeting.sides[1]->elementBounds[pair[1]];
     for (const int a : one.elements[pair[0]].ownEdges) {
-        if (a < 0) continue;
+        if (a < 0 || one.flat(a)) continue;
         const std::vector<Bounds>& at = meeting.sides[0]->vertexBounds;
         if (!meet(merged(at[one.edges[a][0]], at[one.edges[a][1]]), other)) continue;
         for (const int b : two.elements[pair[1]].ownEdges)
-            if (b >= 0) collideEdges(meeting, a, b, out.edges);
+            if (b >= 0 && !two.flat(b)) collideEdges(meeting, a, b, out.edges);
     }
 }
 

@@ -30,9 +30,10 @@ struct CoupledLimits {
     /// Iterations in which impulses are projected onto the constraint law; after them, the active set is frozen, or
     /// sweeps take over.
     int nonlinear = 40;
-    bool sweeps = false;       ///< all bodies are rigid elements or articulations
-    int multiplierUpdates = 3; ///< maximum number of updates, made while constraints exceed their tolerance
-    double tolerance = 5e-3;   ///< [-] change of the impulses, relative to all impulses
+    bool sweeps = false; ///< all bodies are rigid elements or articulations
+    int multiplierUpdates =
+        3; ///< maximum number of updates, made while constraints exceed their tolerance; more if far off
+    double tolerance = 5e-3; ///< [-] change of the impulses, relative to all impulses
     Kappa kappa = {};
     /// The same for constraints between bodies whose D is A, if the filter knows all constraints together from the
     /// start: they cost no iterations, however stiff they are.
@@ -196,8 +197,8 @@ private:
     double sweepOnce(double part, double& mismatch);
     bool sweep(CoupledReport& report); ///< until the impulses settle; false if D is not positive definite
     [[nodiscard]] bool isOutOfTime(int iterations) const;
-    void beginAnew();         ///< from the solution so far, after the law has changed
-    bool updateMultipliers(); ///< false if none is needed
+    void beginAnew();                 ///< from the solution so far, after the law has changed
+    bool updateMultipliers(int made); ///< after so many updates; false if none is needed, or helps
     [[nodiscard]] double mismatch() const;
     [[nodiscard]] Vec3 carried(std::size_t c) const; ///< [N s] the multiplier that the next step starts from
 
