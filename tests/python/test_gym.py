@@ -235,6 +235,34 @@ def test_a_reset_returns_the_tissue_that_was_cut():
     env.close()
 
 
+def test_a_line_is_cut_along_its_length_and_not_by_cutting_one_place_of_it_again():
+    env = gym.PrecisionCutting(difficulty=2)
+    for seed in range(2):
+        env.reset(seed=seed)
+        for i in range(120):  # sideways across the front of the line, as far as counts as on it
+            x, _, z = env.tools[0].place
+            aim = env.x + (0.0039 if i // 10 % 2 else -0.0039), max(0.025 - 0.0015 * (i // 20), 0.019)
+            move = np.clip(((aim[0] - x) / 2e-3, 0, (aim[1] - z) / 2e-3), -1, 1)
+            _, _, terminated, _, info = env.step(move)
+            assert not terminated
+        assert 0.1 < info["measures"]["cut"] < 0.7
+    env.close()
+
+
+def test_a_line_that_is_cut_takes_no_piece_off_the_sheet():
+    env = gym.PrecisionCutting()
+    _, info = episode(env, 0, scripted)
+    assert info["is_success"] and info["measures"]["pieces"] == 0 and len(env.cuts) > 3
+    env.close()
+
+
+def test_triangles_of_a_plane_cover_their_points_and_without_area_none():
+    triangles = np.array([[(0, 0), (1, 0), (0, 1)], [(2, 0), (3, 0), (4, 0)], [(1, 0), (1, 1), (0, 1)]], dtype=float)
+    points = np.array([(0.2, 0.2), (3.0, 0.0), (0.9, 0.9), (0.5, 0.5), (1.1, 0.2)])
+    assert gym.bodies.covered(triangles, points).tolist() == [True, False, True, True, False]
+    assert not gym.bodies.covered(triangles[:0], points).any()
+
+
 def test_rewards_and_measures_are_physical():
     env = gym.GraspLift()
     _, info = episode(env, 2, scripted)

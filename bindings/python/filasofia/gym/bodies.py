@@ -38,6 +38,18 @@ def pieces(triangles: Array, count: int) -> Array:
         piece = new
 
 
+def covered(triangles: Array, points: Array) -> Array:
+    """Which points (k, 2) lie in one of the triangles (m, 3, 2) of a plane: (k,); those without area cover none."""
+    a = triangles[:, 0]
+    (px, py), (qx, qy) = (triangles[:, 1] - a).T, (triangles[:, 2] - a).T
+    whole = px * qy - py * qx
+    wide = np.abs(whole) > 1e-9 * np.max(np.abs([px, py, qx, qy]), axis=0, initial=0.0) ** 2
+    rx, ry = (points[:, None] - a[wide]).transpose(2, 0, 1)
+    v = (rx * qy[wide] - ry * qx[wide]) / whole[wide]
+    w = (px[wide] * ry - py[wide] * rx) / whole[wide]
+    return np.any((v >= -1e-9) & (w >= -1e-9) & (v + w <= 1 + 1e-9), axis=1)
+
+
 def revolved(profile: typing.Any, sides: int) -> fs.TriangleMesh:
     """The surface that a closed polygon (radius, height), counter-clockwise, makes as it turns about y."""
     corners = np.asarray(profile, dtype=float)

@@ -6,6 +6,7 @@ import numpy as np
 
 import filasofia as fs
 
+from . import bodies
 from .environment import SurgicalEnv, distance
 from .judgement import Judgement
 from .tasks import GREEN, YELLOW
@@ -16,14 +17,18 @@ class PrecisionCutting(SurgicalEnv):
     """Cut a sheet of tissue along a line from its front edge, with a blade that stands upright.
 
     Features: the line's x (1), the end of the line (3), what is cut of it (1), the area beside it [cm^2] (1).
-    Success: 90 % of the line's area are cut, and at most 40, 30 or 20 % as much beside it, or beyond its end
-    (difficulty). Beside it is what is more than 4 mm away: the width of an element.
+    Success: 90 % of the line are cut, and at most 40, 30 or 20 % as much area beside it, or beyond its end
+    (difficulty). Beside it is what is more than 4 mm away: the width of an element. Seen from the side, the line is 40
+    segments long and 4 deep; each of these places counts once, if surface that was opened within 4 mm covers it.
     Reward: the fraction that is new in this step, -1 times what is new beside it in relation to the line, -10 times
     the blade's distance from the line [m], +10 for success.
+    Measures: cut, the fraction of the line, in [0, 1]; beside [m^2]; pieces, how many came off the sheet: none if only
+    the line was cut.
     """
 
     eye, looks_at = (0.0, 0.09, 0.07), (0.0, 0.0, 0.004)
     thickness, half, corridor = 0.004, 0.03, 0.004
+    segments = (40, 4)  #: of the line: along it, and through the sheet
 
     def build(self) -> list[Tool]:
         frame = [
@@ -50,6 +55,7 @@ class PrecisionCutting(SurgicalEnv):
         self.x = float(self.np_random.uniform(-reach, reach))
         self.end = float(self.np_random.uniform(-0.005, 0.01))
         self.done = self.beside = 0.0
+        self.opened, self.seen = np.zeros(self.segments[0] * self.segments[1], dtype=bool), -1
         for marker, z in zip(self.marked, np.linspace(self.half, self.end, len(self.marked))):
             self.put(marker, np.array([self.x, self.thickness / 2 + 0.001, z]))
 
@@ -57,20 +63,39 @@ class PrecisionCutting(SurgicalEnv):
         place = self.unit((self.x, 0.0, self.end))
         return np.array([place[0], *place, self.done, self.beside * 1e4])
 
-    def judge(self) -> Judgement:
-        line = self.thickness * (self.half - self.end)
-        inside = beside = 0.0
+    def _look(self) -> None:
+        """Marks the places of the line that are opened, if the sheet was cut since the last look."""
+        body = self.sim.frame[self.sheet]
+        if body.revision == self.seen:
+            return
+        self.seen = body.revision
+        corners = np.asarray(body.rest)[np.asarray(body.boundary)]
+        # The faces of the uncut sheet are no part of it: its sides are far away, the others have no area from the side.
+        near = np.abs(corners[..., 0].mean(axis=1) - self.x) < self.corridor
+        along, deep = ((np.arange(count) + 0.5) / count for count in self.segments)
+        z, y = np.meshgrid(self.end + along * (self.half - self.end), (deep - 0.5) * self.thickness)
+        self.opened |= bodies.covered(corners[near][..., [2, 1]], np.stack([z.ravel(), y.ravel()], axis=1))
+
+    def _beside(self) -> float:
+        """The area that was opened beside the line [m^2]."""
+        area = 0.0
         for cut in self.cuts:
             x, _, z = cut.rupture.place
             on = abs(x - self.x) < self.corridor and z > self.end - self.corridor
-            inside, beside = inside + cut.rupture.area * on, beside + cut.rupture.area * (not on)
-        done = min(inside / line, 1.0)
+            area += 0.0 if on else cut.rupture.area
+        return area
+
+    def judge(self) -> Judgement:
+        self._look()
+        line = self.thickness * (self.half - self.end)
+        done, beside = float(self.opened.mean()), self._beside()
         gained, lost = done - self.done, (beside - self.beside) / line
         self.done, self.beside = done, beside
         success = done >= 0.9 and beside / line <= (0.4, 0.3, 0.2)[self.difficulty]
         off = abs(float(self.tools[0].place[0]) - self.x)
         reward = {"cut": gained, "beside": -lost, "off": -10 * off, "success": 10.0 * success}
-        return Judgement(reward, success, {"cut": done, "beside": beside, "pieces": float(len(self.cuts))})
+        pieces = float(sum(len(cut.rupture.detached) for cut in self.cuts))
+        return Judgement(reward, success, {"cut": done, "beside": beside, "pieces": pieces})
 
 
 class PolypRemoval(SurgicalEnv):
