@@ -333,10 +333,10 @@ def test_a_vector_without_copies_is_one_array_and_pictures_come_from_all():
     second, *_ = envs.step(envs.action_space.sample())
     assert np.shares_memory(first, second)
     assert [picture.shape for picture in envs.render()] == [(24, 32, 3)] * 2
-    with pytest.raises(fs.Error, match="actions must be 2, got 3"):
+    with pytest.raises(fs.Error, match=r"actions must have the shape \(2, 4\), got \(3, 4\)"):
         envs.step(np.zeros((3, 4)))
     with pytest.raises(fs.Error, match="TissueRetraction: the action must be 4 finite numbers"):
-        envs.step(np.zeros((2, 5)))
+        envs.step([np.zeros(4), np.zeros(5)])
     envs.close()
 
 
@@ -427,11 +427,44 @@ def test_a_vector_takes_a_registered_name():
         ({"render_mode": "human"}, "render_mode must be one of None, 'rgb_array', got 'human'"),
         ({"image_size": (0, 5)}, r"image_size must be two whole numbers in \[1, 8192\], got \(0, 5\)"),
         ({"threads": 0}, "threads must be a whole number in"),
+        ({"difficulty": True}, r"Reach: difficulty must be a whole number in \[0, 2\], got True"),
+        ({"image_size": (True, 5)}, r"image_size must be two whole numbers in \[1, 8192\], got \(True, 5\)"),
+        ({"max_steps": np.float64(5)}, "Reach: max_steps must be a whole number in"),
     ],
 )
 def test_wrong_options_are_one_clear_error(options, message):
     with pytest.raises(fs.Error, match=message):
         gym.Reach(**options)
+
+
+def test_whole_numbers_of_numpy_are_options_too():
+    one, size = np.int64(1), np.array([8, 9])
+    env = gym.Reach(difficulty=one, max_steps=np.uint8(9), frame_skip=np.int32(5), image_size=size, threads=one)
+    assert (env.difficulty, env.max_steps, env.frame_skip, env.image_size) == (1, 9, 5, (8, 9))
+    assert type(env.difficulty) is int and type(env.image_size[0]) is int
+    env.close()
+    envs = gym.VectorEnv(gym.Reach, np.int64(2), threads=np.int64(1), image_size=[np.int64(8), 9])
+    assert envs.reset(seed=0)[0].shape == (2, 6)
+    envs.close()
+
+
+def test_the_spec_says_when_an_episode_is_truncated():
+    env = gymnasium.make("filasofia/Reach-v0", max_steps=3)
+    assert env.spec.max_episode_steps == 3 and gym.Reach().spec is None
+    again = gymnasium.make(env.spec)  # has a TimeLimit, too, of the same number
+    for each in (env, again):
+        each.reset(seed=0)
+        assert [each.step(np.zeros(3))[3] for _ in range(3)] == [False, False, True]
+        assert each.spec.max_episode_steps == 3
+        each.close()
+    for more, steps in (({}, 300), ({"max_steps": 400}, 400), ({"max_episode_steps": 5}, 5)):
+        env = gymnasium.make("filasofia/Reach-v0", **more)
+        assert env.spec.max_episode_steps == steps and gymnasium.make(env.spec).spec.max_episode_steps == steps
+        env.close()
+    for more in ({"max_episode_steps": 7}, {"max_steps": 7}):
+        envs = gymnasium.make_vec(gymnasium.make("filasofia/Reach-v0", max_steps=7).spec, num_envs=2, **more)
+        assert [each.max_steps for each in envs.envs] == [7, 7]
+        envs.close()
 
 
 def test_an_unknown_option_of_reset_is_an_error():
@@ -460,8 +493,12 @@ def test_wrong_options_of_vectors_are_one_clear_error():
         (lambda: envs.reset(seed="a"), "seed must be a number or 2 of them, got 'a'"),
         (lambda: envs.reset(options=5), "options must be a dict, got 5"),
         (lambda: envs.reset(options={"difficulty": 2}), "reset: unknown option 'difficulty'"),
-        (lambda: envs.reset(options={"reset_mask": [1, 0, 1]}), r"reset_mask must have 2 members, got \[1, 0, 1\]"),
-        (lambda: envs.step(5), "actions must be 2, got 5"),
+        (lambda: envs.step(5), r"actions must have the shape \(2, 3\), got 5"),
+        (lambda: envs.step(None), r"actions must have the shape \(2, 3\), got None"),
+        (lambda: envs.step([[0, 0, 0]]), r"actions must have the shape \(2, 3\), got a list of 1"),
+        (lambda: envs.step(np.zeros((2, 4))), r"actions must have the shape \(2, 3\), got \(2, 4\)"),
+        (lambda: envs.step(np.zeros(6)), r"actions must have the shape \(2, 3\), got \(6,\)"),
+        (lambda: envs.step(np.zeros(())), r"actions must have the shape \(2, 3\), got \(\)"),
         (lambda: gym.VectorEnv(5, 1), "task must be a class or the name of an environment, got 5"),
     ):
         with pytest.raises(fs.Error, match=f"^VectorEnv: {words}"):
@@ -469,6 +506,19 @@ def test_wrong_options_of_vectors_are_one_clear_error():
     envs.close()
     with pytest.raises(fs.Error, match="Reach: image_size must be two whole numbers"):
         gym.Reach(image_size=5)
+
+
+@pytest.mark.parametrize(
+    "mask", [[True, False, True], True, [1, 0], [0.0, 1.0], [False, False], None, "on", [[True], [True]]]
+)
+def test_a_mask_of_a_reset_has_a_flag_for_each_environment_and_one_that_is_true(mask):
+    envs = gym.VectorEnv(gym.Reach, 2)
+    first, _ = envs.reset(seed=0)
+    with pytest.raises(fs.Error, match="^VectorEnv: reset_mask must have 2 flags, True or False, at least one"):
+        envs.reset(seed=7, options={"reset_mask": mask})
+    later, _ = envs.reset(seed=7, options={"reset_mask": np.array([False, True])})
+    assert np.array_equal(first[0], later[0]) and not np.array_equal(first[1], later[1])
+    envs.close()
 
 
 def test_a_closed_vector_says_so():
@@ -494,12 +544,14 @@ class Press(gym.SurgicalEnv):
     start, low, high = (0.0, 0.025, 0.0), (-0.02, 0.005, -0.02), (0.02, 0.04, 0.02)
     joints = ()
     strength = float("inf")
+    more = {}
     answer = gym.Judgement({"force": 0.0}, False, {})
     seen = (0.5,)
 
     def build(self):
         tip = self.tip("tip", (0.0, 0.025, 0.0))
-        return [gym.Tool(tip, self.start, low=self.low, high=self.high, joints=self.joints, strength=self.strength)]
+        named = {"low": self.low, "high": self.high, "joints": self.joints, "strength": self.strength, **self.more}
+        return [gym.Tool(tip, self.start, **named)]
 
     def features(self):
         return self.seen
@@ -516,6 +568,17 @@ class Press(gym.SurgicalEnv):
         ({"high": (np.inf, 1, 1)}, r"tools\[0\].high must be three finite numbers \[m\], got \(inf, 1, 1\)"),
         ({"start": (5, 5, 5)}, r"tools\[0\].start must be between low, .*, got \(5, 5, 5\)"),
         ({"strength": 0}, r"tools\[0\].strength must be > 0 N, got 0"),
+        ({"strength": np.nan}, r"tools\[0\].strength must be > 0 N, got nan"),
+        ({"strength": "x"}, r"tools\[0\].strength must be > 0 N, got 'x'"),
+        ({"more": {"speed": -0.1}}, r"tools\[0\].speed must be a finite number >= 0 m/s, got -0.1"),
+        ({"more": {"speed": np.nan}}, r"tools\[0\].speed must be a finite number >= 0 m/s, got nan"),
+        ({"more": {"port": (0, np.inf, 0)}}, r"tools\[0\].port must be three finite numbers \[m\], or None, got \(0, inf"),
+        ({"more": {"grips": 77}}, r"tools\[0\].grips must be a body of the simulation, or None, got 77"),
+        ({"joints": (gym.Joint(-1, 1, np.nan),)}, r"tools\[0\].joints\[0\].speed must be a finite number, got nan"),
+        ({"joints": (gym.Joint(-1, 1, -1),)}, r"tools\[0\].joints\[0\].speed must be >= 0, got -1"),
+        ({"joints": (gym.Joint(-np.inf, 1, 1),)}, r"tools\[0\].joints\[0\].low must be a finite number, got -inf"),
+        ({"joints": (gym.Joint(-1, 1, 1, (0, 0, 0)),)}, r"joints\[0\].axis must be three .*length 1.*, got \(0, 0, 0\)"),
+        ({"joints": (gym.Joint(-1, 1, 1, (0, 2, 0)),)}, r"joints\[0\].axis must be three .*length 1.*, got \(0, 2, 0\)"),
         ({"joints": (gym.Joint(1, 1, 1),)}, r"tools\[0\].joints\[0\].low must be < high, 1, got 1"),
         ({"joints": (gym.Joint(1, 2, 1),)}, r"tools\[0\].joints\[0\].start must be in \[1, 2\], got 0.0"),
         ({"answer": 5}, r"judge\(\) must return a Judgement, got 5"),
@@ -537,6 +600,10 @@ def test_a_task_of_a_user_returns_tools_and_always_as_many_features():
     for tools, words in ((None, "None"), ([5], r"\[5\]")):
         with pytest.raises(fs.Error, match=rf"^Wrong: build\(\) must return a list of tools, got {words}"):
             type("Wrong", (Press,), {"build": lambda self: tools})()
+    with pytest.raises(fs.Error, match=r"^Tool: joints must be a tuple of Joints, got 3"):
+        type("Wrong", (Press,), {"joints": 3})()
+    with pytest.raises(fs.Error, match=r"^Lost: tools\[0\].body must be a body of the simulation, got 99"):
+        type("Lost", (Press,), {"tip": lambda *_: 99})()
     env = Press()
     env.reset(seed=0)
     env.seen = (0.5, 0.5)

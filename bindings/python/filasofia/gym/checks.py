@@ -5,6 +5,7 @@ A not-a-number in an observation or a reward would end in the weights of a polic
 
 from __future__ import annotations
 
+import operator
 import typing
 
 import numpy as np
@@ -20,12 +21,24 @@ def missing(task: object, what: str) -> NotImplementedError:
     return NotImplementedError(f"{type(task).__name__} must override {what}")
 
 
-def check_tools(task: str, tools: typing.Any) -> list[Tool]:
-    """What build() returned, if it is a list of tools whose workspaces hold their starts."""
+def whole(value: typing.Any, low: int, high: int) -> int | None:
+    """The value as an int, if it is a whole number in [low, high], also one of NumPy; a flag is none."""
+    if isinstance(value, bool):
+        return None
+    try:
+        number = operator.index(value)
+    except TypeError:
+        return None
+    return number if low <= number <= high else None
+
+
+def check_tools(task: str, tools: typing.Any, known: list[fs.BodyId]) -> list[Tool]:
+    """What build() returned, if it is a list of tools of known bodies, whose workspaces hold their starts."""
     if not isinstance(tools, (list, tuple)) or not all(isinstance(each, Tool) for each in tools):
         raise fs.Error(f"{task}: build() must return a list of tools, got {tools!r}")
     for number, tool in enumerate(tools):
         _check_tool(f"{task}: tools[{number}]", tool)
+        _check_tool_bodies(f"{task}: tools[{number}]", tool, known)
     return list(tools)
 
 
@@ -84,14 +97,32 @@ def _check_tool(name: str, tool: Tool) -> None:
         raise fs.Error(f"{name}.low must be <= high along each axis, {tool.high!r}, got {tool.low!r}")
     if not np.all((np.asarray(tool.low) <= tool.start) & (tool.start <= np.asarray(tool.high))):
         raise fs.Error(f"{name}.start must be between low, {tool.low!r}, and high, {tool.high!r}, got {tool.start!r}")
-    if not tool.strength > 0:
+    if not (_finite(tool.speed, ()) and tool.speed >= 0):
+        raise fs.Error(f"{name}.speed must be a finite number >= 0 m/s, got {tool.speed!r}")
+    if not (_finite(tool.strength, ()) or tool.strength == float("inf")) or not tool.strength > 0:
         raise fs.Error(f"{name}.strength must be > 0 N, got {tool.strength!r}")
+    if tool.port is not None and not _finite(tool.port, (3,)):
+        raise fs.Error(f"{name}.port must be three finite numbers [m], or None, got {tool.port!r}")
     for number, joint in enumerate(tool.joints):
         _check_joint(f"{name}.joints[{number}]", joint)
 
 
+def _check_tool_bodies(name: str, tool: Tool, known: list[fs.BodyId]) -> None:
+    if tool.body not in known:
+        raise fs.Error(f"{name}.body must be a body of the simulation, got {tool.body!r}")
+    if tool.grips is not None and tool.grips not in known:
+        raise fs.Error(f"{name}.grips must be a body of the simulation, or None, got {tool.grips!r}")
+
+
 def _check_joint(name: str, joint: Joint) -> None:
+    for field in ("low", "high", "speed", "start"):
+        if not _finite(getattr(joint, field), ()):
+            raise fs.Error(f"{name}.{field} must be a finite number, got {getattr(joint, field)!r}")
     if not joint.low < joint.high:
         raise fs.Error(f"{name}.low must be < high, {joint.high!r}, got {joint.low!r}")
     if not joint.low <= joint.start <= joint.high:
         raise fs.Error(f"{name}.start must be in [{joint.low!r}, {joint.high!r}], got {joint.start!r}")
+    if joint.speed < 0:
+        raise fs.Error(f"{name}.speed must be >= 0, got {joint.speed!r}")
+    if joint.axis is not None and not (_finite(joint.axis, (3,)) and abs(np.linalg.norm(joint.axis) - 1) < 1e-6):
+        raise fs.Error(f"{name}.axis must be three numbers of length 1, or None, got {joint.axis!r}")

@@ -11,7 +11,7 @@ import numpy as np
 import filasofia as fs
 
 from . import bodies
-from .checks import check_bodies, check_features, check_judgement, check_tools, missing
+from .checks import check_bodies, check_features, check_judgement, check_tools, missing, whole
 from .judgement import Judgement
 from .state import EnvState, restore, saved
 from .tool import Array, Tool, aim, posed
@@ -58,6 +58,7 @@ class SurgicalEnv(gymnasium.Env):
     eye, looks_at = (0.0, 0.1, 0.16), (0.0, 0.015, 0.0)  #: [m], of the camera
     lit: fs.Box | None = None  #: [m], what the light is made for: all that is shown, if there is no box
     lens = fs.CameraDef(vertical_field_of_view=0.7, near=0.001, exposure=10.2)
+    _spec: typing.Any = None
 
     def __init__(
         self,
@@ -76,23 +77,18 @@ class SurgicalEnv(gymnasium.Env):
         self._check("action", action, ("box", "discrete"))
         self._check("quality", quality, ("low", "medium", "high"))
         self._check("render_mode", render_mode, (None, "rgb_array"))
-        self._bound("difficulty", difficulty, 0, self.levels - 1)
-        max_steps = self.longest if max_steps is None else max_steps
-        self._bound("max_steps", max_steps, 1, 10**9)
-        self._bound("rate", self.rate, self.least_rate, 100_000)
+        self.observation, self.action, self.render_mode = observation, action, render_mode
+        self.difficulty = self._bound("difficulty", difficulty, 0, self.levels - 1)
+        self.max_steps = self._bound("max_steps", self.longest if max_steps is None else max_steps, 1, 10**9)
+        self.rate = self._bound("rate", self.rate, self.least_rate, 100_000)
         frame_skip = self.rate // 50 if frame_skip is None else frame_skip  # actions of 20 ms
-        self._bound("frame_skip", frame_skip, 1, 1000)
-        sized = isinstance(image_size, (tuple, list)) and len(image_size) == 2
-        if not sized or not all(isinstance(each, int) and 1 <= each <= 8192 for each in image_size):
-            name = type(self).__name__
-            raise fs.Error(f"{name}: image_size must be two whole numbers in [1, 8192], got {image_size!r}")
-        self.observation, self.action, self.difficulty, self.render_mode = observation, action, difficulty, render_mode
-        self.image_size, self.max_steps, self.frame_skip = tuple(image_size), max_steps, frame_skip
+        self.frame_skip = self._bound("frame_skip", frame_skip, 1, 1000)
+        self.image_size = self._size(image_size)
         physics, look = fs.PhysicsDef(rate=self.rate, threads=threads), fs.LookDef(quality=quality, around=self.lit)
         file = None if self.scene is None else fs.asset(self.scene)
         self.sim = fs.Simulation(physics, look=look) if file is None else fs.load(file, physics=physics, look=look)
         self.cuts: list[fs.CutEvent] = []  #: what was cut in this episode
-        self.tools = check_tools(type(self).__name__, self.build())
+        self.tools = check_tools(type(self).__name__, self.build(), self.sim.bodies)
         self._sizes = [tool.size for tool in self.tools]
         self.sim.on(fs.CutEvent, self.cuts.append)
         self._began = self._closed = False
@@ -278,6 +274,19 @@ class SurgicalEnv(gymnasium.Env):
 
     # gymnasium.Env
 
+    @property
+    def spec(self) -> typing.Any:
+        """What gymnasium.make() made it from, with max_steps as its max_episode_steps; None if it did not make it."""
+        return self._spec
+
+    @spec.setter
+    def spec(self, made_from: typing.Any) -> None:
+        # The environment ends its episodes itself: were the number registered, make() would add a TimeLimit of it,
+        # which a larger max_steps could not lift.
+        self._spec = copy.copy(made_from)
+        if self._spec is not None:
+            self._spec.max_episode_steps = self.max_steps
+
     def reset(
         self, *, seed: int | None = None, options: dict[str, typing.Any] | None = None
     ) -> tuple[Array, dict[str, typing.Any]]:
@@ -456,6 +465,15 @@ class SurgicalEnv(gymnasium.Env):
         if value not in known:
             raise fs.Error(f"{type(self).__name__}: {name} must be one of {', '.join(map(repr, known))}, got {value!r}")
 
-    def _bound(self, name: str, value: typing.Any, low: int, high: int) -> None:
-        if not isinstance(value, int) or not low <= value <= high:
+    def _bound(self, name: str, value: typing.Any, low: int, high: int) -> int:
+        number = whole(value, low, high)
+        if number is None:
             raise fs.Error(f"{type(self).__name__}: {name} must be a whole number in [{low}, {high}], got {value!r}")
+        return number
+
+    def _size(self, given: typing.Any) -> tuple[int, int]:
+        sides = [whole(each, 1, 8192) for each in given] if isinstance(given, (tuple, list, np.ndarray)) else []
+        if len(sides) != 2 or sides[0] is None or sides[1] is None:
+            name = type(self).__name__
+            raise fs.Error(f"{name}: image_size must be two whole numbers in [1, 8192], got {given!r}")
+        return sides[0], sides[1]

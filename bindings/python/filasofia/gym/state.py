@@ -20,7 +20,7 @@ if typing.TYPE_CHECKING:
 #: Attributes of an environment that are no part of an episode, or that a state has otherwise.
 APART = frozenset(
     "observation action difficulty render_mode image_size max_steps frame_skip sim tools action_space "
-    "observation_space spec _sizes _np_random _np_random_seed _start _bodies _began _random _actions _closed".split()
+    "observation_space _spec rate _sizes _np_random _np_random_seed _start _bodies _began _random _actions _closed".split()
 )
 
 

@@ -16,11 +16,11 @@ Array = typing.Any  # numpy.ndarray
 class Joint:
     """One more component of an instrument's action: a turn about an axis of it, or a number that the task uses."""
 
-    low: float  #: [rad] if it turns
+    low: float  #: [rad] if it turns, below high
     high: float
-    speed: float  #: [rad/s] if it turns, of an action of 1
-    axis: tuple[float, float, float] | None = None  #: of the instrument's own coordinates; none: it does not turn it
-    start: float = 0.0
+    speed: float  #: [rad/s] if it turns, of an action of 1, >= 0
+    axis: tuple[float, float, float] | None = None  #: of length 1, in own coordinates; none: it does not turn it
+    start: float = 0.0  #: in [low, high]
 
 
 @dataclasses.dataclass
@@ -35,7 +35,7 @@ class Tool:
     start: tuple[float, float, float]  #: [m]
     low: tuple[float, float, float]  #: [m], the workspace's corners
     high: tuple[float, float, float]  #: [m]
-    speed: float = 0.1  #: [m/s], along each axis, of an action of 1
+    speed: float = 0.1  #: [m/s], >= 0, along each axis, of an action of 1
     grips: fs.BodyId | None = None  #: what it can grasp, by one more component of the action
     port: tuple[float, float, float] | None = None  #: [m], above the workspace
     joints: tuple[Joint, ...] = ()
@@ -53,7 +53,9 @@ class Tool:
         return 3 + len(self.joints) + (self.grips is not None)
 
     def reset(self) -> None:
-        """As it is at the start."""
+        """As it is at the start. Error if the joints are not a list of them."""
+        if not isinstance(self.joints, (tuple, list)) or not all(isinstance(each, Joint) for each in self.joints):
+            raise fs.Error(f"Tool: joints must be a tuple of Joints, got {self.joints!r}")
         self.place, self.grasp = np.array(self.start, dtype=float), None
         self.values = np.array([joint.start for joint in self.joints])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import concurrent.futures
+import math
 import os
 import typing
 from copy import deepcopy
@@ -14,6 +15,7 @@ from gymnasium.vector.utils import batch_space, create_empty_array
 
 import filasofia as fs
 
+from .checks import whole
 from .environment import SurgicalEnv
 from .tool import Array
 
@@ -38,9 +40,8 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         copy: bool = True,
         **options: typing.Any,
     ):
-        for name, value in (("num_envs", num_envs), ("threads", 1 if threads is None else threads)):
-            if not isinstance(value, int) or isinstance(value, bool) or not 1 <= value <= 10_000:
-                raise fs.Error(f"VectorEnv: {name} must be a whole number in [1, 10000], got {value!r}")
+        num_envs = self._count("num_envs", num_envs)
+        threads = None if threads is None else self._count("threads", threads)
         try:
             self.autoreset_mode = AutoresetMode(autoreset_mode)
         except ValueError:
@@ -64,7 +65,10 @@ class VectorEnv(gymnasium.vector.VectorEnv):
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, typing.Any] | None = None
     ) -> tuple[Array, dict[str, typing.Any]]:
-        """Resets all; with a number as seed, environment i gets seed + i. `options["reset_mask"]` chooses some."""
+        """Resets all; with a number as seed, environment i gets seed + i.
+
+        `options["reset_mask"]`, (num_envs,), bool, chooses some: at least one.
+        """
         if not isinstance(seed, (int, np.integer, list, tuple, type(None))):
             raise fs.Error(f"VectorEnv: seed must be a number or {self.num_envs} of them, got {seed!r}")
         if isinstance(seed, (list, tuple)):
@@ -78,10 +82,7 @@ class VectorEnv(gymnasium.vector.VectorEnv):
         for each in options or {}:
             if each != "reset_mask":
                 raise fs.Error(f"VectorEnv: reset: unknown option {each!r}; it has reset_mask")
-        mask = np.asarray((options or {}).get("reset_mask", True))
-        if mask.shape not in ((), (self.num_envs,)):
-            raise fs.Error(f"VectorEnv: reset_mask must have {self.num_envs} members, got {mask.tolist()}")
-        chosen = np.flatnonzero(np.broadcast_to(mask, self.num_envs))
+        chosen = self._chosen(options or {})
         infos: dict[str, typing.Any] = {}
         for i, (seen, info) in zip(chosen, self._all(lambda i: self.envs[i].reset(seed=seeds[i]), chosen)):
             self._keep(int(i), seen)
@@ -91,9 +92,7 @@ class VectorEnv(gymnasium.vector.VectorEnv):
 
     def step(self, actions: typing.Any) -> tuple[Array, Array, Array, Array, dict[str, typing.Any]]:
         """One step of each. If an action is wrong, also one of an environment that is reset now, none steps."""
-        if not hasattr(actions, "__len__") or len(actions) != self.num_envs:
-            got = len(actions) if hasattr(actions, "__len__") else repr(actions)
-            raise fs.Error(f"VectorEnv: actions must be {self.num_envs}, got {got}")
+        self._check_shape(actions)
         if self.autoreset_mode == AutoresetMode.DISABLED and self._ended.any():
             raise fs.Error(f"VectorEnv: environment {int(self._ended.argmax())} has ended: reset it first")
         self._check(actions)
@@ -135,6 +134,34 @@ class VectorEnv(gymnasium.vector.VectorEnv):
             for env in self.envs:
                 env.close()
         self._pool.shutdown()
+
+    @staticmethod
+    def _count(name: str, value: typing.Any) -> int:
+        number = whole(value, 1, 10_000)
+        if number is None:
+            raise fs.Error(f"VectorEnv: {name} must be a whole number in [1, 10000], got {value!r}")
+        return number
+
+    def _chosen(self, options: dict[str, typing.Any]) -> Array:
+        """Which environments reset() resets."""
+        if "reset_mask" not in options:
+            return np.arange(self.num_envs)
+        mask = np.asarray(options["reset_mask"])
+        if mask.shape != (self.num_envs,) or mask.dtype != bool or not mask.any():
+            raise fs.Error(
+                f"VectorEnv: reset_mask must have {self.num_envs} flags, True or False, at least one of them True, "
+                f"got {mask.tolist()}"
+            )
+        return np.flatnonzero(mask)
+
+    def _check_shape(self, actions: typing.Any) -> None:
+        """Error if the actions are not one for each environment; a wrapper says itself what one of them is."""
+        wanted, given = self.action_space.shape, getattr(actions, "shape", None)
+        rows = len(actions) if hasattr(actions, "__len__") and given != () else 0
+        if rows == self.num_envs and (not given or not wanted or math.prod(given) == math.prod(wanted)):
+            return
+        got = tuple(given) if given is not None else f"a list of {rows}" if rows else repr(actions)
+        raise fs.Error(f"VectorEnv: actions must have the shape {wanted or (self.num_envs,)}, got {got}")
 
     @staticmethod
     def _make(task: str | typing.Callable[..., SurgicalEnv], options: dict[str, typing.Any]) -> typing.Any:
