@@ -31,13 +31,29 @@ _OWN = ("job", "attempts", "wall_seconds", "host", "error")  # columns beside pa
 def grid(**axes: _typing.Any) -> list[Parameters]:
     """All combinations of some values of some parameters, the last one changing fastest.
 
-    A list, tuple or range is an axis; anything else is the same in every job. Error if an axis is empty.
+    A list, tuple, range, NumPy array or iterator is an axis; anything else is the same in every job. Error if an axis is
+    empty.
     """
-    columns = {name: axis if isinstance(axis, (list, tuple, range)) else [axis] for name, axis in axes.items()}
+    columns = {name: _axis(axis) for name, axis in axes.items()}
     for name, column in columns.items():
         if len(column) == 0:
             raise _fs.Error(f"grid: {name} must have at least one value, got none")
     return [dict(zip(columns, values)) for values in _itertools.product(*columns.values())]
+
+
+def _axis(given: _typing.Any) -> list[_typing.Any]:
+    """The values of a parameter."""
+    given = _plain(given)
+    return list(given) if isinstance(given, (list, tuple, range)) or hasattr(given, "__next__") else [given]
+
+
+def _plain(value: _typing.Any) -> _typing.Any:
+    """Numbers, flags and lists instead of NumPy's, which JSON does not know."""
+    if hasattr(value, "tolist"):  # not isinstance(): NumPy is slow to import
+        return _plain(value.tolist())
+    if type(value) in (list, tuple):
+        return type(value)(_plain(each) for each in value)
+    return {name: _plain(each) for name, each in value.items()} if type(value) is dict else value
 
 
 def run_scene(
@@ -49,7 +65,7 @@ def run_scene(
     Returns time [s], steps, state_hash, cut_area and torn_area [m^2], max_force [N], and in how many steps something
     went wrong (undone, inverted, intersecting, beyond_strain, restless), recording_file and picture_file.
     """
-    name = f"{_pathlib.Path(scene).stem}_{_key([scene, seconds, labels])[:12]}"
+    name = f"{_pathlib.Path(scene).stem}_{_key(_plain([scene, seconds, labels]))[:12]}"
     out: Parameters = {}
     with _fs.load(scene, any_folder=any_folder, threads=1) as simulation:
         if record:
@@ -80,16 +96,17 @@ def run(
 ) -> _typing.Any:
     """Calls work(**job) for every job and returns the results, a pyarrow.Table; `out` is its Parquet file.
 
-    `work` must be importable by the workers, and returns a dict of numbers, texts and flags. A row has the job's
-    parameters, its results, and job (its key), attempts, wall_seconds, host and error (empty if all is well). Rows are in
+    `work` must be importable by the workers, and returns a dict of numbers, texts and flags, or lists or NumPy arrays of
+    them; parameters are the same. A row has the job's parameters, its results, and job (its key), attempts, wall_seconds, host and error (empty if all is well). Rows are in
     the order of the jobs, whatever the executor.
 
     `executor`: "processes" (`workers` of them, default: one for each core), "ray", a dask.distributed.Client, or
     anything with submit() as in concurrent.futures, such as an mpi4py.futures.MPIPoolExecutor.
 
     Finished jobs are kept in the folder OUT.parts. A second run with the same `out` makes only what is missing, failed,
-    or was made by another version of Filasofia or another `work`. A job that raises, or whose worker dies, is tried
-    `retries` times more; then its error is in its row. Raises Error if a job or a result cannot be written.
+    or was made by another version of Filasofia or another `work`. A job that raises, whose worker dies or whose result
+    cannot be written is tried `retries` times more; then its error is in its row. Raises Error if a job cannot be
+    written, or if a column has values of several kinds.
     """
     if not isinstance(retries, int) or retries < 0:
         raise _fs.Error(f"run: retries must be >= 0, got {retries!r}")
@@ -98,7 +115,7 @@ def run(
     if not callable(work) or "<" in getattr(work, "__qualname__", "<"):  # "<lambda>", "outer.<locals>.inner"
         raise _fs.Error(f"run: work must be a function of a module, which workers can import, got {work!r}")
     journal = _Journal(_pathlib.Path(out), work)
-    todo = [_Job(i, parameters, journal.key(i, parameters)) for i, parameters in enumerate(jobs)]
+    todo = [_Job(i, parameters, journal.key(i, parameters)) for i, parameters in enumerate(map(_plain, jobs))]
     if not todo:
         raise _fs.Error("run: jobs must not be empty")
     keys: dict[str, int] = {}
@@ -137,13 +154,35 @@ def _call(work: _typing.Callable[..., Parameters], parameters: Parameters) -> Pa
     begin = _time.perf_counter()
     row: Parameters = {"result": {}, "error": ""}
     try:
-        row["result"] = work(**parameters)
-        if not isinstance(row["result"], dict):
-            row.update(result={}, error=f"work must return a dict, got {type(row['result']).__name__}")
+        result = work(**parameters)
+        row["error"] = _unfit(result, parameters)
+        if not row["error"]:
+            row["result"] = {name: _plain(value) for name, value in result.items()}
     except Exception as problem:  # noqa: BLE001  the row says what it was
         row["error"] = f"{type(problem).__name__}: {problem}"
     row.update(wall_seconds=_time.perf_counter() - begin, host=_platform.node())
     return row
+
+
+def _unfit(result: _typing.Any, parameters: Parameters) -> str:
+    """Why a result cannot be in a row; empty if it can."""
+    if not isinstance(result, dict):
+        return f"work must return a dict, got {type(result).__name__}"
+    for name, value in result.items():
+        if not isinstance(name, str):
+            return f"work must return a dict whose names are texts, got {name!r}"
+        if name in _OWN or name in parameters:
+            return f"the result '{name}' has the name of another column"
+        try:
+            _json.dumps(_plain(value))
+        except (TypeError, ValueError, RecursionError):
+            return f"the result '{name}' must be a number, a text, a flag, None, or a list of them, got {_shown(value)}"
+    return ""
+
+
+def _shown(value: _typing.Any) -> str:
+    words = " ".join(repr(value).split())
+    return words if len(words) <= 60 else words[:57] + "..."
 
 
 def _lost(error: str) -> Parameters:
@@ -311,14 +350,7 @@ class _Journal:
         return _json.loads(self._file(key).read_text())  # type: ignore[no-any-return]
 
     def write(self, job: _Job, row: Parameters) -> None:
-        for name in row["result"]:
-            if name in _OWN or name in job.parameters:
-                raise _fs.Error(f"run: jobs[{job.index}]: the result '{name}' has the name of another column")
-        row = {**row, "attempts": job.attempts}
-        try:
-            text = _json.dumps(row, allow_nan=True)
-        except (TypeError, ValueError) as problem:
-            raise _fs.Error(f"run: jobs[{job.index}]: the result cannot be written: {problem}") from None
+        text = _json.dumps({**row, "attempts": job.attempts})
         _write_whole(self._file(job.key), lambda file: file.write(text.encode()))
 
     def table(self, jobs: list[_Job]) -> _typing.Any:
