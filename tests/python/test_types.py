@@ -17,6 +17,11 @@ fs.FemMaterial(young_modulus="soft")
 fs.Simulation().step("often")
 gym.Reeach()
 x: str = fs.Simulation().frame.contacts["gap"]
+fs.Simulation(raet=3)
+fs.Simulation().show(fs.BodyId(1), cast_shadow=False)
+fs.replay(flie="run.rec")
+fs.Simulation().on(fs.ContactEvent, lambda event: print(event.froce))
+fs.AttachmentDef(nodes="all")
 '''
 
 
@@ -38,7 +43,7 @@ def test_a_correct_program_passes_and_a_wrong_one_has_an_error_in_every_line(che
     wrong.write_text(WRONG)
     out, _ = check(str(wrong))
     found = {int(line.split(":")[1]) for line in out.splitlines() if "error:" in line}
-    assert found == set(range(5, 11)), out
+    assert found == set(range(5, 16)), out
 
 
 def test_the_package_itself_passes(check, tmp_path, monkeypatch):

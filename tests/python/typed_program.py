@@ -51,6 +51,24 @@ def frames() -> NDArray[np.float64]:
     return soft.positions
 
 
+def arrays(sim: fs.Simulation, tissue: fs.BodyId, ball: fs.BodyId) -> None:
+    place = np.zeros(3)
+    held = fs.AttachmentDef(nodes=np.arange(3))
+    held.nodes = np.arange(4)
+    nodes: list[int] = held.nodes
+    sim.add(fs.SoftBodyDef(name="second", mesh=fs.shapes.block(np.ones(3)), pose=place, attachments=[held]))
+    sim.add(fs.RodBodyDef(points=np.zeros((3, 3))))
+    sim.add(fs.RigidBodyDef(elements=[place], mesh=fs.shapes.sphere(0.1), velocity=place))
+    sim.add(fs.RigidBodyDef(elements=np.zeros((2, 3)), mesh=fs.shapes.sphere(0.1)))
+    sim.set_pose(ball, np.zeros(7))
+    sim.set_gravity(np.array([0.0, -9.81, 0.0]))
+    sim.set_forces(tissue, np.zeros((1, 3)), [0])
+    sim.set_forces(tissue, [[0, 0, 1.0]], np.arange(1))
+    sim.step(10, moves={ball: place})
+    sim.on(fs.ContactEvent, lambda event: print(event.force[0], event.time))
+    print(sim.render(pose=place), fs.look_at(place, np.ones(3)), nodes)
+
+
 def instruments(sim: fs.Simulation, tissue: fs.BodyId) -> None:
     definition = fs.ArticulatedInstrumentDef(kind="ultrasonicShears", opening=1, pose=fs.Pose((0, 0.1, 0)))
     tool = fs.ArticulatedInstrument(sim, definition)

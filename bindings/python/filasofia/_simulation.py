@@ -11,11 +11,13 @@ from . import _core, _defs
 if _typing.TYPE_CHECKING:
     import numpy
     from numpy.typing import NDArray
+    from typing_extensions import Unpack
 
+    from ._core import Numbers
     from ._pictures import Film, Picture
 
 
-def _only(kind: _typing.Any, given: _typing.Any, named: dict[str, _typing.Any]) -> _typing.Any:
+def _only(kind: _typing.Any, given: _typing.Any, named: _typing.Mapping[str, _typing.Any]) -> _typing.Any:
     """A Def from what was given: the Def itself, or its fields by keyword."""
     if given is None:
         return kind(**named)
@@ -51,11 +53,15 @@ class Simulation(_core.Simulation):
     """
 
     def __init__(
-        self, physics: _defs.PhysicsDef | None = None, *, look: _defs.LookDef | None = None, **fields: _typing.Any
+        self,
+        physics: _defs.PhysicsDef | None = None,
+        *,
+        look: _defs.LookDef | None = None,
+        **fields: Unpack[_defs.PhysicsDefFields],
     ):
         super().__init__(_only(_defs.PhysicsDef, physics, fields), look)
 
-    def show(self, body: _defs.BodyId, definition: _defs.ShowDef | None = None, **fields: _typing.Any) -> _defs.ShownId:
+    def show(self, body: _defs.BodyId, definition: _defs.ShowDef | None = None, **fields: Unpack[_defs.ShowDefFields]) -> _defs.ShownId:
         """Draws a body as a ShowDef, or its fields, say. Without any call of it, pictures show all bodies.
 
         After a picture that showed all bodies it replaces what that picture showed of this one; the others stay.
@@ -67,7 +73,7 @@ class Simulation(_core.Simulation):
         width: int = 640,
         height: int = 480,
         *,
-        pose: _defs.Pose | _typing.Sequence[float] | None = None,
+        pose: _defs.Pose | Numbers | None = None,
         camera: _defs.CameraDef | None = None,
     ) -> Picture:
         """A picture of the present state: (height, width, 3), uint8, sRGB. Notebooks show it; save() writes a PNG.
@@ -86,7 +92,7 @@ class Simulation(_core.Simulation):
         fps: float = 25.0,
         width: int = 320,
         height: int = 240,
-        pose: _defs.Pose | _typing.Sequence[float] | None = None,
+        pose: _defs.Pose | Numbers | None = None,
         camera: _defs.CameraDef | None = None,
     ) -> Film:
         """Runs for `seconds` and returns pictures of it, `fps` for each simulated second. Notebooks show it moving.
@@ -119,7 +125,7 @@ class Simulation(_core.Simulation):
         width: int = 640,
         height: int = 480,
         *,
-        pose: _defs.Pose | _typing.Sequence[float] | None = None,
+        pose: _defs.Pose | Numbers | None = None,
         camera: _defs.CameraDef | None = None,
     ) -> DepthImage:
         """What each pixel of render() shows: how far away it is, and which body it belongs to.
@@ -138,7 +144,7 @@ class Simulation(_core.Simulation):
         targets: _typing.Sequence[str] = (),
         watched: _typing.Sequence[str] = (),
         force_limit: float | None = None,
-        **fields: _typing.Any,
+        **fields: Unpack[_defs.MetricTrackerDefFields],
     ) -> None:
         """Writes what bodies do into a session file, until close(): a MetricTrackerDef, or its fields (bodies, file).
 
@@ -205,7 +211,7 @@ def load(
     return simulation
 
 
-def replay(definition: _defs.ReplayDef | None = None, **fields: _typing.Any) -> _core.ReplayReport:
+def replay(definition: _defs.ReplayDef | None = None, **fields: Unpack[_defs.ReplayDefFields]) -> _core.ReplayReport:
     """Replays a recording as fast as possible: a ReplayDef, or its fields (file, check, ...)."""
     return _core.replay(_only(_defs.ReplayDef, definition, fields))
 
