@@ -53,9 +53,12 @@ def test_a_wrong_call_is_one_line_with_function_argument_and_value(act, line):
 
 
 def test_an_empty_name_of_a_file_is_seen():
-    for act in (fs.load, fs.measures, lambda name: fs.replay(file=name)):
+    for act in (fs.load, fs.measures):
         with pytest.raises(fs.Error, match="^'': no such file"):
             act("")
+    for call in (fs.replay, lambda: fs.replay(file=""), lambda: fs.replay(fs.ReplayDef(check=True))):
+        with pytest.raises(fs.Error, match="^replay: file must name a recording, got ''$"):
+            call()
 
 
 def test_errors_of_callbacks_stay_what_they_are():

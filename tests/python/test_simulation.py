@@ -310,6 +310,17 @@ def test_lines_of_the_log_go_where_they_are_sent(capfd, caplog):
         fs.log_to(None)
     lonely()
     assert words in capfd.readouterr().err and len(lines) == 1
+
+    def broken(level, line):
+        raise ValueError("no room")
+
+    try:
+        fs.log_to(broken)
+        lonely()
+    finally:
+        fs.log_to(None)
+    said = capfd.readouterr().err
+    assert said.startswith("filasofia: log_to: <function ") and said.endswith(f" raised ValueError: no room; the line was: {words}\n")
     with pytest.raises(TypeError, match="log_to: the receiver must be a logging.Logger, a function or None, got 5"):
         fs.log_to(5)
 

@@ -213,7 +213,10 @@ def load(
 
 def replay(definition: _defs.ReplayDef | None = None, **fields: Unpack[_defs.ReplayDefFields]) -> _core.ReplayReport:
     """Replays a recording as fast as possible: a ReplayDef, or its fields (file, check, ...)."""
-    return _core.replay(_only(_defs.ReplayDef, definition, fields))
+    definition = _only(_defs.ReplayDef, definition, fields)
+    if isinstance(definition, _defs.ReplayDef) and not definition.file:
+        raise _core.Error("replay: file must name a recording, got ''")
+    return _core.replay(definition)
 
 
 # nanobind's flags print as numbers; Python's as names.
