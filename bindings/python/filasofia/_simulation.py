@@ -61,7 +61,9 @@ class Simulation(_core.Simulation):
     ):
         super().__init__(_only(_defs.PhysicsDef, physics, fields), look)
 
-    def show(self, body: _defs.BodyId, definition: _defs.ShowDef | None = None, **fields: Unpack[_defs.ShowDefFields]) -> _defs.ShownId:
+    def show(
+        self, body: _defs.BodyId, definition: _defs.ShowDef | None = None, **fields: Unpack[_defs.ShowDefFields]
+    ) -> _defs.ShownId:
         """Draws a body as a ShowDef, or its fields, say. Without any call of it, pictures show all bodies.
 
         After a picture that showed all bodies it replaces what that picture showed of this one; the others stay.

@@ -31,8 +31,8 @@ _OWN = ("job", "attempts", "wall_seconds", "host", "error")  # columns beside pa
 def grid(**axes: _typing.Any) -> list[Parameters]:
     """All combinations of some values of some parameters, the last one changing fastest.
 
-    A list, tuple, range, NumPy array or iterator is an axis; anything else is the same in every job. Error if an axis is
-    empty.
+    A list, tuple, range, NumPy array or iterator is an axis; anything else is the same in every job. Error if an axis
+    is empty.
     """
     columns = {name: _axis(axis) for name, axis in axes.items()}
     for name, column in columns.items():
@@ -96,9 +96,9 @@ def run(
 ) -> _typing.Any:
     """Calls work(**job) for every job and returns the results, a pyarrow.Table; `out` is its Parquet file.
 
-    `work` must be importable by the workers, and returns a dict of numbers, texts and flags, or lists or NumPy arrays of
-    them; parameters are the same. A row has the job's parameters, its results, and job (its key), attempts, wall_seconds, host and error (empty if all is well). Rows are in
-    the order of the jobs, whatever the executor.
+    `work` must be importable by the workers, and returns a dict of numbers, texts and flags, or lists or NumPy arrays
+    of them; parameters are the same. A row has the job's parameters, its results, and job (its key), attempts,
+    wall_seconds, host and error (empty if all is well). Rows are in the order of the jobs, whatever the executor.
 
     `executor`: "processes" (`workers` of them, default: one for each core), "ray", a dask.distributed.Client, or
     anything with submit() as in concurrent.futures, such as an mpi4py.futures.MPIPoolExecutor.
