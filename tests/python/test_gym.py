@@ -390,7 +390,9 @@ def test_a_closed_environment_says_which_it_is():
     envs.close()
 
 
-@pytest.mark.parametrize("action", [[0, 0], "up", [np.nan, 0, 0], None, ["0", "0", "0"], np.zeros(3, complex)])
+@pytest.mark.parametrize(
+    "action", [[0, 0], "up", [np.nan, 0, 0], None, ["0", "0", "0"], np.zeros(3, complex), np.ma.zeros(3)]
+)
 def test_a_wrong_action_is_one_clear_error_and_changes_nothing(action):
     env = gym.Reach()
     env.reset(seed=0)

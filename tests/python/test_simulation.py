@@ -598,9 +598,20 @@ def test_paused_steps_move_nothing():
     assert not np.array_equal(before, sim.frame[tissue].positions)
 
 
+def test_what_is_under_a_mask_is_no_number():
+    sim, tissue, _ = poke()
+    hidden = np.ma.array(np.full((1, 3), 1e3), mask=True)
+    with pytest.raises(TypeError, match="set_forces: forces must be an array without a mask"):
+        sim.set_forces(tissue, hidden, [0])
+    with pytest.raises(TypeError, match="TetMesh: nodes must be an array without a mask"):
+        fs.TetMesh(np.ma.zeros((4, 3)), [[0, 1, 2, 3]])
+    with pytest.raises(fs.Error, match="forces must have at most 100000000 rows, got 1000000000"):
+        sim.set_forces(tissue, np.broadcast_to(np.zeros(3), (10**9, 3)))
+
+
 def test_a_refused_recording_leaves_the_simulation_as_it_was(tmp_path):
     sizes = []
-    for refused in ((), ("no/such/folder/a.rec", "a.txt", "/dev/full/a.rec", str(tmp_path / "locked.rec"))):
+    for refused in ((), ("", "no/such/folder/a.rec", "a.txt", "/dev/full/a.rec", str(tmp_path / "locked.rec"))):
         sim, tissue, _ = poke()
         sim.show(tissue)
         holder = poke()[0]

@@ -8,6 +8,8 @@
 namespace filasofia::python {
 namespace {
 
+constexpr std::size_t kMostRows = 100'000'000; ///< a view of one row may claim any number of them
+
 /// str() of an attribute.
 std::string partOf(nb::handle value, const char* name) { return wordsOf(nb::object(value.attr(name))); }
 
@@ -29,6 +31,8 @@ void failBelow(const char* object, nb::handle got)
 nb::object readArray(nb::handle value, const char* object, std::size_t columns, bool whole)
 {
     const nb::module_ numpy = nb::module_::import_("numpy");
+    if (nb::hasattr(value, "mask") && nb::hasattr(value, "filled")) // asarray() would give what is under the mask
+        failType({.name = object}, "must be an array without a mask", value);
     nb::object array;
     try {
         array = numpy.attr("asarray")(value);
@@ -50,6 +54,8 @@ nb::object readArray(nb::handle value, const char* object, std::size_t columns, 
     if (!right)
         fail(object, " must have the shape ", flat ? "(n,)" : text("(n, ", columns, ")"), ", got ",
              partOf(array, "shape"));
+    if (const auto rows = nb::cast<std::size_t>(nb::object(array.attr("shape")[0])); rows > kMostRows)
+        fail(object, " must have at most ", kMostRows, " rows, got ", rows);
     if (kind == "u" && whole) checkUnsigned(array, object);
     return numpy.attr("ascontiguousarray")(array, whole ? "int64" : "float64");
 }

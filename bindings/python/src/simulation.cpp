@@ -108,6 +108,7 @@ void record(HeldSimulation& self, nb::handle file, nb::handle log, int seed, con
                               .record = readArgument<std::string>(file, "record", "file"),
                               .seed = seed,
                               .session = session};
+    if (def.record.empty() && def.log.empty()) fail("record: must have a file (.rec) or a log (.csv), got neither");
     const Session::Turn turn(*self.session, "record");
     self.session->record(def);
 }

@@ -402,7 +402,8 @@ class SurgicalEnv(gymnasium.Env):
         name, count = type(self).__name__, sum(self._sizes)
         try:
             given = np.asarray(action)
-            given = given.astype(float) if given.dtype.kind in "biufO" else np.array(np.nan)
+            real = given.dtype.kind in "biufO" and not np.ma.isMaskedArray(action)
+            given = given.astype(float) if real else np.array(np.nan)
         except (TypeError, ValueError):
             given = np.array(np.nan)
         if self.action == "box":
