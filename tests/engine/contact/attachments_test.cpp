@@ -409,7 +409,7 @@ TEST_CASE("a light needle between the spring that holds it and a taut thread com
 
 TEST_CASE("tissue holds a body that is a millionth as heavy")
 {
-    // A solve that had converged for the bar took no step for its tip, which wandered at up to 0.6 mm from its node.
+    // A solve that had converged for the bar took no step for its tip, which wandered at up to 0.7 mm from its node.
     physics::SoftBodyDef bar{.mesh = geometry::shapes::block({0.01, 0.1, 0.01}, {2, 20, 2}),
                              .material =
                                  physics::FemMaterial{.youngModulus = 2e5,
@@ -432,7 +432,7 @@ TEST_CASE("tissue holds a body that is a millionth as heavy")
         if (i > 100) farthest = std::max(farthest, distance(scene.stage.soft().x[node], at));
     }
     INFO(1e3 * farthest << " mm");
-    CHECK(farthest < 2e-4);
+    CHECK(farthest < 1e-5);
 }
 
 } // namespace attachments_test

@@ -197,8 +197,9 @@ private:
     double sweepOnce(double part, double& mismatch);
     bool sweep(CoupledReport& report); ///< until the impulses settle; false if D is not positive definite
     [[nodiscard]] bool isOutOfTime(int iterations) const;
-    void beginAnew();                 ///< from the solution so far, after the law has changed
-    bool updateMultipliers(int made); ///< after so many updates; false if none is needed, or helps
+    void beginAnew();                     ///< from the solution so far, after the law has changed
+    [[nodiscard]] bool holdsWell() const; ///< what is welded
+    bool updateMultipliers(int made);     ///< after so many updates; false if none is needed, or helps
     [[nodiscard]] double mismatch() const;
     [[nodiscard]] Vec3 carried(std::size_t c) const; ///< [N s] the multiplier that the next step starts from
 
