@@ -195,6 +195,8 @@ TEST_CASE("a wrong number in a Gmsh file is named with its line")
     CHECK(errorIn(replaced(kAscii2, "2 1 0 0", "2.5 1 0 0")) ==
           "a.msh:7: a node's number must be a whole number, got '2.5'");
     CHECK(errorIn(replaced(kAscii2, "2 1 0 0", "1 1 0 0")) == "a.msh:7: node 1 is defined twice");
+    CHECK(errorIn(replaced(replaced(kAscii2, "2 1 0 0", "1 1 0 0"), "1 2 3 4\n$", "1 1 3 4\n$")) ==
+          "a.msh:7: node 1 is defined twice"); // and not: tetrahedron 7 names it twice
     CHECK_THAT(
         errorIn(replaced(kAscii2, "1 2 3 4\n$", "1 2 3 5\n$")),
         Contains(

@@ -27,7 +27,7 @@ public:
         bool haveNodes = false, haveElements = false, haveEntities = false;
         for (; !section.empty(); section = in_.word()) {
             if (section == nodes)
-                beginOnly(section, haveNodes), version_ == 4 ? readNodes4() : readNodes2(), endSection(section);
+                beginOnly(section, haveNodes), readNodes(), endSection(section);
             else if (section == elements)
                 beginOnly(section, haveElements), readElements(), endSection(section);
             else if (section == "$PhysicalNames")
@@ -59,6 +59,7 @@ private:
     void readEntities();
     void readEntity(int dimension);
     void label();
+    void readNodes();
     void readNodes2();
     void readNodes4();
     void readElements();
@@ -230,6 +231,13 @@ std::size_t GmshReader::readTextCount(std::string_view what, std::size_t numbers
     in_.boundCount(count, what, numbers, rawBytes);
     beginRaw();
     return static_cast<std::size_t>(count);
+}
+
+// An element that names a doubled number seems at fault itself: the numbers are checked before it is read.
+void GmshReader::readNodes()
+{
+    version_ == 4 ? readNodes4() : readNodes2();
+    checkNumbers(mesh_, in_);
 }
 
 void GmshReader::readNodes2()

@@ -103,6 +103,11 @@ void addSolid(std::span<const std::int64_t> nodes, const RawTetMesh::Element& ab
     mesh.split += about.partOf != Solid::Simplex ? 1 : 0;
 }
 
+void checkNumbers(const RawTetMesh& mesh, const NumberSource& nodeFile)
+{
+    static_cast<void>(orderByNumber(mesh, nodeFile));
+}
+
 TetMesh resolve(const RawTetMesh& raw, const NumberSource& nodeFile, const NumberSource& elementFile,
                 std::string_view name)
 {

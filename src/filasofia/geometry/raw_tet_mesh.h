@@ -47,6 +47,9 @@ std::string_view nameOf(Solid solid);
 void addSolid(std::span<const std::int64_t> nodes, const RawTetMesh::Element& about, const NumberSource& file,
               RawTetMesh& mesh);
 
+/// Throws an Error, with the line or byte in `nodeFile`, if two nodes have the same number.
+void checkNumbers(const RawTetMesh& mesh, const NumberSource& nodeFile);
+
 /// Finds each element's nodes by their numbers, checks every element against the bounds of check(), drops unused nodes
 /// (a warning counts those in the middle of edges), and checks the whole mesh. Errors name the line or byte in
 /// `elementFile` (in `nodeFile` for a node defined twice).
