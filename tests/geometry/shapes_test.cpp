@@ -209,6 +209,14 @@ TEST_CASE("a shape that cannot be names its argument, the bound and the value")
     CHECK_THROWS_WITH(shapes::cylinder(1, 1, 0), "cylinder: quarter must be in [1, 500], got 0");
     CHECK_THROWS_WITH(shapes::block({1, 1, -1}), "block: size.z must be > 0 m, got -1");
     CHECK_THROWS_WITH(shapes::block({1, 1, 1}, {201, 1, 1}), "block: cells[0] must be in [1, 200], got 201");
+    CHECK_THROWS_WITH(shapes::block({1, 1, 1}, {200, 200, 200}),
+                      "block: cells must make at most 3000000 tetrahedra, got 48000000");
+    CHECK_THROWS_WITH(shapes::bladder({1, 1, 1}, 0.1, {100, 100}),
+                      "bladder: cells must make at most 3000000 tetrahedra, got 24000000");
+    std::vector<Vec3> line;
+    for (int i = 0; i < 12; ++i) line.push_back({1.0 * i, 0, 0});
+    CHECK_THROWS_WITH(shapes::vessel(line, 0.1, 0.1, {500, 100}),
+                      "vessel: cells must make at most 3000000 tetrahedra, got 3300000");
 }
 
 } // namespace shapes_test

@@ -44,7 +44,8 @@ std::shared_ptr<const TriangleMesh> sheet(double width, double depth, std::array
                                           bool printed = false);
 
 /// A solid box of edges `size` [m], each > 0, with the given number of cells, in [1, 200], along each axis and six
-/// tetrahedra per cell. Neighbouring cells mirror each other, so an even number of cells has no preferred direction.
+/// tetrahedra per cell; no solid here may have more than 3 million. Neighbouring cells mirror each other, so an even
+/// number of cells has no preferred direction.
 std::shared_ptr<const TetMesh> block(Vec3 size, std::array<int, 3> cells = {4, 4, 4});
 
 /// A hollow vessel along the line through `points` [m], at least two: inside, its `radius` [m], > 0, and around that a

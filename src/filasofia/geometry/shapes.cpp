@@ -13,7 +13,7 @@ namespace filasofia::geometry::shapes {
 namespace {
 
 constexpr int kMaxSurfaceCells = 500; ///< [-], edges along a side: 6 million triangles at most
-constexpr int kMaxBlockCells = 200;   ///< [-], cells along a side: 48 million tetrahedra at most
+constexpr int kMaxBlockCells = 200;   ///< [-], cells along a side
 
 void checkGrid(const char* shape, Vec3 size, const std::array<int, 3>& cells, int max)
 {
@@ -231,6 +231,7 @@ std::shared_ptr<const TriangleMesh> sheet(double width, double depth, std::array
 std::shared_ptr<const TetMesh> block(Vec3 size, std::array<int, 3> cells)
 {
     checkGrid("block", size, cells, kMaxBlockCells);
+    checkTetrahedra("block", 6LL * cells[0] * cells[1] * cells[2]);
     TetMesh mesh;
     const auto node = [&](const GridPoint& p) { return (p[0] * (cells[1] + 1) + p[1]) * (cells[2] + 1) + p[2]; };
     for (int i = 0; i <= cells[0]; ++i)

@@ -93,6 +93,7 @@ std::shared_ptr<const TetMesh> vessel(const std::vector<Vec3>& points, double ra
     checkCount("vessel", "cells[1]", cells[1], 1, 100);
     if (cells[0] % 2 != 0) fail("vessel: cells[0] must be even, got ", cells[0]);
     const auto [sides, layers] = cells;
+    checkTetrahedra("vessel", 6LL * sides * layers * (static_cast<std::int64_t>(points.size()) - 1));
     TetMesh mesh;
     const auto sections = sectionsOf("vessel", points);
     for (const Section& section : sections)
@@ -126,6 +127,7 @@ std::shared_ptr<const TetMesh> bladder(Vec3 halfAxes, double wall, std::array<in
     const auto [quarter, layers] = cells;
     const std::shared_ptr<const TriangleMesh> ball = sphere(1.0, quarter);
     const auto count = static_cast<std::int64_t>(ball->vertices.size());
+    checkTetrahedra("bladder", 3LL * layers * static_cast<std::int64_t>(ball->triangles.size()));
     TetMesh mesh;
     for (int layer = 0; layer <= layers; ++layer) {
         const double out = wall * layer / layers;
