@@ -69,4 +69,18 @@ TEST_CASE("random scenes in which a needle turned to and fro within a step and l
     }
 }
 
+TEST_CASE("random scenes in which a thread slipped on soft tissue and ended deep in it: it does not any more", "[long]")
+{
+    for (const auto& [seed, first] : {std::pair{81019u, 14}, {81040u, 8}}) {
+        const testing::KnotFuzzReport report =
+            testing::fuzzKnots({.seed = seed, .seconds = 1.85, .perScene = 1.85, .first = first, .tools = true});
+        CAPTURE(seed, first);
+        CHECK(report.scenes == 1);
+        CHECK(report.insideTissue == 0);
+        CHECK(report.deepest < 2.5); // [diameters]; it was 3.8 and 3.2
+        CHECK(report.sound());
+        for (const std::string& example : report.examples) WARN(example);
+    }
+}
+
 } // namespace fuzz_knots_test
