@@ -129,10 +129,166 @@ TEST_CASE("hyperelastic materials of SOFA are read by their Lame parameters")
     CHECK(std::holds_alternative<physics::StVenantKirchhoff>(venant.law));
     CHECK(venant.youngModulus == Approx(2800));
     CHECK(venant.poissonRatio == Approx(0.4));
-    CHECK(of(R"(materialName="NeoHookean" ParameterSet="1000 5000")").poissonRatio == Approx(13.0 / 32.0));
-    CHECK(errorOf("<Node name=\"B\"><RegularGridTopology n=\"2 2 2\"/><MechanicalObject/>"
-                  "<TetrahedronHyperelasticityFEMForceField materialName=\"Costa\"/></Node>")
-              .find("must have the material StVenantKirchhoff") != std::string::npos);
+    CHECK(of(R"(materialName="NeoHookean" ParameterSet="1000 5000")").poissonRatio == Approx(5.0 / 12.0));
+    const FemMaterial mooney = of(R"(materialName="MooneyRivlin" ParameterSet="750 250 4000")"); // mu = 2000
+    CHECK(std::get<physics::MooneyRivlin>(mooney.law).share == 0.25);
+    CHECK(mooney.poissonRatio == Approx((3 * 4000.0 - 2 * 2000.0) / (2 * (3 * 4000.0 + 2000.0))));
+    CHECK(mooney.youngModulus == Approx(9 * 4000.0 * 2000.0 / (3 * 4000.0 + 2000.0)));
+    const auto refused = [](const std::string& material) {
+        return errorOf("<Node name=\"B\"><RegularGridTopology n=\"2 2 2\"/><MechanicalObject/>"
+                       "<TetrahedronHyperelasticityFEMForceField " +
+                       material + "/></Node>");
+    };
+    CHECK(refused("materialName=\"Costa\"")
+              .ends_with("materialName must be StVenantKirchhoff, NeoHookean, StableNeoHookean or MooneyRivlin, got "
+                         "'Costa'"));
+    CHECK(refused("ParameterSet=\"1 2\"").find("must have the materialName StVenantKirchhoff") != std::string::npos);
+    CHECK(refused(R"(materialName="MooneyRivlin" ParameterSet="750 250 1000")").find("k0 >= 4/3 (c1 + c2)") !=
+          std::string::npos);
+}
+
+/// A soft body of eight nodes with these attributes of its elasticity, and these further components.
+std::string cubeWith(const std::string& law, const std::string& components = "")
+{
+    return "<Node name=\"B\"><EulerImplicitSolver/><RegularGridTopology n=\"2 2 2\"/><MechanicalObject/>"
+           "<UniformMass totalMass=\"1\"/><TetrahedronFEMForceField " +
+           law + "/>" + components + "</Node>";
+}
+
+/// What is told of a scene, without the places.
+std::vector<std::string> toldOf(const std::string& inside)
+{
+    std::vector<std::string> notes = scn(inside).notes;
+    for (std::string& each : notes) each = each.substr(each.find(": ") + 2);
+    return notes;
+}
+
+using Notes = std::vector<std::string>;
+
+TEST_CASE("an attribute of a component of SOFA that is neither read nor without effect is told")
+{
+    CHECK(toldOf(cubeWith("youngModulous=\"20000\"")) ==
+          Notes{"<TetrahedronFEMForceField> youngModulous is not read (did you mean 'youngModulus'?)"});
+    CHECK(toldOf(cubeWith("localStiffnessFactor=\"1 0.5\"")) ==
+          Notes{"<TetrahedronFEMForceField> localStiffnessFactor is not read"});
+    const auto body = [](const std::string& solver, const std::string& state, const std::string& mass) {
+        return toldOf("<Node name=\"B\"><EulerImplicitSolver " + solver +
+                      "/><RegularGridTopology n=\"2 2 2\"/><MechanicalObject " + state + "/><UniformMass " + mass +
+                      "/><TetrahedronFEMForceField/></Node>");
+    };
+    CHECK(body("firstOrder=\"1\"", "velocity=\"1 0 0\"", "totalMass=\"1\" filename=\"a\"") ==
+          Notes{"<EulerImplicitSolver> firstOrder is not read", "<MechanicalObject> velocity is not read",
+                "<UniformMass> filename is not read"});
+    CHECK(body("", "position=\"0 0 0\"", "totalMass=\"1\"") == Notes{"<MechanicalObject> position is not read"});
+    CHECK(errorOf(cubeWith("youngModulous=\"20000\""), {.strict = true}).ends_with("(strict)"));
+    // What draws, prints, links, or has the value that changes nothing.
+    CHECK(body("firstOrder=\"false\" vdamping=\"0.0\" printLog=\"1\" name=\"s\" tags=\"t\"",
+               "velocity=\"0 0 0  0 0 0\" restScale=\"1\" showObject=\"1\" showObjectScale=\"3\" reserve=\"9\"",
+               "totalMass=\"1\" showAxisSizeFactor=\"2\"")
+              .empty());
+    CHECK(toldOf(cubeWith("template=\"Vec3\" computeVonMisesStress=\"1\" showVonMisesStressPerNode=\"1\" "
+                          "localStiffnessFactor=\"1 1\" plasticYieldThreshold=\"0.1\" listening=\"1\""))
+              .empty());
+}
+
+TEST_CASE("a second elasticity or mass of a node of SOFA is told, and so is a mass that is given in two ways")
+{
+    CHECK(toldOf(cubeWith("", "<MeshSpringForceField stiffness=\"5\"/>")) ==
+          Notes{"<MeshSpringForceField> is not read: a <Node> has one elasticity here, and adds them in SOFA"});
+    CHECK(toldOf(cubeWith("", "<DiagonalMass massDensity=\"5\"/>")) ==
+          Notes{"<DiagonalMass> is not read: a <Node> has one mass here, and adds them in SOFA"});
+    const Imported both = scn("<Node name=\"B\"><EulerImplicitSolver/><RegularGridTopology n=\"2 2 2\"/>"
+                              "<MechanicalObject/><DiagonalMass massDensity=\"5\" totalMass=\"3\"/>"
+                              "<TetrahedronFEMForceField/></Node>");
+    CHECK(std::get<physics::TotalMass>(softOf(both).mass).value == 3); // as in SOFA
+    CHECK(both.notes.size() == 1);
+}
+
+TEST_CASE("a component that acts on no body that is read is told, and a body that is left out")
+{
+    CHECK(toldOf(cubeWith("", "<Node name=\"C\"><MechanicalObject/><ConstantForceField totalForce=\"0 1 0\"/>"
+                              "<BarycentricMapping/></Node>")) ==
+          Notes{"<ConstantForceField> is not read in a <Node> that is mapped"});
+    CHECK(toldOf(cubeWith("") + "<Node name=\"C\"><MechanicalObject template=\"Rigid3\"/>"
+                                "<RestShapeSpringsForceField/></Node>") ==
+          Notes{"<RestShapeSpringsForceField> is not read in a <Node> of a rigid body"});
+    CHECK(toldOf(cubeWith("") + "<Node name=\"C\"><MechanicalObject/></Node>") ==
+          Notes{"<Node> 'C' is left out: it has no elasticity that is read, and no surface that collides or is seen"});
+}
+
+TEST_CASE("collision models of SOFA of one group are told if they belong to several bodies")
+{
+    const std::string model = "<TriangleCollisionModel group=\"1\"/>";
+    CHECK(toldOf("<CollisionPipeline/>" + cubeWith("", model + "<LineCollisionModel group=\"1\"/>")).empty());
+    CHECK(toldOf("<CollisionPipeline/>" + cubeWith("", model) + cubeWith("", model)) ==
+          Notes{"<TriangleCollisionModel> group is not read: bodies of a group touch"});
+}
+
+TEST_CASE("the order of SOFA's explicit solver, the corner of a grid and the stretch of a state are read")
+{
+    const auto of = [](const std::string& solver) {
+        return softOf(
+            scn("<Node name=\"B\">" + solver +
+                "<RegularGridTopology n=\"2 2 2\" p0=\"3 0 0\" max=\"1 1 1\"/>"
+                "<MechanicalObject sx=\"2\"/><UniformMass totalMass=\"1\"/><TetrahedronFEMForceField/></Node>"));
+    };
+    const SoftBodyDef usual = of("<EulerExplicitSolver/>");
+    CHECK(std::get<physics::ExplicitEuler>(usual.integrator).symplectic); // SOFA's default
+    CHECK_FALSE(
+        std::get<physics::ExplicitEuler>(of("<EulerExplicitSolver symplectic=\"false\"/>").integrator).symplectic);
+    CHECK(meshOf(usual).nodes[0].x == 6);
+    CHECK(meshOf(usual).nodes[1].x == 8);
+}
+
+TEST_CASE("colours of SOFA are numbers, words or hexadecimal, and another word is told")
+{
+    const SceneFolder folder;
+    folder.write("solid.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    const auto with = [&](const std::string& colour) {
+        return loadScn(
+            folder.write("scene.scn", "<Node name=\"root\"><Node name=\"P\"><OglModel fileMesh=\"solid.obj\" "
+                                      "color=\"" +
+                                          colour + "\"/></Node></Node>"));
+    };
+    const auto colourOf = [](const Imported& imported) {
+        const auto& material = imported.scene.bodies.at(0).show.at(0).material;
+        REQUIRE(material);
+        return std::visit(
+            [](const auto& each) {
+                if constexpr (requires { each.baseColor; })
+                    return each.baseColor;
+                else
+                    return visual::Color{};
+            },
+            *material);
+    };
+    const auto same = [&](const std::string& word, const std::string& numbers) {
+        const Imported named = with(word);
+        return named.notes.empty() && colourOf(named) == colourOf(with(numbers));
+    };
+    CHECK_FALSE(same("red", "0 1 0"));
+    CHECK(same("red", "1 0 0"));
+    CHECK(same("gray", "0.5 0.5 0.5"));
+    CHECK(same("orange", "1 0.5 0"));
+    CHECK(same("#ff0000", "1 0 0"));
+    CHECK(same("#00FF0080", "0 1 0"));
+    const Imported other = with("rouge");
+    REQUIRE(other.notes.size() == 1);
+    CHECK(other.notes[0].find("<OglModel> color is not read: 'rouge' is none of SOFA's words") != std::string::npos);
+    CHECK(with("#12345").notes.size() == 1);
+}
+
+TEST_CASE("a scene of SOFA without a body says what was not read on the way")
+{
+    const std::string typo = errorOf("<Node name=\"B\"><RegularGridTopology n=\"2 2 2\"/><MechanicalObject/>"
+                                     "<UniformMass totalMass=\"1\"/>\n<TetraedronFEMForceField/></Node>");
+    CHECK(typo.starts_with("scene.scn:1:2: Node 'root' has no body that is read: "));
+    CHECK(
+        typo.find("scene.scn:3:2: <TetraedronFEMForceField> is not read (did you mean 'TetrahedronFEMForceField'?)") !=
+        std::string::npos);
+    CHECK(errorOf("<Node name=\"B\"><MechanicalObject/><TriangularFEMForceField/></Node>")
+              .find("<TriangularFEMForceField> is not read") != std::string::npos);
+    CHECK(errorOf("<Node name=\"B\"><MechanicalObject/></Node>").find("<Node> 'B' is left out") != std::string::npos);
 }
 
 constexpr const char* kObj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";

@@ -6,6 +6,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
+
 namespace filasofia::scene {
 namespace import_urdf_test {
 
@@ -82,6 +84,26 @@ TEST_CASE("URDF: a double pendulum has the hash of the same articulation in Defs
     }
     const auto frame = file.physics().latest();
     CHECK(std::abs(frame->rigidBody(arm)->joints[0].position) > 0.5);
+}
+
+TEST_CASE("URDF: a mass of 0 is told if its link moves, and so is its inertia")
+{
+    const auto told = [](const std::string& type, const std::string& inertia) {
+        std::vector<std::string> notes = urdf("<link name=\"base\"/><link name=\"arm\"><inertial><mass value=\"0\"/>" +
+                                              inertia + "</inertial></link><joint name=\"turn\" type=\"" + type +
+                                              "\"><parent link=\"base\"/><child link=\"arm\"/></joint>")
+                                             .notes;
+        for (std::string& each : notes) each = each.substr(each.find(": ") + 2);
+        return notes;
+    };
+    const std::string some = "<inertia ixx=\"1e-3\" iyy=\"1e-3\" izz=\"1e-3\"/>";
+    const std::string weightless = "a moving link with a <mass> of 0 gets a millionth of the mass of its robot";
+    const auto holds = [](const std::vector<std::string>& notes, const std::string& line) {
+        return std::ranges::find(notes, line) != notes.end();
+    };
+    CHECK(holds(told("continuous", ""), weightless));
+    CHECK(holds(told("continuous", some), "<inertia> of a link with a <mass> of 0 is not read"));
+    CHECK_FALSE(holds(told("fixed", ""), weightless));
 }
 
 TEST_CASE("URDF: a link that is fixed to another is part of it, with its mass and its shapes")

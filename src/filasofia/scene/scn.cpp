@@ -1,58 +1,21 @@
 #include "filasofia/core/error.h"
+#include "filasofia/core/word.h"
 #include "filasofia/geometry/surface.h"
 #include "filasofia/scene/import.h"
 #include "filasofia/scene/rigid_tree.h"
+#include "filasofia/scene/scn_attributes.h"
 #include "filasofia/scene/scn_tissue.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
 
 namespace filasofia::scene {
 namespace {
 
 using geometry::TetMesh;
 using geometry::TriangleMesh;
-
-const std::vector<std::string_view> kCollision = {"TriangleCollisionModel", "LineCollisionModel", "PointCollisionModel",
-                                                  "SphereCollisionModel"};
-/// What a scene needs in SOFA and not here, or what is read of the node that holds it.
-const std::vector<std::string_view> kSilent = {"RequiredPlugin",
-                                               "DefaultAnimationLoop",
-                                               "DefaultVisualManagerLoop",
-                                               "FreeMotionAnimationLoop",
-                                               "VisualStyle",
-                                               "CollisionPipeline",
-                                               "BruteForceBroadPhase",
-                                               "BVHNarrowPhase",
-                                               "CollisionResponse",
-                                               "MinProximityIntersection",
-                                               "LocalMinDistance",
-                                               "NewProximityIntersection",
-                                               "DiscreteIntersection",
-                                               "GenericConstraintSolver",
-                                               "BlockGaussSeidelConstraintSolver",
-                                               "LCPConstraintSolver",
-                                               "NNCGConstraintSolver",
-                                               "CGLinearSolver",
-                                               "PCGLinearSolver",
-                                               "SparseLDLSolver",
-                                               "EigenSimplicialLDLT",
-                                               "AsyncSparseLDLSolver",
-                                               "CholeskySolver",
-                                               "BTDLinearSolver",
-                                               "MatrixLinearSystem",
-                                               "BackgroundSetting",
-                                               "LightManager",
-                                               "VisualGrid",
-                                               "OglSceneFrame",
-                                               "LineAxis",
-                                               "InteractiveCamera",
-                                               "ConstraintAttachButtonSetting",
-                                               "AttachBodyButtonSetting",
-                                               "MechanicalObject",
-                                               "BoxROI",
-                                               "BoxConstraint"};
 
 class ScnLoader {
 public:
@@ -65,7 +28,7 @@ public:
     {
         readRoot();
         walk(source_.root());
-        if (out_.scene.bodies.empty()) reader_.refuse(source_.root(), "has no body that is read");
+        if (out_.scene.bodies.empty()) reader_.refuse(source_.root(), "has no body that is read" + whatWasNot());
         if (!isEmpty(around_)) out_.scene.look.around = around_;
         out_.scene.look.direction = {0.5, 0.4, 1.0};
         out_.scene.files = reader_.files();
@@ -108,6 +71,16 @@ private:
         return found ? Element{found, source_.root().file} : Element{};
     }
 
+    /// The first notes, one of which is why there is no body.
+    [[nodiscard]] std::string whatWasNot() const
+    {
+        constexpr std::size_t few = 5;
+        std::string all;
+        for (std::size_t i = 0; i < std::min(few, reader_.notes().size()); ++i)
+            all += text(i == 0 ? ": " : "; ", reader_.notes()[i]);
+        return reader_.notes().size() > few ? all + "; ..." : all;
+    }
+
     void walk(const Element& node)
     {
         const Attributes says(node);
@@ -115,11 +88,12 @@ private:
             return reader_.note(node, "activated", "a <Node> that is not activated is left out");
         const Element state = source_.component(node, {"MechanicalObject"});
         if (isMapped(node)) {
-            // It is read with the body that it follows.
+            tellUnused(node, "that is mapped"); // the rest is read with the body that it follows
         } else if (state) {
             addBody(node, state);
-        } else if (source_.component(node, {"OglModel"})) {
-            addPicture(node);
+        } else {
+            tellUnused(node, "without a <MechanicalObject>");
+            if (source_.component(node, {"OglModel"})) addPicture(node);
         }
         tellRest(node);
         for (const Element& each : source_.nodesIn(node)) walk(each);
@@ -133,24 +107,32 @@ private:
     }
     void tellRest(const Element& node)
     {
-        for (const Element& each : source_.componentsIn(node)) {
-            const std::string_view tag = each.tag();
-            const bool read = isOneOf(tag, kSilent) || isOneOf(tag, kElastic) || isOneOf(tag, kHyperelastic) ||
-                              isOneOf(tag, kSprings) || isOneOf(tag, kMasses) || isOneOf(tag, kImplicit) ||
-                              isOneOf(tag, kExplicit) || isOneOf(tag, kFixed) || isOneOf(tag, kCollision) ||
-                              tag.ends_with("Loader") || tag.ends_with("Topology") ||
-                              tag.ends_with("TopologyContainer") || tag.ends_with("TopologyModifier") ||
-                              tag.ends_with("GeometryAlgorithms") || tag.ends_with("Mapping") ||
-                              tag.ends_with("ConstraintCorrection") || tag == "OglModel" ||
-                              tag == "RestShapeSpringsForceField" || tag == "ConstantForceField";
-            if (!read) reader_.tellUnread(each);
-        }
+        tellUnreadAttributes(node, reader_);
+        for (const Element& each : source_.componentsIn(node)) tellUnreadOf(each, reader_);
+    }
+    /// Tells what deforms, holds or loads tissue, in a node that has none.
+    void tellUnused(const Element& node, std::string_view where)
+    {
+        const bool rigid = isRigid(source_.component(node, {"MechanicalObject"}));
+        for (const Element& each : source_.componentsIn(node))
+            if (ScnTissue::actsOnTissue(each.tag()) || (!rigid && isOneOf(each.tag(), kFixed)))
+                reader_.tell(each, text("<", each.tag(), where),
+                             text("<", each.tag(), "> is not read in a <Node> ", where));
+    }
+    [[nodiscard]] static bool isRigid(const Element& state)
+    {
+        const auto kind = Attributes(state).find("template");
+        return kind && kind->words.starts_with("Rigid");
     }
 
     [[nodiscard]] std::string nameOf(const Element& node)
     {
         const std::string name = reader_.word(Attributes(node), "name");
         return names_.take(name.empty() ? "body" : name);
+    }
+    [[nodiscard]] std::string called(const Element& node) const
+    {
+        return text("<Node> '", shortened(reader_.word(Attributes(node), "name")), "'");
     }
     void add(physics::BodyDef def, std::vector<runtime::ShowDef> show, const Element& place)
     {
@@ -185,9 +167,7 @@ private:
     {
         if (!tissue_.lawOf(node)) {
             if (source_.component(node, kMasses))
-                reader_.tell(node, "no elasticity",
-                             text("<Node> '", reader_.word(Attributes(node), "name"),
-                                  "' has a mass and no elasticity that is read"));
+                reader_.tell(node, "no elasticity", text(called(node), " has a mass and no elasticity that is read"));
             else
                 addObstacle(node, state);
             return;
@@ -222,9 +202,21 @@ private:
         physics::CollisionDef def{.proximity = proximity_};
         if (mesh) def.mesh = std::move(mesh);
         for (const Element& each : source_.componentsIn(node))
-            if (isOneOf(each.tag(), kCollision))
+            if (isOneOf(each.tag(), kCollision)) {
                 def.self = def.self || reader_.flag(Attributes(each), "selfCollision", false);
+                tellGroup(each);
+            }
         to.push_back(std::move(def));
+    }
+    /// In SOFA collision models of a common group do not touch; those of one body do not here, either.
+    void tellGroup(const Element& model)
+    {
+        const std::size_t body = out_.scene.bodies.size(); // the one that is being made
+        forEachWord(reader_.word(Attributes(model), "group"), [&](std::string_view group) {
+            const auto [first, fresh] = bodyOfGroup_.try_emplace(std::string(group), body);
+            if (!fresh && first->second != body)
+                reader_.tell(model, "group", text("<", model.tag(), "> group is not read: bodies of a group touch"));
+        });
     }
     /// What follows a body: the nodes in its node that are mapped, with collision models and pictures.
     void follow(const Element& node, const ScnSource::Placing& outer, std::vector<physics::CollisionDef>& collision,
@@ -264,13 +256,22 @@ private:
         const char* file = says.has("filename") ? "filename" : "fileMesh";
         const ScnMesh mesh = says.has(file) ? source_.surfaceFile(picture, file) : source_.meshOf(picture, true);
         if (const auto surface = surfaceOf(mesh, {picture, outer})) def.surface = surface;
-        if (const auto colour = says.find("color");
-            colour && !colour->words.empty() &&
-            (std::isdigit(static_cast<unsigned char>(colour->words[0])) || colour->words[0] == '.')) {
-            const std::vector<double> rgb = reader_.numbers(*colour, 3, 4, closed(0, 1));
-            def.material = plainMaterial({rgb[0], rgb[1], rgb[2]});
-        }
+        if (const auto colour = says.find("color"); colour && !colour->words.empty())
+            if (const auto rgb = colourOf(*colour)) def.material = plainMaterial(*rgb);
         show.push_back(std::move(def));
+    }
+    std::optional<Vec3> colourOf(const Attribute& colour)
+    {
+        if (std::isdigit(static_cast<unsigned char>(colour.words[0])) || colour.words[0] == '.') {
+            const std::vector<double> rgb = reader_.numbers(colour, 3, 4, closed(0, 1));
+            return Vec3{rgb[0], rgb[1], rgb[2]};
+        }
+        const auto named = colourNamed(colour.words);
+        if (!named)
+            reader_.tell(colour.at, text("color ", colour.words),
+                         text("<OglModel> color is not read: '", shortened(colour.words),
+                              "' is none of SOFA's words, numbers or #rrggbb"));
+        return named;
     }
 
     /// Triangles that nothing moves.
@@ -278,7 +279,13 @@ private:
     {
         const auto surface = surfaceOf(source_.meshIn(node, true), {state});
         const bool touches = collides_ && source_.component(node, kCollision);
-        if (!surface || (!touches && !source_.component(node, {"OglModel"}))) return;
+        if (!surface && touches)
+            return reader_.tell(node, "no triangles",
+                                text(called(node), " collides, and has no triangles that are read"));
+        if (!surface || (!touches && !source_.component(node, {"OglModel"})))
+            return reader_.note(node, "left out",
+                                text(called(node), " is left out: it has no elasticity that is read, "
+                                                   "and no surface that collides or is seen"));
         grow(surface->vertices, world_);
         physics::RigidBodyDef def{.name = nameOf(node)};
         def.elements = {world_};
@@ -317,6 +324,7 @@ private:
         }
         const Element mass = source_.component(node, kMasses);
         const Element fixed = source_.component(node, kFixed);
+        tellUnused(node, "of a rigid body");
         def.dynamic = mass && !fixed && (source_.inherited(node, kImplicit) || source_.inherited(node, kExplicit));
         std::vector<runtime::ShowDef> show;
         if (collides_ && source_.component(node, kCollision))
@@ -353,7 +361,8 @@ private:
     {
         const Attributes says(mass);
         double total = 1.0;
-        if (const auto given = says.findAny({"totalMass", "vertexMass"}); given && !given->words.starts_with('@'))
+        if (const auto given = says.find(says.has("totalMass") ? "totalMass" : "vertexMass");
+            given && !given->words.starts_with('@'))
             total =
                 reader_.numbers({given->at, given->name, given->words.substr(0, given->words.find(' '))}, 1, 1).front();
         if (says.has("totalMass")) total /= static_cast<double>(def.elements.size());
@@ -378,6 +387,7 @@ private:
     Names names_;
     Pose world_; ///< from the scene's axes to ours, which have y up
     geometry::Box around_;
+    std::map<std::string, std::size_t> bodyOfGroup_; ///< the first body of a group of collision models
     bool collides_ = false;
     double proximity_ = 0.5e-3; ///< [m]
     double friction_ = 0.0;     ///< [-]

@@ -127,7 +127,8 @@ ScnSource::Placing ScnSource::placingOf(const Element& component) const
 {
     const Attributes says(component);
     Placing out;
-    out.scale = reader.vector(says, "scale3d", {1, 1, 1});
+    out.scale = reader.vector(
+        says, "scale3d", {reader.number(says, "sx", 1), reader.number(says, "sy", 1), reader.number(says, "sz", 1)});
     if (const auto given = says.find("scale")) { // one number, or three
         const std::vector<double> v = reader.numbers(*given, 1, 3);
         out.scale = v.size() == 3 ? Vec3{v[0], v[1], v[2]} : v[0] * out.scale;
@@ -180,12 +181,15 @@ std::shared_ptr<const geometry::TetMesh> ScnSource::gridOf(const Element& grid)
     }
     if (static_cast<double>(n[0]) * n[1] * n[2] > kMostNodes)
         reader.refuse(grid, text("must have at most ", kMostNodes, " nodes"));
-    const Vec3 low = reader.vector(
+    Vec3 low = reader.vector(
         says, "min", {reader.number(says, "xmin", 0), reader.number(says, "ymin", 0), reader.number(says, "zmin", 0)});
-    const Vec3 high = reader.vector(
+    Vec3 high = reader.vector(
         says, "max", {reader.number(says, "xmax", 1), reader.number(says, "ymax", 1), reader.number(says, "zmax", 1)});
     if (!(high.x > low.x && high.y > low.y && high.z > low.z))
         reader.refuse(grid, "must have a size along each axis: max must be above min");
+    const Vec3 corner = reader.vector(says, "p0", low); // takes the place of the lower one, and leaves the size
+    high = high + (corner - low);
+    low = corner;
     geometry::TetMesh mesh;
     for (int z = 0; z < n[2]; ++z)
         for (int y = 0; y < n[1]; ++y)

@@ -34,6 +34,10 @@ Element ScnTissue::lawOf(const Element& node) const
 
 void ScnTissue::read(const Element& node, const TetMesh& mesh, physics::SoftBodyDef& def)
 {
+    std::vector<std::string_view> laws;
+    for (const auto* tags : {&kElastic, &kHyperelastic, &kSprings}) laws.insert(laws.end(), tags->begin(), tags->end());
+    tellFurther(node, laws, "elasticity");
+    tellFurther(node, kMasses, "mass");
     readMaterial(lawOf(node), def);
     readMass(node, mesh, def);
     readSolver(node, def);
@@ -47,45 +51,109 @@ void ScnTissue::readMaterial(const Element& law, physics::SoftBodyDef& def)
     if (isOneOf(law.tag(), kHyperelastic)) {
         def.material = hyperelastic(law);
     } else if (isOneOf(law.tag(), kSprings)) {
-        const auto named = [&](std::initializer_list<std::string_view> names, std::string_view standard) {
-            const auto found = says.findAny(names);
-            return found ? found->name : standard;
-        };
-        def.material = physics::MassSpringMaterial{
-            .stiffness = firstOf(says, named({"stiffness", "linesStiffness", "tetrasStiffness"}, "stiffness"), 100.0,
-                                 positive()),
-            .damping =
-                firstOf(says, named({"damping", "linesDamping", "tetrasDamping"}, "damping"), 0.0, nonNegative())};
+        readSprings(says, def);
     } else {
         physics::FemMaterial material;
         material.law = physics::Corotational{};
         material.youngModulus = firstOf(says, "youngModulus", 5000.0, positive());
-        material.poissonRatio = std::min(firstOf(says, "poissonRatio", 0.45, closedOpen(0, 0.5)), 0.4999);
-        if (reader_.word(says, "method") == "small")
-            reader_.note(law, "small", "method \"small\" is read as corotational elasticity");
+        material.poissonRatio = bounded(law, firstOf(says, "poissonRatio", 0.45, closedOpen(0, 0.5)));
+        if (const std::string method = reader_.word(says, "method");
+            method == "small" || method == "linear" || method == "none")
+            reader_.note(law, "small", text("method \"", method, "\" is read as corotational elasticity"));
         def.material = material;
+    }
+}
+
+double ScnTissue::bounded(const Element& law, double ratio)
+{
+    constexpr double most = 0.4999;
+    if (ratio > most) reader_.note(law, "nu", text("a Poisson's ratio above ", most, " is read as ", most));
+    return std::min(ratio, most);
+}
+
+void ScnTissue::readSprings(const Attributes& says, physics::SoftBodyDef& def)
+{
+    def.material = physics::MassSpringMaterial{
+        .stiffness =
+            firstOf(says, oneOf(says, {"stiffness", "linesStiffness", "tetrahedraStiffness", "tetrasStiffness"}), 100.0,
+                    positive()),
+        .damping = firstOf(says, oneOf(says, {"damping", "linesDamping", "tetrahedraDamping", "tetrasDamping"}), 0.0,
+                           nonNegative())};
+}
+
+std::string_view ScnTissue::oneOf(const Attributes& says, std::initializer_list<std::string_view> names)
+{
+    const auto first = says.findAny(names);
+    if (!first) return *names.begin();
+    for (const std::string_view each : names)
+        if (const auto other = says.find(each); other && each != first->name && other->words != first->words)
+            reader_.tell(other->at, text(each, " beside"),
+                         text("<", other->at.tag(), "> ", each, " is not read beside ", first->name));
+    return first->name;
+}
+
+bool ScnTissue::actsOnTissue(std::string_view tag)
+{
+    return isOneOf(tag, kElastic) || isOneOf(tag, kHyperelastic) || isOneOf(tag, kSprings) ||
+           tag == "RestShapeSpringsForceField" || tag == "ConstantForceField";
+}
+
+void ScnTissue::tellFurther(const Element& node, const std::vector<std::string_view>& tags, std::string_view what)
+{
+    bool first = true;
+    for (const Element& each : source_.componentsIn(node)) {
+        if (!isOneOf(each.tag(), tags)) continue;
+        if (!first)
+            reader_.tell(
+                each, text("further ", what),
+                text("<", each.tag(), "> is not read: a <Node> has one ", what, " here, and adds them in SOFA"));
+        first = false;
     }
 }
 
 physics::FemMaterial ScnTissue::hyperelastic(const Element& law)
 {
+    constexpr const char* read = "StVenantKirchhoff, NeoHookean, StableNeoHookean or MooneyRivlin";
     const Attributes says(law);
     const auto parameters = says.find("ParameterSet");
-    const std::string name = reader_.word(says, "materialName");
-    const bool venant = name == "StVenantKirchhoff";
-    if (!parameters || (!venant && name != "StableNeoHookean" && name != "NeoHookean"))
-        reader_.refuse(
-            law, "must have the material StVenantKirchhoff, NeoHookean or StableNeoHookean, and its ParameterSet");
+    const auto named = says.find("materialName");
+    if (!named) reader_.refuse(law, text("must have the materialName ", read));
+    const std::string_view name = named->words;
+    if (name != "StVenantKirchhoff" && name != "NeoHookean" && name != "StableNeoHookean" && name != "MooneyRivlin")
+        reader_.refuse(*named, text("must be ", read));
+    if (!parameters) reader_.refuse(law, "must have a ParameterSet");
+    if (name == "NeoHookean" || name == "MooneyRivlin")
+        reader_.note(law, text("volume ", name),
+                     text("the pressure of ", name, " goes with J - 1, and not with ln J / J: alike near J = 1"));
+    if (name == "MooneyRivlin") return mooneyRivlin(says);
     const std::vector<double> values = reader_.numbers(*parameters, 2, 2, positive());
     const double mu = values[0];
-    const double lambda = name == "NeoHookean" ? values[1] - 2.0 / 3.0 * mu : values[1]; // a bulk modulus there
+    const double lambda = values[1];
+    if (name == "NeoHookean")
+        reader_.note(law, "NeoHookean",
+                     "the ParameterSet of NeoHookean is read as that of SOFA since 24.06: mu, lambda");
     physics::FemMaterial material;
-    if (venant)
+    if (name == "StVenantKirchhoff")
         material.law = physics::StVenantKirchhoff{};
     else
         material.law = physics::NeoHookean{};
     material.youngModulus = mu * (3 * lambda + 2 * mu) / (lambda + mu);
-    material.poissonRatio = std::clamp(lambda / (2 * (lambda + mu)), 0.0, 0.4999);
+    material.poissonRatio = bounded(law, lambda / (2 * (lambda + mu)));
+    return material;
+}
+
+// SOFA: W = c1 (i1 - 3) + c2 (i2 - 3) + k0/2 ln^2 J, with the invariants at constant volume.
+physics::FemMaterial ScnTissue::mooneyRivlin(const Attributes& says)
+{
+    const std::vector<double> values = reader_.numbers(*says.find("ParameterSet"), 3, 3, nonNegative());
+    const double shear = 2 * (values[0] + values[1]), bulk = values[2];
+    const double ratio = (3 * bulk - 2 * shear) / (2 * (3 * bulk + shear));
+    if (!(shear > 0.0 && ratio >= 0.0))
+        reader_.refuse(*says.find("ParameterSet"), "must be c1, c2 and k0 with c1 + c2 > 0 and k0 >= 4/3 (c1 + c2)");
+    physics::FemMaterial material;
+    material.law = physics::MooneyRivlin{.share = values[1] / (values[0] + values[1])};
+    material.poissonRatio = bounded(says.element(), ratio);
+    material.youngModulus = 2 * shear * (1 + material.poissonRatio);
     return material;
 }
 
@@ -104,13 +172,22 @@ void ScnTissue::readMass(const Element& node, const TetMesh& mesh, physics::Soft
     const Element mass = source_.inherited(node, kMasses);
     if (!mass) return reader_.note(node, "no mass", "a body without a mass gets 1000 kg/m^3");
     const Attributes says(mass);
-    if (says.has("massDensity"))
-        def.mass = physics::Density{firstOf(says, "massDensity", 1.0, positive())};
-    else if (says.has("totalMass"))
-        def.mass = physics::TotalMass{firstOf(says, "totalMass", 1.0, positive())};
+    const auto oneNode = [&](std::string_view name) {
+        return physics::TotalMass{firstOf(says, name, 1.0, positive()) * static_cast<double>(mesh.nodes.size())};
+    };
+    // What counts of several is what counts in SOFA.
+    const auto beside = [&](std::string_view counts) {
+        for (const std::string_view each : {"totalMass", "massDensity", "vertexMass"})
+            if (each != counts && says.has(each))
+                reader_.tell(mass, text(each, " beside"),
+                             text("<", mass.tag(), "> ", each, " is not read beside ", counts));
+    };
+    if (says.has("totalMass"))
+        beside("totalMass"), def.mass = physics::TotalMass{firstOf(says, "totalMass", 1.0, positive())};
+    else if (says.has("massDensity"))
+        beside("massDensity"), def.mass = physics::Density{firstOf(says, "massDensity", 1.0, positive())};
     else
-        def.mass = physics::TotalMass{firstOf(says, says.has("vertexMass") ? "vertexMass" : "mass", 1.0, positive()) *
-                                      static_cast<double>(mesh.nodes.size())};
+        def.mass = oneNode(says.has("vertexMass") ? "vertexMass" : "mass");
 }
 
 void ScnTissue::readSolver(const Element& node, physics::SoftBodyDef& def)
@@ -119,8 +196,10 @@ void ScnTissue::readSolver(const Element& node, physics::SoftBodyDef& def)
         const Attributes says(implicit);
         def.rayleigh = {.mass = reader_.number(says, "rayleighMass", 0.0, nonNegative()),
                         .stiffness = reader_.number(says, "rayleighStiffness", 0.0, nonNegative())};
-    } else if (source_.inherited(node, kExplicit)) {
-        def.integrator = physics::ExplicitEuler{};
+        if (!implicit.tag().starts_with("EulerImplicit"))
+            reader_.note(implicit, "implicit", text("<", implicit.tag(), "> is read as an EulerImplicitSolver"));
+    } else if (const Element explicitly = source_.inherited(node, kExplicit)) {
+        def.integrator = physics::ExplicitEuler{.symplectic = reader_.flag(Attributes(explicitly), "symplectic", true)};
     } else {
         reader_.note(node, "no solver", "a body without a solver that is read is solved implicitly");
     }

@@ -21,14 +21,23 @@ public:
 
     /// From the scene's axes to ours.
     void turn(const Pose& world) { world_ = world; }
+    /// Whether a component deforms, holds or loads the body of its node, and is read there.
+    [[nodiscard]] static bool actsOnTissue(std::string_view tag);
     /// The elasticity of a node, if it has one that is read.
     [[nodiscard]] Element lawOf(const Element& node) const;
     /// Reads all but mesh, place, contact and picture of the node's body; `mesh` is in the scene's coordinates.
     void read(const Element& node, const geometry::TetMesh& mesh, physics::SoftBodyDef& def);
 
 private:
+    /// Tells all components of a node with one of these tags but the first.
+    void tellFurther(const Element& node, const std::vector<std::string_view>& tags, std::string_view what);
     void readMaterial(const Element& law, physics::SoftBodyDef& def);
     [[nodiscard]] physics::FemMaterial hyperelastic(const Element& law);
+    [[nodiscard]] double bounded(const Element& law, double poissonRatio);
+    [[nodiscard]] physics::FemMaterial mooneyRivlin(const Attributes& says);
+    void readSprings(const Attributes& says, physics::SoftBodyDef& def);
+    /// The first of these attributes that a component has; it tells the others.
+    [[nodiscard]] std::string_view oneOf(const Attributes& says, std::initializer_list<std::string_view> names);
     void readMass(const Element& node, const geometry::TetMesh& mesh, physics::SoftBodyDef& def);
     void readSolver(const Element& node, physics::SoftBodyDef& def);
     void pin(const Element& node, const geometry::TetMesh& mesh, physics::SoftBodyDef& def);

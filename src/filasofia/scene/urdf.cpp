@@ -286,7 +286,21 @@ private:
             reader_.note(element, "base", "the base stands still: its <inertial> is not used");
             return;
         }
+        if (weight == 0.0) tellWeightless(at, element, inertia);
         tree_.addInertia(at.element, moved(at.pose * originOf(element), {weight, {}, m}), element);
+    }
+
+    /// A mass of 0 is meant if a link is fixed to another, or lies between two joints; its inertia never is.
+    void tellWeightless(const Place& at, const Element& inertial, const Element& inertia)
+    {
+        const UrdfLink& link = links_[at.link];
+        const Attributes says(inertia);
+        const auto turns = [&](const char* name) { return reader_.number(says, name, 0.0) != 0.0; };
+        if (turns("ixx") || turns("iyy") || turns("izz"))
+            reader_.tell(inertia, "weightless", "<inertia> of a link with a <mass> of 0 is not read");
+        if (link.moves.empty() && Attributes(joints_[link.mover].element).find("type")->words != "fixed")
+            reader_.note(inertial, "weightless link",
+                         "a moving link with a <mass> of 0 gets a millionth of the mass of its robot");
     }
 
     void readShape(const Element& element, const Place& at)

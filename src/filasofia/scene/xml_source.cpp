@@ -27,16 +27,6 @@ std::string lineAndColumn(const XmlFile& file, std::size_t byte)
     return text(line, ":", byte - *(next - 1) + 1);
 }
 
-/// Calls `visit` for the words of a list, which blanks separate.
-template <class Visit> void forEachWord(std::string_view words, Visit&& visit)
-{
-    for (std::size_t at = words.find_first_not_of(kBlanks); at != std::string_view::npos;) {
-        const std::size_t end = std::min(words.find_first_of(kBlanks, at), words.size());
-        visit(words.substr(at, end - at));
-        at = words.find_first_not_of(kBlanks, end);
-    }
-}
-
 template <class Number> std::optional<Number> parsed(std::string_view word)
 {
     if (word.starts_with('+')) word.remove_prefix(1);
@@ -199,10 +189,14 @@ void XmlReader::tellUnread(const Element& element, const std::vector<std::string
     for (const pugi::xml_attribute each : element.node.attributes()) {
         const std::string_view name = each.name();
         if (std::ranges::find(carried, name) != carried.end() || name.starts_with("xmlns")) continue;
-        const std::string hint = didYouMean(name, {carried.begin(), carried.end()});
-        tell(element, text(element.tag(), ".", name),
-             text("<", shortened(element.tag()), "> ", shortened(name), " is not read", hint));
+        tellUnread(element, name, {carried.begin(), carried.end()});
     }
+}
+
+void XmlReader::tellUnread(const Element& element, std::string_view attribute, const std::vector<std::string>& meant)
+{
+    tell(element, text(element.tag(), ".", attribute),
+         text("<", shortened(element.tag()), "> ", shortened(attribute), " is not read", didYouMean(attribute, meant)));
 }
 
 std::string XmlReader::word(const Attributes& from, std::string_view name) const

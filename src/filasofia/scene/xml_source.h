@@ -6,6 +6,7 @@
 
 #include <pugixml.hpp>
 
+#include <algorithm>
 #include <list>
 #include <optional>
 #include <set>
@@ -61,6 +62,17 @@ private:
     std::vector<Element> layers_;
 };
 
+/// Calls `visit` for the words of a list, which blanks separate.
+template <class Visit> void forEachWord(std::string_view words, Visit&& visit)
+{
+    constexpr std::string_view blanks = " \t\r\n";
+    for (std::size_t at = words.find_first_not_of(blanks); at != std::string_view::npos;) {
+        const std::size_t end = std::min(words.find_first_of(blanks, at), words.size());
+        visit(words.substr(at, end - at));
+        at = words.find_first_not_of(blanks, end);
+    }
+}
+
 /// All that a file gets when it is read: errors, values, and notes on what is not carried.
 class XmlReader {
 public:
@@ -85,6 +97,8 @@ public:
     void tellUnread(const Element& element);
     void tellUnread(const Element& element, std::initializer_list<std::string_view> carried);
     void tellUnread(const Element& element, const std::vector<std::string_view>& carried);
+    /// The same for one attribute of it; `meant`: those that it may be a slip of.
+    void tellUnread(const Element& element, std::string_view attribute, const std::vector<std::string>& meant);
 
     [[nodiscard]] std::string word(const Attributes& from, std::string_view name) const;
     [[nodiscard]] std::string requiredWord(const Attributes& from, std::string_view name) const;
@@ -111,6 +125,7 @@ public:
     [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
     /// The files that were read or named, in order.
     [[nodiscard]] std::vector<std::filesystem::path> files() const;
+    [[nodiscard]] const std::vector<std::string>& notes() const { return notes_; }
     [[nodiscard]] std::vector<std::string> takeNotes() { return std::move(notes_); }
 
     static constexpr Range kUsual = closed(-1e12, 1e12); ///< far from overflow, far beyond all that is meant
