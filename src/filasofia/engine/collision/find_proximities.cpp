@@ -85,6 +85,13 @@ bool farApart(const SurfacePair& meeting, std::array<int, 2> pair)
     return farApart(one.plates[pair[0]], two.plates[pair[1]], static_cast<float>(far) * (1.0f + 0x1p-20f));
 }
 
+// Threads meet flat edges: without, forces around a cylinder were off by 1.5 and 3.2 % (90 and 180 degrees), in place
+// of 0.5 and 0.6.
+bool isFlatFor(const CollisionShape& other, const CollisionShape& shape, int edge)
+{
+    return shape.flat(edge) && !other.triangles.empty();
+}
+
 // Every feature is tested where its owner is. If a surface is tested against itself, its points always stand on the
 // first side.
 void testElements(const SurfacePair& meeting, std::array<int, 2> pair, ProximityScratch::Part& out)
@@ -96,11 +103,11 @@ void testElements(const SurfacePair& meeting, std::array<int, 2> pair, Proximity
     if (!one.lines || !two.lines) return;
     const Bounds& other = meeting.sides[1]->elementBounds[pair[1]];
     for (const int a : one.elements[pair[0]].ownEdges) {
-        if (a < 0 || one.flat(a)) continue;
+        if (a < 0 || isFlatFor(two, one, a)) continue;
         const std::vector<Bounds>& at = meeting.sides[0]->vertexBounds;
         if (!meet(merged(at[one.edges[a][0]], at[one.edges[a][1]]), other)) continue;
         for (const int b : two.elements[pair[1]].ownEdges)
-            if (b >= 0 && !two.flat(b)) collideEdges(meeting, a, b, out.edges);
+            if (b >= 0 && !isFlatFor(one, two, b)) collideEdges(meeting, a, b, out.edges);
     }
 }
 
