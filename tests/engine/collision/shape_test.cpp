@@ -32,14 +32,9 @@ TEST_CASE("a shape that never deforms knows its flat edges, and those of others 
     const CollisionShape box = makeCollisionShape(boxMesh({1, 1, 1}, 2), {.rigid = true});
     int flat = 0;
     for (int e = 0; e < static_cast<int>(box.edges.size()); ++e) {
-        const auto [a, b] = box.edges[e];
-        const auto onRim = [&](double Vec3::*one, double Vec3::*two) {
-            const auto ends = [&](double Vec3::*axis) {
-                const double x = box.rest[a].*axis;
-                return x == box.rest[b].*axis && std::abs(x) == 1.0;
-            };
-            return ends(one) && ends(two);
-        };
+        const Vec3 a = box.rest[box.edges[e][0]], b = box.rest[box.edges[e][1]];
+        const auto onSide = [&](double Vec3::*axis) { return a.*axis == b.*axis && std::abs(a.*axis) == 1.0; };
+        const auto onRim = [&](double Vec3::*one, double Vec3::*two) { return onSide(one) && onSide(two); };
         CHECK(box.flat(e) != (onRim(&Vec3::x, &Vec3::y) || onRim(&Vec3::y, &Vec3::z) || onRim(&Vec3::z, &Vec3::x)));
         flat += box.flat(e) ? 1 : 0;
     }
