@@ -63,8 +63,8 @@ struct CollisionShape {
     std::vector<std::array<int, 2>> edges;     ///< each edge once, lower vertex first, ascending
     geometry::CompressedRows edgeTriangles;    ///< per edge, ascending
     std::vector<int> edgeOpposites;            ///< parallel to edgeTriangles.items: the triangle's third vertex
-    /// Per edge of a shape that never deforms: 1 if its two triangles lie in one plane. It meets no edge: what lies
-    /// across it touches the plane with a point. Empty: none does.
+    /// Per edge of a shape that never deforms: 1 if its two triangles lie in one plane. It meets no triangle's edge:
+    /// what lies across it touches the plane with a point. Empty: no edge is known to be flat.
     std::vector<char> flatEdges;
     geometry::CompressedRows vertexEdges;     ///< per vertex, ascending
     geometry::CompressedRows vertexTriangles; ///< per vertex, ascending
