@@ -333,15 +333,17 @@ class Run(Program):
             self.assertEqual(done.stderr.count("\n"), 1)
 
     def test_a_run_with_warnings_fails_only_on_request(self):
-        block = '"type": "SoftBodyDef", "mesh": {"type": "block", "size": "20 20 20 mm", "cells": [1, 1, 1]}'
-        for held, code in (("[-1, -1, -1], [1, 1, 1]", 0), ("[8, 8, 8], [9, 9, 9]", 1)): # nothing is in the second box
+        block = ('"mesh": {"type": "block", "size": "20 20 20 mm", "cells": [1, 2, 1]}, "attachments": [{"box": '
+                 '[[-1, "9 mm", -1], [1, 1, 1]]}], "material": {"youngModulus": 1000, "validStrain": ')
+        for valid, code in ((0.5, 0), (0.001, 1)):
             with tempfile.TemporaryDirectory() as folder:
                 scene = Path(folder, "scene.json")
-                scene.write_text('{"bodies": [{' + block + ', "attachments": [{"box": [' + held + ']}]}]}')
+                scene.write_text('{"bodies": [{' + block + f"{valid}" + '}}]}')
                 for more, expected in (([], 0), (["--fail-on-warnings"], code)):
-                    done = subprocess.run([PROGRAM, "run", str(scene), "--headless", "--steps", "3", *more], text=True,
+                    done = subprocess.run([PROGRAM, "run", str(scene), "--headless", "--steps", "30", *more], text=True,
                                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300)
                     self.assertEqual(done.returncode, expected, done.stderr)
+                    self.assertEqual("strained beyond" in done.stderr, code == 1)
                     self.assertIn("state hash", done.stdout)
 
     def test_robots_and_models_of_mujoco_run_and_what_is_not_read_is_told(self):
