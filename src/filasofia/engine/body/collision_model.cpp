@@ -34,7 +34,8 @@ double ownProximityOf(const CollisionShape& shape, double proximity)
     return std::min(proximity, kOwnProximity * sum / static_cast<double>(shape.edges.size()));
 }
 
-/// `round` [m]: half the thickness of a shell, whose triangles are its middle.
+/// `how`: its partners, and whether it is rigid; the rest follows from the Def. `round` [m]: half the thickness of a
+/// shell, whose triangles are its middle.
 CollisionModel modelOf(const TriangleMesh& mesh, const physics::CollisionDef& def, const std::string& field,
                        const CollisionOptions& how = {}, double round = 0.0)
 {

@@ -31,8 +31,8 @@ struct CoupledLimits {
     /// sweeps take over.
     int nonlinear = 40;
     bool sweeps = false; ///< all bodies are rigid elements or articulations
-    int multiplierUpdates =
-        3; ///< maximum number of updates, made while constraints exceed their tolerance; more if far off
+    /// Maximum number of updates, made while constraints exceed their tolerance. There are more while one is far off.
+    int multiplierUpdates = 3;
     double tolerance = 5e-3; ///< [-] change of the impulses, relative to all impulses
     Kappa kappa = {};
     /// The same for constraints between bodies whose D is A, if the filter knows all constraints together from the
