@@ -72,20 +72,10 @@ std::vector<std::string> bunnySizes()
     return sizes;
 }
 
-/// Whether something went wrong in some step, as the log says at the end.
-bool hasWarnings(const RunReport& report)
-{
-    return report.undone + report.notConverged + report.outOfTime + report.inverted + report.intersecting +
-                   report.beyondStrain + report.restless + report.energyGained + report.refused.steps +
-                   report.nothingChanged >
-               0 ||
-           !report.lost.empty() || !report.nothingHeld.empty() || !report.bluntBlades.empty();
-}
-
 int print(const RunReport& report, const RunCommandOptions& options)
 {
     std::cout << runtime::summary(report);
-    return report.complete() && !(options.failOnWarnings && hasWarnings(report)) ? 0 : kFailed;
+    return report.complete() && !(options.failOnWarnings && !runtime::warnings(report).empty()) ? 0 : kFailed;
 }
 
 /// Refuses an option that the file says itself.

@@ -1,9 +1,11 @@
 """Scene files."""
 
+import json
 import os
 import pathlib
 import re
 
+import numpy as np
 import pytest
 
 import filasofia
@@ -49,6 +51,22 @@ def test_motions_of_a_scene_are_made():
     ball = simulation.bodies[1]
     simulation.step(500)
     assert simulation.frame[ball].poses[0][1] == pytest.approx(0.012)
+
+
+@pytest.mark.parametrize("choice", ["nothing", "before", "after"])
+def test_a_scene_that_shows_nothing_is_drawn_and_what_the_user_chooses_takes_its_place(tmp_path, choice):
+    block = {"type": "block", "size": [0.02, 0.02, 0.02], "cells": [1, 1, 1]}
+    beside = {"position": [0.05, 0, 0]}
+    file = tmp_path / "scene.json"
+    file.write_text(json.dumps({"bodies": [{"name": "a", "mesh": block}, {"name": "b", "mesh": block, "pose": beside}]}))
+    sim = filasofia.load(file)
+    a, b = sim.bodies
+    if choice == "after":
+        sim.render(96, 64)
+    if choice != "nothing":
+        sim.show(a)
+    drawn = set(np.unique(sim.render_depth(96, 64).bodies)) - {0}
+    assert drawn == ({a} if choice == "before" else {a, b})
 
 
 def test_mistakes_are_errors_with_their_place(tmp_path):

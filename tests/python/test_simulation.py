@@ -135,6 +135,17 @@ def test_run_makes_the_steps_of_a_time_and_reports():
     assert report.hash == sim.state_hash
     assert fs.hexadecimal(report.hash) in str(report)
     assert report.undone == 0 and report.wall_seconds > 0
+    assert report.warnings == []
+
+
+def test_a_body_whose_state_is_not_finite_is_named():
+    sim, tissue, _ = poke()
+    sim.step()
+    sim.set_forces(tissue, np.full((1, 3), 1e300), [0])
+    assert sim.step().undone == [tissue]
+    report = sim.report()
+    assert report.undone_body == "tissue"
+    assert report.warnings[0].startswith("a new state was not finite and was rolled back in 1 step, first of 'tissue'")
 
 
 def test_calls_of_run_lose_no_time():

@@ -84,6 +84,12 @@ def instruments(sim: fs.Simulation, tissue: fs.BodyId) -> None:
     held: fs.BodyId | None = tool.holding
     line: NDArray[np.float64] = loop.line
     together: bool = tissue in sim.frame and sim.frame.connected(tool.body, tissue)
+    grasper = fs.LaparoscopicInstrument(sim, fs.LaparoscopicInstrumentDef(trocar=fs.TrocarDef(friction=1)))
+    grasper.move(grasper.pose_at((0, 0, -0.1), roll=0.1))
+    scope = fs.Laparoscope(sim)
+    scope.soil(mist=0.5)
+    force: NDArray[np.float64] = grasper.report.force
+    print(force, grasper.tool.opening, scope.lens.mist, scope.camera.position, scope.definition.zoom)
     print(held, line, together, clips.left, shears.parted, suction.irrigated, loop.CUTS, loop.definition.width)
 
 

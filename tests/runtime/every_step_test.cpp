@@ -202,10 +202,13 @@ TEST_CASE("steps that were undone are told in the log once, also if nobody ends 
     int undone = 0;
     for (int i = 0; i < 20; ++i) {
         if (i == 3) sim.physics().setForces(thread, {{.node = 20, .force = {0, 1e9, 0}}});
-        undone += run.step().has(physics::StepFlag::Undone);
+        const physics::StepReport report = run.step();
+        undone += report.has(physics::StepFlag::Undone);
+        CHECK(report.undone == (report.has(physics::StepFlag::Undone) ? std::vector{thread} : std::vector<BodyId>{}));
     }
     CHECK(undone > 1);
-    CHECK(warned.size() == 1);
+    REQUIRE(warned.size() == 1);
+    CHECK_THAT(warned[0], Catch::Contains("the new state of '" + sim.physics().nameOf(thread) + "' was not finite"));
     setLogSink({});
 }
 

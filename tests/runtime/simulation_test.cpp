@@ -238,6 +238,12 @@ TEST_CASE("a run at whose end a body is rolled back has failed, and one that rec
     CHECK_FALSE(failed.complete());
     CHECK_THAT(summary(failed), Catch::Contains("physics failed: in the last 30 steps of the run a body had no finite "
                                                 "state and was rolled back"));
+    const std::string undone = text("a new state was not finite and was rolled back in 30 steps, first of '",
+                                    sim.physics().nameOf(body), "'; in 30 of them it advanced again with damping");
+    REQUIRE_FALSE(warnings(failed).empty());
+    CHECK(warnings(failed)[0] == undone);
+    CHECK_THAT(summary(failed), Catch::Contains(undone + "\n"));
+    CHECK(warnings(good).empty());
     sim.physics().setForces(body, {});
     const RunReport again = sim.run(headless(20));
     CHECK(again.undoneAtEnd == 0);

@@ -61,6 +61,24 @@ TEST_CASE("scenes: a body bleeds where it is cut, and its blood is sucked, seale
     CHECK(blood.welled == Approx(blood.onTissue + blood.sucked + blood.rinsed + blood.dripped).epsilon(1e-9));
 }
 
+TEST_CASE("scenes: a scene that shows no body shows all that have a surface, and one that shows one shows no other")
+{
+    const RigidBodyDef bare{.name = "bare"}, plate{.name = "plate", .mesh = shapes::box({1, 1, 1})};
+    SceneDef scene{.bodies = {{.def = bare}, {.def = plate}, {.def = SoftBodyDef{.name = "soft"}}}};
+    std::get<SoftBodyDef>(scene.bodies[2].def).mesh = shapes::block({1, 1, 1}, {1, 1, 1});
+    const auto drawn = [&] {
+        Simulation sim(simulationDef(scene));
+        const AddedScene added = addScene(sim, scene);
+        std::vector<std::string> names;
+        for (const auto& [body, shown] : added.drawn) names.push_back(sim.physics().nameOf(body));
+        const RunReport report = sim.run({.backend = visual::Backend::Null, .steps = 3});
+        return std::pair(names, report.visual.bodies);
+    };
+    CHECK(drawn() == std::pair(std::vector<std::string>{"plate", "soft"}, 2));
+    scene.bodies[2].show = {{}};
+    CHECK(drawn() == std::pair(std::vector<std::string>{}, 1));
+}
+
 TEST_CASE("scenes: friction, a grasp and a poke come out as they do in C++")
 {
     const SceneDef friction = loadScene(example("friction"));

@@ -57,6 +57,8 @@ _LIVE = (
     _core.ClipApplier,
     _core.InstrumentTie,
     _core.KnotHands,
+    _core.Laparoscope,
+    _core.LaparoscopicInstrument,
     _core.SpecimenBag,
     _core.SuctionIrrigator,
     _core.UltrasonicShears,

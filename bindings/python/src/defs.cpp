@@ -5,6 +5,8 @@
 #include "filasofia/prefab/clip_applier.h"
 #include "filasofia/prefab/instrument_tie.h"
 #include "filasofia/prefab/knot_hands.h"
+#include "filasofia/prefab/laparoscope.h"
+#include "filasofia/prefab/laparoscopic_instrument.h"
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/specimen_bag.h"
 #include "filasofia/prefab/suction_irrigator.h"
@@ -43,6 +45,8 @@ const DefTable& table()
         out.add<prefab::ClipApplierDef>();
         out.add<prefab::InstrumentTieDef>();
         out.add<prefab::KnotDef>();
+        out.add<prefab::LaparoscopeDef>();
+        out.add<prefab::LaparoscopicInstrumentDef>();
         out.add<prefab::SpecimenBagDef>();
         out.add<prefab::SuctionIrrigatorDef>();
         out.add<prefab::UltrasonicShearsDef>();

@@ -56,6 +56,7 @@ NB_MODULE(_core, module)
     addClipApplier(module);
     addInstrumentTie(module);
     addKnotHands(module);
+    addLaparoscopy(module);
     addSpecimenBag(module);
     addSuctionIrrigator(module);
     addUltrasonicShears(module);

@@ -10,24 +10,15 @@
 namespace filasofia::python {
 namespace {
 
-using physics::RigidBodyDef;
-
-bool hasSurface(const physics::BodyDef& def)
-{
-    const auto* rigid = std::get_if<RigidBodyDef>(&def);
-    if (!rigid) return true;
-    const auto* file = std::get_if<std::string>(&rigid->mesh);
-    return !file || !file->empty();
-}
-
 /// If the user chose nothing to be drawn, everything that has a surface is, but for what a library has shown.
 void showAll(HeldSimulation& self)
 {
     if (self.shown) return;
     Session& session = *self.session;
+    self.shownByUs.merge(std::exchange(self.shownByScene, {}));
     for (const BodyId id : session.physics().bodies()) {
         const auto def = session.physics().def(id);
-        if (self.shownByUs.contains(id) || self.shownBeside.contains(id) || !hasSurface(*def)) continue;
+        if (self.shownByUs.contains(id) || self.shownBeside.contains(id) || !physics::hasSurface(*def)) continue;
         self.shownByUs[id] = session.simulation().show(id);
     }
 }
@@ -39,10 +30,12 @@ nb::object show(HeldSimulation& self, nb::handle body, nb::handle def, bool besi
     Session& session = usable(self, "show");
     const auto id = readArgument<BodyId>(body, "show", "body");
     const runtime::ShownId shown = session.simulation().show(id, read);
-    if (beside)
+    if (beside) {
         self.shownBeside.insert(id);
-    else
+    } else {
         self.shown = true;
+        for (const auto& [body, ours] : std::exchange(self.shownByScene, {})) session.simulation().unshow(ours);
+    }
     if (const auto ours = self.shownByUs.extract(id)) session.simulation().unshow(ours.mapped());
     return Convert<runtime::ShownId>::make(shown);
 }

@@ -185,6 +185,10 @@ void bindStep(nb::module_& module)
         .def_ro("time", &StepReport::time, "[s], simulated")
         .def_ro("dt", &StepReport::dt, "[s]; 0 while paused")
         .def_prop_ro("flags", [](const StepReport& self) { return static_cast<StepFlag>(self.flags); })
+        .def_prop_ro(
+            "undone", [](const StepReport& self) { return Convert<std::vector<BodyId>>::make(self.undone); },
+            nb::for_getter(nb::sig("def undone(self) -> list[filasofia.BodyId]")),
+            "bodies that were restored to the state before the step")
         .def_ro("solves", &StepReport::solves)
         .def_prop_ro("iterations", &StepReport::iterations, "of all solves, each counted once")
         .def_ro("contacts", &StepReport::contacts)
@@ -314,6 +318,7 @@ void bindRun(nb::module_& module)
         .def_ro("time", &RunReport::time, "[s], simulated")
         .def_ro("hash", &RunReport::hash)
         .def_ro("undone", &RunReport::undone)
+        .def_ro("undone_body", &RunReport::undoneBody, "the name of the first that was")
         .def_ro("undone_at_end", &RunReport::undoneAtEnd, "steps without a break at the end: physics has failed")
         .def_ro("damped", &RunReport::damped)
         .def_ro("not_converged", &RunReport::notConverged)
@@ -336,6 +341,7 @@ void bindRun(nb::module_& module)
         .def_ro("callback_problems", &RunReport::callbackProblems)
         .def_ro("file_problems", &RunReport::fileProblems)
         .def_ro("finished", &RunReport::finished)
+        .def_prop_ro("warnings", &runtime::warnings, "what went wrong in steps, a line each")
         .def_prop_ro(
             "wall_seconds", [](const RunReport& self) { return self.timing.wallSeconds; }, "[s] in steps")
         .def("__repr__", [](const RunReport& self) { return runtime::summary(self); });

@@ -57,6 +57,8 @@ public:
 
     /// Adds a scene before the first step; its measures are written until close().
     void add(const scene::SceneDef& scene, const prefab::MetricTrackerDef& tracker);
+    /// What that scene left to others to draw.
+    [[nodiscard]] const std::map<BodyId, runtime::ShownId>& drawn() const { return scene_.drawn; }
     /// Begins to measure, before the first step; the file is whole after close().
     void measure(prefab::MetricTrackerDef def);
     /// The part of the simulation lives as long as the session: steps may use it when Python has let it go.

@@ -63,6 +63,7 @@ void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle 
         ofSceneFile([&] { session->add(scene, {.file = written}); });
     }
     new (self) HeldSimulation{.session = std::move(session)};
+    self->shownByScene = self->session->drawn();
     const auto drawn = [](const scene::SceneKnot& each) { // its driver
         return std::holds_alternative<prefab::InstrumentTieDef>(each.def);
     };

@@ -14,6 +14,7 @@ void addClipApplier(nb::module_& module);
 void addInstrument(nb::module_& module);
 void addInstrumentTie(nb::module_& module);
 void addKnotHands(nb::module_& module);
+void addLaparoscopy(nb::module_& module);
 void addSpecimenBag(nb::module_& module);
 void addSuctionIrrigator(nb::module_& module);
 void addUltrasonicShears(nb::module_& module);

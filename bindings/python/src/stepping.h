@@ -31,7 +31,8 @@ struct HeldSimulation {
     bool shown = false; ///< the user chose what is drawn
     /// Else all bodies are. The interpreter's lock guards it, like all members.
     std::map<BodyId, runtime::ShownId> shownByUs = {};
-    std::set<BodyId> shownBeside = {}; ///< by a library, which leaves it at showing all
+    std::map<BodyId, runtime::ShownId> shownByScene = {}; ///< ours from the first picture on
+    std::set<BodyId> shownBeside = {};                    ///< by a library, which leaves it at showing all
     ~HeldSimulation();
 };
 

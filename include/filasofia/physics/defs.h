@@ -141,6 +141,9 @@ constexpr auto fields(const SoftBodyDef*)
 /// The body's kind and name as errors begin: "soft body 'uterus'".
 std::string describeBody(const BodyDef& def);
 
+/// Whether there is something of it to draw: all but a rigid body without a mesh.
+bool hasSurface(const BodyDef& def);
+
 /// The pose with its orientation scaled to unit length; throws an Error naming `object` if the orientation has no
 /// length.
 Pose unitPose(const Pose& pose, std::string_view object);

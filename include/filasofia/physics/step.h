@@ -4,6 +4,7 @@
 #include "filasofia/core/body_id.h"
 #include "filasofia/math/vec3.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -221,10 +222,11 @@ struct StepBudget {
 
 /// The report of a step.
 struct StepReport {
-    std::uint64_t step = 0;  ///< number of steps completed, including this one
-    double time = 0.0;       ///< [s], simulated, at the end of the step
-    double dt = 0.0;         ///< [s]; 0 while paused
-    std::uint32_t flags = 0; ///< StepFlag bits
+    std::uint64_t step = 0;          ///< number of steps completed, including this one
+    double time = 0.0;               ///< [s], simulated, at the end of the step
+    double dt = 0.0;                 ///< [s]; 0 while paused
+    std::uint32_t flags = 0;         ///< StepFlag bits
+    std::vector<BodyId> undone = {}; ///< bodies that were restored to the state before the step (Undone), ascending
     /// Per soft body, in the order of their ids; then per group of rigid bodies solved among themselves.
     std::vector<BodySolve> solves = {};
     ContactReport contacts = {};
@@ -246,6 +248,13 @@ struct StepReport {
 
     void set(StepFlag flag) { flags |= static_cast<std::uint32_t>(flag); }
     [[nodiscard]] bool has(StepFlag flag) const { return (flags & static_cast<std::uint32_t>(flag)) != 0; }
+    /// Notes that a body was restored, once.
+    void setUndone(BodyId body)
+    {
+        set(StepFlag::Undone);
+        const auto at = std::ranges::lower_bound(undone, body);
+        if (at == undone.end() || *at != body) undone.insert(at, body);
+    }
     /// [-] of all solves, each counted once, however many bodies were solved together
     [[nodiscard]] int iterations() const
     {

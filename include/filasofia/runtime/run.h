@@ -139,6 +139,7 @@ struct RunReport {
     std::uint64_t steps = 0;         ///< [-], made since the simulation began
     std::uint64_t hash = 0;          ///< hash of the last state
     std::uint64_t undone = 0;        ///< [-], steps in which a body was rolled back (StepFlag::Undone)
+    std::string undoneBody = {};     ///< the name of the first that was; empty in a scene of SOFA, which does not say
     /// [-], steps among these in which it was advanced again from rest, damped (StepFlag::Damped)
     std::uint64_t damped = 0;
     /// [-], steps without a break at the end of the run in which a body was rolled back: physics has failed
@@ -188,6 +189,10 @@ struct RunReport {
     /// end.
     [[nodiscard]] bool complete() const { return callbackProblems.empty() && fileProblems.empty() && undoneAtEnd == 0; }
 };
+
+/// What went wrong in steps of the run, a line each, as the log says it at the end; empty: nothing did. What the run
+/// could not complete is not among it: RunReport::complete().
+std::vector<std::string> warnings(const RunReport& report);
 
 /// The report as text for a person, several lines.
 std::string summary(const RunReport& report);

@@ -63,7 +63,7 @@ using Places = std::map<std::string, std::string>;
 /// it must come before the body that names it. In a file, the fields of the body's Def stand beside the others.
 struct SceneBody {
     physics::BodyDef def = physics::SoftBodyDef{};     ///< its name must be the only one in the scene
-    std::vector<runtime::ShowDef> show = {};           ///< none: it is not drawn
+    std::vector<runtime::ShowDef> show = {};           ///< none: it is not drawn, but if no body has one, all are
     std::vector<runtime::PaintDef> paint = {};         ///< marks on what is drawn of it
     std::optional<surface::BleedingDef> bleeding = {}; ///< how a soft body bleeds where it is opened; none: it does not
     std::optional<surface::BurningDef> burning = {};   ///< how a soft body burns where it is heated; none: it does not
@@ -250,6 +250,7 @@ struct [[nodiscard]] AddedScene {
     std::shared_ptr<prefab::MetricTracker> tracker = {};
     /// How far each knot is, in the order of SceneDef::knots; they end before the simulation.
     std::vector<std::function<SceneKnotProgress()>> knots = {};
+    std::map<BodyId, runtime::ShownId> drawn = {}; ///< bodies that are drawn because the scene shows none
 };
 
 /// Adds the scene's bodies, pictures, motions, commands, cameras, lights, instruments, knots, haptics and task to a

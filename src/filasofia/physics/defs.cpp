@@ -238,6 +238,13 @@ void check(const RodBodyDef& def)
 
 } // namespace
 
+bool hasSurface(const BodyDef& def)
+{
+    const auto* rigid = std::get_if<RigidBodyDef>(&def);
+    const auto* file = rigid ? std::get_if<std::string>(&rigid->mesh) : nullptr;
+    return !file || !file->empty();
+}
+
 std::string describeBody(const BodyDef& def)
 {
     return std::visit([&](const auto& each) { return text(kindOf(def), " '", each.name, "'"); }, def);

@@ -18,6 +18,7 @@ public:
         undone_ = undoneAtEnd_ = damped_ = notConverged_ = outOfTime_ = inverted_ = beyondStrain_ = 0;
         restless_ = energyGained_ = intersecting_ = nothingChanged_ = 0;
         lastUndone_ = -kApart;
+        firstUndone_ = {};
         deepest_ = {};
         unrest_ = {};
         worst_ = {};
@@ -34,6 +35,7 @@ public:
         undone_ += report.has(physics::StepFlag::Undone);
         newlyUndone_ = report.has(physics::StepFlag::Undone) && !(report.time < lastUndone_ + kApart);
         if (report.has(physics::StepFlag::Undone)) lastUndone_ = report.time;
+        if (!report.undone.empty() && !firstUndone_) firstUndone_ = report.undone.front();
         if (report.dt > 0.0) undoneAtEnd_ = report.has(physics::StepFlag::Undone) ? undoneAtEnd_ + 1 : 0;
         damped_ += report.has(physics::StepFlag::Damped);
         notConverged_ += report.has(physics::StepFlag::NotConverged);
@@ -73,6 +75,7 @@ public:
     [[nodiscard]] std::uint64_t stepsEver() const { return stepsEver_; }
     /// Whether the last step was undone, and none in the second before it: one that is to be told.
     [[nodiscard]] bool newlyUndone() const { return newlyUndone_; }
+    [[nodiscard]] BodyId firstUndone() const { return firstUndone_; } ///< in this run; none if none was
     [[nodiscard]] const AttachmentWatch& attachments() const { return attachments_; }
     /// What bodies have lost, without their names.
     using Lost = LostPiecesReport;
@@ -116,6 +119,7 @@ private:
 
     std::uint64_t stepsEver_ = 0;
     double lastUndone_ = -kApart; ///< [s]
+    BodyId firstUndone_ = {};     ///< the first body that was undone
     bool newlyUndone_ = false;
     /// [-] steps of this run
     std::uint64_t undone_ = 0, undoneAtEnd_ = 0, damped_ = 0, notConverged_ = 0, outOfTime_ = 0, inverted_ = 0,

@@ -10,7 +10,7 @@
 #include "filasofia/runtime/surfaces.h"
 #include "filasofia/runtime/video_file.h"
 
-#include <cmath>
+#include <algorithm>
 #include <utility>
 
 namespace filasofia::runtime {
@@ -34,39 +34,12 @@ void check(const RunDef& def)
 /// Logs what went wrong, for a caller who does not read the report.
 void warn(const RunReport& report)
 {
-    const auto steps = [](std::uint64_t count) { return text("in ", count, count == 1 ? " step" : " steps"); };
-    if (report.undone > 0)
-        logWarning(steps(report.undone), " a body's new state was not finite and was rolled back (Undone)",
-                   report.damped > 0 ? text(", in ", report.damped, " of them advanced again with damping (Damped)")
-                                     : "");
-    if (report.undoneAtEnd > 0)
-        logError("physics failed: in the last ", report.undoneAtEnd, report.undoneAtEnd == 1 ? " step" : " steps",
-                 " of the run a body had no finite state and was rolled back");
-    if (report.notConverged > 0) logWarning(steps(report.notConverged), " a solver stopped at its iteration limit");
-    if (report.inverted > 0)
-        logWarning(steps(report.inverted), " elements were inside out, at most ", report.worstInverted.count,
-                   " at once; then the worst was in '", report.worstInvertedBody, "'");
-    if (report.intersecting > 0)
-        logWarning(steps(report.intersecting), " surfaces passed through each other, by up to ",
-                   std::round(1e5 * report.deepestIntersection.depth) / 100.0, " mm, of '", report.deepestBodies[0],
-                   "' and '", report.deepestBodies[1], "' (Intersecting)");
-    for (const LostPiecesReport& lost : report.lost)
-        logWarning("'", lost.body, "' lost ", lost.pieces, lost.pieces == 1 ? " piece" : " pieces",
-                   " that fell farther than 10 m: ", std::round(1e3 * lost.share) / 10.0, " % of its mass");
-    if (report.refused.steps > 0)
-        logWarning(steps(report.refused.steps),
-                   " a blade jumped, or was off and pushed on into tissue: it cut nothing");
-    if (report.beyondStrain > 0)
-        logWarning(steps(report.beyondStrain), " tissue was strained beyond the range of its material, at most by ",
-                   report.worstStrained.strain, " in '", report.worstStrainedBody, "', whose range is ",
-                   report.worstStrained.valid, " (FemMaterial::validStrain, or the limit of its law)");
-    if (report.restless > 0)
-        logWarning(steps(report.restless), " a body went on moving though nothing drove it, at most at ",
-                   std::round(1e4 * report.worstUnrest.speed) / 10.0, " mm/s, in '", report.worstUnrestBody,
-                   "' (Restless)");
-    if (report.energyGained > 0)
-        logWarning(steps(report.energyGained), " such a body gained energy from nowhere (EnergyGained)");
-    if (report.outOfTime > 0) logWarning(steps(report.outOfTime), " a solver stopped at the deadline");
+    if (report.undoneAtEnd > 0) logError("physics failed: at the end of the run a body had no finite state");
+    const auto isTold = [&](const std::string& line) { // when it happened
+        return std::ranges::count(report.nothingHeld, line) + std::ranges::count(report.bluntBlades, line) > 0;
+    };
+    for (const std::string& line : warnings(report))
+        if (!isTold(line)) logWarning(line);
 }
 
 } // namespace

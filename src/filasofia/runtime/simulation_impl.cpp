@@ -88,7 +88,9 @@ std::uint32_t Simulation::Impl::afterStep(const physics::StepReport& report)
     pause.endStep(physics);
     counters.count(report);
     if (counters.newlyUndone())
-        logWarning("at ", report.time, " s a body's new state was not finite and was rolled back (Undone); ",
+        logWarning("at ", report.time, " s the new state of ",
+                   report.undone.empty() ? "a body" : text("'", nameOf(report.undone.front(), physics), "'"),
+                   " was not finite and was rolled back (Undone); ",
                    report.has(physics::StepFlag::Damped) ? "it advanced with damping (Damped)" : "it stood still");
     feed.write(report);
     haptics.afterStep(report, physics);
@@ -334,6 +336,7 @@ void Simulation::Impl::fill(RunReport& report) const
     report.steps = now.step();
     report.hash = physics.hash();
     counters.fill(report);
+    if (counters.firstUndone()) report.undoneBody = nameOf(counters.firstUndone(), physics);
     if (report.inverted > 0) report.worstInvertedBody = nameOf(report.worstInverted.body, physics);
     if (report.intersecting > 0) {
         report.deepestBodies[0] = nameOf(report.deepestIntersection.first, physics);

@@ -10,12 +10,16 @@
 namespace filasofia::runtime {
 namespace {
 
-std::string line(const char* format, auto... values)
+std::string formatted(const char* format, auto... values)
 {
     char buffer[200];
     std::snprintf(buffer, sizeof buffer, format, values...);
-    return std::string(buffer) + "\n";
+    return buffer;
 }
+
+std::string line(const char* format, auto... values) { return formatted(format, values...) + "\n"; }
+
+std::string steps(std::uint64_t count) { return text(count, count == 1 ? " step" : " steps"); }
 
 constexpr std::size_t kMaxPairs = 12; ///< rows of the table
 
@@ -25,7 +29,7 @@ std::string unsolvedLine(const std::vector<ContactPairReport>& pairs)
     const auto worst = std::ranges::max_element(pairs, {}, &ContactPairReport::maxUnsolvedForce);
     const auto most = std::ranges::max_element(pairs, {}, &ContactPairReport::unsolved);
     if (most == pairs.end() || most->unsolved == 0) return {};
-    return text("not in these forces: up to ", most->unsolved, most->unsolved == 1 ? " step" : " steps",
+    return text("not in these forces: up to ", steps(most->unsolved),
                 " per pair in which a solver stopped short of its tolerance; the largest force there was ",
                 line("%.4g N, between '%s' and '%s'", worst->maxUnsolvedForce, shortened(worst->first).c_str(),
                      shortened(worst->second).c_str()));
@@ -63,16 +67,24 @@ std::string contactTable(const std::vector<ContactPairReport>& all)
 std::string millimetres(Vec3 place)
 {
     const Vec3 at = 1e3 * place;
-    return line("(%.1f %.1f %.1f) mm", at.x, at.y, at.z);
+    return formatted("(%.1f %.1f %.1f) mm", at.x, at.y, at.z);
+}
+
+/// A state that is not finite means that something was asked of the body that numbers cannot hold.
+std::string undoneLine(const RunReport& report)
+{
+    std::string out = text("a new state was not finite and was rolled back in ", steps(report.undone));
+    if (!report.undoneBody.empty()) out += text(", first of '", report.undoneBody, "'");
+    if (report.damped > 0) out += text("; in ", report.damped, " of them it advanced again with damping");
+    return out;
 }
 
 /// Elements inside out mean that something was asked of the tissue that it cannot do.
 std::string invertedLine(const RunReport& report)
 {
     const physics::InvertedElements& worst = report.worstInverted;
-    return text("elements inside out in ", report.inverted, report.inverted == 1 ? " step" : " steps", ", at most ",
-                worst.count, " at once; then the worst was in '", report.worstInvertedBody, "' at ",
-                millimetres(worst.place));
+    return text("elements inside out in ", steps(report.inverted), ", at most ", worst.count,
+                " at once; then the worst was in '", report.worstInvertedBody, "' at ", millimetres(worst.place));
 }
 
 const char* reasonOf(physics::IntersectionCause cause)
@@ -98,8 +110,7 @@ std::string intersectionLine(const RunReport& report)
     const std::string who = deepest.first == deepest.second
                                 ? text("the surface of '", first, "' through itself")
                                 : text("'", first, "' and '", second, "' through each other");
-    return text("surfaces pass through each other in ", report.intersecting,
-                report.intersecting == 1 ? " step" : " steps", ": ", who, " by ",
+    return text("surfaces pass through each other in ", steps(report.intersecting), ": ", who, " by ",
                 std::round(1e5 * deepest.depth) / 100.0, " mm (", reasonOf(deepest.cause), ", ",
                 std::round(100.0 * deepest.force) / 100.0, " N) at ", millimetres(deepest.place));
 }
@@ -108,10 +119,9 @@ std::string intersectionLine(const RunReport& report)
 std::string strainedLine(const RunReport& report)
 {
     const physics::StrainedElements& worst = report.worstStrained;
-    return text("tissue beyond the range of its material in ", report.beyondStrain,
-                report.beyondStrain == 1 ? " step" : " steps", ": strain ", std::round(1000.0 * worst.strain) / 1000.0,
-                " in '", report.worstStrainedBody, "', valid up to ", std::round(1000.0 * worst.valid) / 1000.0,
-                ", at ", millimetres(worst.place));
+    return text("tissue beyond the range of its material in ", steps(report.beyondStrain), ": strain ",
+                std::round(1000.0 * worst.strain) / 1000.0, " in '", report.worstStrainedBody, "', valid up to ",
+                std::round(1000.0 * worst.valid) / 1000.0, ", at ", millimetres(worst.place));
 }
 
 /// Something that never rests, or moves by energy from nowhere, is an error of the simulation or a body without
@@ -119,11 +129,11 @@ std::string strainedLine(const RunReport& report)
 std::string unrestLine(const RunReport& report)
 {
     const physics::Unrest& worst = report.worstUnrest;
-    std::string out = text("not at rest in ", report.restless, report.restless == 1 ? " step" : " steps", ": '",
-                           report.worstUnrestBody, "' moved at ", std::round(1e4 * worst.speed) / 10.0, " mm/s, ",
-                           std::round(10.0 * worst.undriven) / 10.0, " s after anything drove it");
+    std::string out = text("not at rest in ", steps(report.restless), ": '", report.worstUnrestBody, "' moved at ",
+                           std::round(1e4 * worst.speed) / 10.0, " mm/s, ", std::round(10.0 * worst.undriven) / 10.0,
+                           " s after anything drove it");
     if (report.energyGained > 0) out += text("; energy from nowhere in ", report.energyGained, " of them");
-    return out + "\n";
+    return out;
 }
 
 /// [mm^2], with two digits where a tenth would hide it: a thread's section.
@@ -147,18 +157,18 @@ std::string openedLine(const OpenedSurfaces& opened)
 /// A blade that has no path through the tissue, or is off, has cut nothing where it went.
 std::string refusedLine(const RefusedBlades& refused)
 {
-    std::string out = text("blades that cut nothing in ", refused.steps, refused.steps == 1 ? " step" : " steps");
+    std::string out = text("blades that cut nothing in ", steps(refused.steps));
     if (refused.jumped > 0) out += text(", jumped in ", refused.jumped);
     if (refused.off > 0) out += text(", switched off and pushed on into tissue in ", refused.off);
-    return out + "\n";
+    return out;
 }
 
 /// What is cut through and held by nothing falls out of the scene.
 std::string lostLine(const LostPiecesReport& lost)
 {
-    return line("lost by '%s': %llu %s, %.3g g (%.3g %% of it), fallen farther than 10 m and removed",
-                oneLine(shortened(lost.body)).c_str(), static_cast<unsigned long long>(lost.pieces),
-                lost.pieces == 1 ? "piece" : "pieces", lost.mass * 1e3, lost.share * 100.0);
+    return formatted("lost by '%s': %llu %s, %.3g g (%.3g %% of it), fallen farther than 10 m and removed",
+                     oneLine(shortened(lost.body)).c_str(), static_cast<unsigned long long>(lost.pieces),
+                     lost.pieces == 1 ? "piece" : "pieces", lost.mass * 1e3, lost.share * 100.0);
 }
 
 std::string bloodLine(const BloodReport& report)
@@ -221,7 +231,34 @@ std::string ductLine(const DuctReport& report)
                 clips.c_str(), b.flow * 1e6, b.leak * 1e6, b.lost * 1e6);
 }
 
+/// What went wrong and is more than a number.
+std::vector<std::string> problemsOf(const RunReport& report)
+{
+    std::vector<std::string> out;
+    if (report.undone > 0) out.push_back(undoneLine(report));
+    if (report.inverted > 0) out.push_back(invertedLine(report));
+    if (report.intersecting > 0) out.push_back(intersectionLine(report));
+    if (report.beyondStrain > 0) out.push_back(strainedLine(report));
+    if (report.restless > 0) out.push_back(unrestLine(report));
+    for (const LostPiecesReport& lost : report.lost) out.push_back(lostLine(lost));
+    if (report.refused.steps > 0) out.push_back(refusedLine(report.refused));
+    if (report.nothingChanged > 0)
+        out.push_back(text("a change of tissue (SetTissue) found no element in ", steps(report.nothingChanged)));
+    out.insert(out.end(), report.nothingHeld.begin(), report.nothingHeld.end());
+    out.insert(out.end(), report.bluntBlades.begin(), report.bluntBlades.end());
+    return out;
+}
+
 } // namespace
+
+std::vector<std::string> warnings(const RunReport& report)
+{
+    std::vector<std::string> out = problemsOf(report);
+    if (report.notConverged > 0)
+        out.push_back(text("a solver stopped at its iteration limit in ", steps(report.notConverged)));
+    if (report.outOfTime > 0) out.push_back(text("a solver stopped at the deadline in ", steps(report.outOfTime)));
+    return out;
+}
 
 double RunReport::cutArea() const
 {
@@ -257,15 +294,10 @@ std::string summary(const RunReport& report)
                 ", rolled back ", report.undone, again, ", solver at its iteration limit ", report.notConverged,
                 ", at the deadline ", report.outOfTime, "\n");
     if (report.undoneAtEnd > 0)
-        out += text("physics failed: in the last ", report.undoneAtEnd, report.undoneAtEnd == 1 ? " step" : " steps",
+        out += text("physics failed: in the last ", steps(report.undoneAtEnd),
                     " of the run a body had no finite state and was rolled back\n");
-    if (report.inverted > 0) out += invertedLine(report);
-    if (report.intersecting > 0) out += intersectionLine(report);
-    if (report.beyondStrain > 0) out += strainedLine(report);
-    if (report.restless > 0) out += unrestLine(report);
+    for (const std::string& problem : problemsOf(report)) out += problem + "\n";
     for (const OpenedSurfaces& opened : report.opened) out += openedLine(opened);
-    for (const LostPiecesReport& lost : report.lost) out += lostLine(lost);
-    if (report.refused.steps > 0) out += refusedLine(report.refused);
     out += contactTable(report.contacts);
     for (const BloodReport& blood : report.blood) out += bloodLine(blood);
     for (const HeatReport& heat : report.heat) out += heatLine(heat);
@@ -274,12 +306,7 @@ std::string summary(const RunReport& report)
     if (report.distension) out += distensionLine(*report.distension);
     if (report.clips.applied + report.clips.missed > 0) out += clipsLine(report.clips);
     for (const DuctReport& duct : report.ducts) out += ductLine(duct);
-    if (report.nothingChanged > 0)
-        out += text("a change of tissue (SetTissue) found no element in ", report.nothingChanged,
-                    report.nothingChanged == 1 ? " step" : " steps", "\n");
-    for (const std::string& nothing : report.nothingHeld) out += nothing + "\n";
     for (const std::string& broke : report.broke) out += broke + "\n";
-    for (const std::string& blunt : report.bluntBlades) out += blunt + "\n";
     if (report.visual.framesDrawn > 0 && report.timing.wallSeconds > 0.0)
         out += line("pictures drawn %ld", report.visual.framesDrawn);
     for (const std::string& picture : report.pictures) out += "wrote " + picture + "\n";

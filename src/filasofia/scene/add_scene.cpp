@@ -86,8 +86,11 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
         } catch (const Error& error) {
             failAtPlace(scene.places, "distension", error.what());
         }
+    const bool showsNone = std::ranges::all_of(scene.bodies, [](const SceneBody& each) { return each.show.empty(); });
     for (const SceneBody& body : scene.bodies) try {
             ids.push_back(addBody(simulation, body, ids));
+            // Its picture would be black.
+            if (showsNone && physics::hasSurface(body.def)) added.drawn[ids.back()] = simulation.show(ids.back());
         } catch (const Error& error) {
             failAtPlace(body.places, pathIn(body, error.what()), error.what());
         }

@@ -113,7 +113,7 @@ void finish(Edited& edited, SofaScene& scene, physics::StepReport& report)
     edited.before.followed = false;
     *body.cuts() = std::move(edited.before);
     std::erase_if(report.topology.ruptures, [&](const Rupture& each) { return each.body == edited.id; });
-    report.set(physics::StepFlag::Undone);
+    report.setUndone(edited.id);
 }
 
 void cutTies(const std::vector<MovingBlade>& blades, SofaScene& scene)

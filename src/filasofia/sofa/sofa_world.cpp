@@ -192,11 +192,11 @@ void SofaWorld::advance(double dt, const Now& now, physics::StepReport& report)
     report.intersections = intersections_;
     for (const FoundContact& each : scene_.contacts) physics::addForce(each.contact, report.intersections);
     if (!intersections_.empty()) report.set(physics::StepFlag::Intersecting);
-    if (putBack(failed, before)) report.set(physics::StepFlag::Undone);
+    putBack(failed, before, report);
     const std::vector<PointForce> forces = forcesOn(scene_);
     const std::span<const double> impulses = failed ? std::span<const double>() : scene_.contact.impulses();
     for (const auto& body : scene_.rigid) {
-        if (!body->finishMove(dt, failed)) report.set(physics::StepFlag::Undone);
+        if (!body->finishMove(dt, failed)) report.setUndone(body->id());
         body->loadJoints(forces, impulses, dt);
     }
     for (const auto& body : scene_.soft) {
@@ -231,22 +231,20 @@ void SofaWorld::move(double dt)
     ::sofa::simulation::node::animate(scene_.root.get(), dt);
 }
 
-bool SofaWorld::putBack(bool failed, const SceneMotion& before)
+void SofaWorld::putBack(bool failed, const SceneMotion& before, physics::StepReport& report)
 {
-    bool any = false;
     for (std::size_t b = 0; b < scene_.soft.size(); ++b) {
         if (!failed && scene_.soft[b]->isUsable()) continue;
         const std::vector<Vec3>& positions = before.soft[b].positions;
         scene_.soft[b]->write({positions, std::vector<Vec3>(positions.size())});
-        any = true;
+        report.setUndone(scene_.soft[b]->id());
     }
     for (std::size_t b = 0; b < scene_.rigid.size(); ++b) {
         if (!failed && scene_.rigid[b]->isUsable()) continue;
         const std::vector<Vec3> rest(before.rigid[b].poses.size());
         scene_.rigid[b]->write({before.rigid[b].poses, rest, rest});
-        any = true;
+        report.setUndone(scene_.rigid[b]->id());
     }
-    return any;
 }
 
 void SofaWorld::readConstraints(bool failed, double dt, physics::StepReport& report)

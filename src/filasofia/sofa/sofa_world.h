@@ -33,7 +33,7 @@ private:
     void advance(double dt, const Now& now, physics::StepReport& report);
     void move(double dt); ///< throws what SOFA throws
     /// Returns bodies to where they were, at rest: all after a step that failed, else those whose numbers are none.
-    bool putBack(bool failed, const SceneMotion& before);
+    void putBack(bool failed, const SceneMotion& before, physics::StepReport& report);
     void readConstraints(bool failed, double dt, physics::StepReport& report);
 
     SofaScene scene_;

@@ -174,7 +174,7 @@ void moveArticulations(const StepContext& context, const ArticulationPlans& plan
         }
         if (!good) {
             for (JointState& joint : body.joints) joint.now.velocity = 0.0;
-            context.report.set(physics::StepFlag::Undone);
+            context.report.setUndone(scene.rigid[planned.body].model.id);
         }
         for (std::size_t e = 0; e < body.poses.size() && dt > 0.0; ++e) {
             const RigidPlanElement& link = plan[planned.first + e];

@@ -114,7 +114,7 @@ void moveRigid(const StepContext& context, const RigidPlan& plan, Scene& scene)
         } else if (context.dt > 0.0 &&
                    !moveDynamic(scene.rigid[planned.body].model.inertias[e], context.dt, planned, body)) {
             body.velocities[e] = body.angularVelocities[e] = {};
-            context.report.set(physics::StepFlag::Undone);
+            context.report.setUndone(scene.rigid[planned.body].model.id);
         }
     }
 }

@@ -177,6 +177,7 @@ public:
             for (const BodyOutcome& outcome : *list) {
                 context_.report.solves.push_back(outcome.solve);
                 context_.report.flags |= outcome.flags;
+                if (outcome.has(StepFlag::Undone)) context_.report.setUndone(outcome.solve.body);
             }
     }
 

@@ -1,0 +1,127 @@
+"""What goes through a trocar: instruments and a scope."""
+import math
+
+import numpy as np
+import pytest
+
+import filasofia as fs
+from scenes import ball, block
+
+INSIDE, LENGTH = 0.12, 0.36  # [m]
+NO_PULL = (0, 0, 0)
+
+
+def level(sim, **fields):
+    """A shaft along -z through the origin, level, with 120 of 360 mm inside."""
+    given = dict(trocar=fs.TrocarDef(wall_stiffness=math.inf, friction=0), hand=fs.TrocarHandleDef(length=LENGTH),
+                 start=fs.TrocarPose(insertion=INSIDE))
+    return fs.LaparoscopicInstrument(sim, fs.LaparoscopicInstrumentDef(**{**given, **fields}))
+
+
+def scope(sim, **fields):
+    """It looks at the origin from 10 cm above."""
+    trocar = fs.TrocarDef(fulcrum=(0, 0.2, 0), axis=(0, -1, 0), up=(0, 0, -1))
+    given = dict(inclination=0, trocar=trocar, start=fs.TrocarPose(insertion=0.1))
+    return fs.Laparoscope(sim, fs.LaparoscopeDef(**{**given, **fields}))
+
+
+def test_the_hand_feels_a_force_on_the_tip_by_the_law_of_the_lever():
+    sim = fs.Simulation(rate=1000)
+    tool = level(sim, tool=fs.ArticulatedInstrumentDef(kind="laparoscopicGrasper", groups=[]))
+    weight = fs.GivenInertia(mass=0.1, moments=(1e-5, 1e-5, 1e-5))
+    sim.add(fs.RigidBodyDef(name="weight", elements=[tool.report.pivot], dynamic=True, mass=weight,
+                            attachments=[fs.RigidAttachmentDef(to=tool.body)]))
+    sim.step(2000)
+    felt = tool.report
+    assert felt.force[1] == pytest.approx(0.1 * 9.81 * INSIDE / (LENGTH - INSIDE), rel=0.02)
+    assert felt.wall[1] == pytest.approx(0.1 * 9.81 * LENGTH / (LENGTH - INSIDE), rel=0.02)
+    assert "force=array" in repr(felt)
+
+
+def test_a_shaft_goes_to_a_target_within_its_limits_and_again_with_the_same_bits():
+    sim = fs.Simulation(rate=500, gravity=NO_PULL)
+    tool = level(sim)
+    assert tool.definition.start == fs.TrocarPose(insertion=INSIDE) and tool.body in sim.bodies
+    sim.step()
+    state, target = sim.save_state(), np.array((0.02, 0.03, -0.1))
+    pose = tool.pose_at(target, roll=0.3)
+    assert (pose.insertion, pose.roll) == (pytest.approx(np.linalg.norm(target)), 0.3)
+    tool.move(pose)
+    sim.step(3)
+    moved = sim.state_hash
+    assert np.allclose(tool.report.pivot.position, target, atol=1e-9) and tool.report.pose == pose
+    assert np.linalg.norm(np.cross(tool.report.handle, target)) < 1e-9  # through the fulcrum
+    sim.restore(state)
+    tool.move(pose)
+    sim.step(3)
+    assert sim.state_hash == moved
+    assert tool.pose_at((0, 0, -1)).insertion == tool.definition.trocar.most_insertion
+    assert tool.pose_at((0, 0, -0.1), point=(0, 0, -0.02)).insertion == pytest.approx(0.08)
+
+
+def test_its_jaws_open_and_close_and_bear_what_is_mounted_on_an_instrument():
+    sim = fs.Simulation(rate=500, gravity=NO_PULL)
+    tool = level(sim, tool=fs.ArticulatedInstrumentDef(kind="suctionIrrigator"))
+    tube = fs.SuctionIrrigator(sim, tool.tool)
+    tube.suck(True)
+    sim.step(2)
+    assert tool.tool.kind == "suctionIrrigator" and tool.tool.body == tool.body
+    jaws = level(fs.Simulation(rate=500, gravity=NO_PULL))
+    jaws.tool.open(0.5)
+    assert jaws.tool.kind == "laparoscopicGrasper"
+
+
+def test_pictures_show_what_a_laparoscope_sees():
+    sim = fs.Simulation(rate=500, gravity=NO_PULL)
+    tissue = sim.add(block())
+    seen = scope(sim)
+    sim.step()
+    labels = sim.render_depth(96, 72).bodies
+    assert tissue in labels and labels[36, 48] == tissue
+    wide, view = (labels == tissue).mean(), seen.field_of_view
+    picture = sim.render(96, 72)
+    assert picture.std() > 5
+    seen.zoom(2)
+    sim.step(2)
+    assert (sim.render_depth(96, 72).bodies == tissue).mean() > 1.5 * wide
+    assert seen.field_of_view == pytest.approx(2 * math.atan(math.tan(view / 2) / 2))
+    seen.zoom(1)
+    seen.soil(mist=1)
+    sim.step(2)
+    assert seen.lens.mist == 1 and sim.render(96, 72).std() < picture.std()
+    seen.soil()
+    seen.horizon(False)
+    seen.move(fs.TrocarPose(insertion=0.12, roll=0.5))
+    sim.step(2)
+    assert seen.lens.mist == 0 and seen.camera.position[1] == pytest.approx(0.08, abs=0.01)
+
+
+def test_wrong_laparoscopy_is_one_line():
+    sim = fs.Simulation(rate=500)
+    tool, seen = level(sim), scope(sim)
+    sim.add(ball())
+    for act, says in [
+        (lambda: tool.move(fs.TrocarPose(insertion=0.4)), "insertion"),
+        (lambda: tool.move(fs.TrocarPose(yaw=1.2, insertion=0.1)), "tilt"),
+        (lambda: tool.move((0, 0, 0)), "move: pose must be a TrocarPose, got"),
+        (lambda: tool.pose_at(None), "pose_at: target must be 3 numbers, got None"),
+        (lambda: tool.pose_at((0, 0, 0)), "fulcrum"),
+        (lambda: fs.TrocarPose(yaw=math.nan), "TrocarPose: yaw must be finite"),
+        (lambda: fs.TrocarDef(most_tilt=2), r"most_tilt must be in \(0, 1.5\] rad, got 2"),
+        (lambda: fs.LaparoscopicInstrument(sim, fs.LaparoscopeDef()), "definition must be a LaparoscopicInstrumentDef, got LaparoscopeDef"),
+        (lambda: fs.Laparoscope(sim, fs.LaparoscopicInstrumentDef()), "definition must be a LaparoscopeDef, got LaparoscopicInstrumentDef"),
+        (lambda: fs.SuctionIrrigator(sim, tool), "tool must be an ArticulatedInstrument, got"),
+        (lambda: seen.zoom(5), r"zoom: times must be in \[1, 4\], got 5"),
+        (lambda: seen.soil(mist=-1), r"soil: mist must be in \[0, 1\], got -1"),
+        (lambda: seen.horizon(1), "horizon: keep must be True or False, got 1"),
+    ]:
+        with pytest.raises((fs.Error, TypeError), match=says):
+            act()
+    sim.step()
+    bodies = sim.bodies
+    with pytest.raises(fs.Error, match="before a run"):
+        fs.Laparoscope(sim)
+    assert sim.bodies == bodies
+    sim.close()
+    with pytest.raises(fs.Error, match="closed"):
+        tool.move(fs.TrocarPose(insertion=0.1))
