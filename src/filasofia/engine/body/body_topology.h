@@ -48,10 +48,11 @@ struct BodyTopology {
     mutable std::shared_ptr<const frame::Boundary> published;
     std::optional<Pieces> pieces;
     std::vector<Stroke> strokes;
-    bool closed = false;   ///< it began as a shell without a rim
-    bool edited = false;   ///< the mesh has been edited
-    bool followed = false; ///< the mesh moved with the body in the last step
-    MovingBounds around;   ///< valid while `followed` holds
+    std::vector<BodyId> toldInVain; ///< tools of which a warning has told that a stroke of theirs opened nothing
+    bool closed = false;            ///< it began as a shell without a rim
+    bool edited = false;            ///< the mesh has been edited
+    bool followed = false;          ///< the mesh moved with the body in the last step
+    MovingBounds around;            ///< valid while `followed` holds
     Tearing tearing;
     SpringsOfElements springs;  ///< empty until a step looks for elements that may tear
     std::vector<Mat3> stresses; ///< [Pa] per element, from the last step that computed them

@@ -143,6 +143,21 @@ void warnOfTissueForBlades(const Scene& scene, std::set<int>& warned)
     }
 }
 
+/// Logs a warning once per group if blades are in a group that no body has which may be cut, and others have one.
+void warnOfIdleBlades(const Scene& scene, const std::vector<SurfaceOwner>& owners, std::set<int>& warned)
+{
+    const auto isCuttable = [](const SoftBody& each) { return each.model.dynamicTopology; };
+    if (std::ranges::none_of(scene.soft, isCuttable)) return;
+    for (const SurfaceOwner& owner : owners) {
+        const CollisionShape& shape = *owner.collision->shape;
+        const auto isCut = [&](const SoftBody& each) { return mayBeCut(each.model, shape.group); };
+        if (owner.soft || !shape.cutting || std::ranges::any_of(scene.soft, isCut)) continue;
+        if (warned.insert(shape.group).second)
+            logWarning("rigid body '", nameOf(scene, owner), "': no body that may be cut has collision group ",
+                       shape.group, ": its blade cuts nothing");
+    }
+}
+
 /// Surfaces at rest tell inside from outside only by their insets, a fraction of the proximities. Logs a warning once
 /// per group if two proximities add up to hardly more than rounding and the motion in a step may be.
 void warnOfThinProximity(const Scene& scene, const std::vector<SurfaceOwner>& owners, std::set<int>& warned)
@@ -246,6 +261,7 @@ std::vector<bool> placeSurfaces(double dt, const Scene& scene, const std::vector
     if (owners.size() != detection.surfaces.size()) {
         warnOfLoneGroups(scene, owners, detection.warnedGroups);
         warnOfThinProximity(scene, owners, detection.warnedThin);
+        warnOfIdleBlades(scene, owners, detection.warnedIdle);
     }
     const bool same = std::ranges::equal(owners, detection.surfaces, {}, &SurfaceOwner::name, &CollisionSurface::name);
     std::vector<bool> added;

@@ -102,7 +102,7 @@ bool BladeStroke::finish(EditableMesh& mesh, const CutParameters& parameters, Ru
     cutCrossings(mesh, sheet_, parameters, finder_.runs(), crossings_, report);
     report.pending = static_cast<long>(crossings_.size());
     if (!crossings_.empty()) return false;
-    openAll(mesh, openingLimits(parameters, mesh.meanEdge()), report);
+    openAll(mesh, sheet_, openingLimits(parameters, mesh.meanEdge()), report);
     return true;
 }
 

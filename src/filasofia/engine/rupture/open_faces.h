@@ -24,7 +24,8 @@ struct OpeningLimits {
 /// after in every case.
 void openFaces(EditableMesh& mesh, const OpeningLimits& limits, std::vector<int> candidates, RuptureReport& report);
 
-/// Tries all faces that are flagged or deferred a last time.
-void openAll(EditableMesh& mesh, const OpeningLimits& limits, RuptureReport& report);
+/// Tries all faces that are flagged or deferred a last time. If few of the sheet are left, they may take slits with
+/// them.
+void openAll(EditableMesh& mesh, int sheet, const OpeningLimits& limits, RuptureReport& report);
 
 } // namespace filasofia::engine

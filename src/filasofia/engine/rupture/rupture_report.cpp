@@ -10,7 +10,7 @@ RuptureReport& RuptureReport::operator+=(const RuptureReport& b)
           &RuptureReport::bisections, &RuptureReport::flagged, &RuptureReport::edits, &RuptureReport::repairedEdits,
           &RuptureReport::repairRounds, &RuptureReport::repairBisections, &RuptureReport::repairFlips,
           &RuptureReport::repairSlits, &RuptureReport::repairDeferred, &RuptureReport::flakes, &RuptureReport::givenUp,
-          &RuptureReport::openedFaces, &RuptureReport::copies})
+          &RuptureReport::openedFaces, &RuptureReport::copies, &RuptureReport::inVain})
         this->*sum += b.*sum;
     pending = b.pending; // pending now, not summed
     openedArea += b.openedArea;

@@ -32,6 +32,7 @@ struct RuptureReport {
     long moves = 0;        ///< nodes slid onto the surface
     long bisections = 0;   ///< bisections of edges on the surface
     long pending = 0;      ///< crossings left for the next step at the end of this one
+    long inVain = 0;       ///< strokes that ended, had crossed edges and opened nothing
     // opening
     long flagged = 0;       ///< faces marked for opening
     long edits = 0;         ///< transactions

@@ -28,6 +28,8 @@ RuptureReport continueStroke(EditableMesh& mesh, const Tool* tool, Stroke& strok
     const bool through = stroke.hasCut && (stroke.stroke.away() || stroke.sinceCrossing > 2.0 * mesh.meanEdge());
     stroke.leaving = stroke.leaving || !tool || through;
     if (stroke.leaving) stroke.over = stroke.stroke.finish(mesh, parameters, done);
+    stroke.hasOpened = stroke.hasOpened || done.openedFaces > 0;
+    done.inVain = stroke.over && stroke.hasCut && !stroke.hasOpened ? 1 : 0;
     return done;
 }
 

@@ -28,6 +28,7 @@ struct Stroke {
     BladeStroke stroke;
     bool arrived = false;       ///< part of the mesh has been near the blades
     bool hasCut = false;        ///< the stroke has crossed an edge of the mesh
+    bool hasOpened = false;     ///< and opened a face
     double sinceCrossing = 0.0; ///< [m] way of the blades since they last crossed an edge
     bool leaving = false;       ///< the stroke finishes its pending work and is then over
     bool over = false;

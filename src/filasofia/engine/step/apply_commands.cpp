@@ -146,8 +146,11 @@ struct ApplyCommand {
         SoftBody& body = soft(remove.id);
         if (removePiece(remove.piece, body, scene, report))
             outdate(true, body.system);
-        else
+        else {
             ++report.topology.noPiece;
+            logWarning(describe(body.model), ": RemovePiece: piece ", remove.piece,
+                       " does not exist, or is all that is left of it; nothing is removed");
+        }
     }
     void operator()(const physics::Release& command) const
     {

@@ -1,7 +1,9 @@
 #include "filasofia/engine/topology/ruptures.h"
 
 #include "filasofia/core/assert.h"
+#include "filasofia/core/log.h"
 #include "filasofia/engine/body/elements.h"
+#include "filasofia/engine/contact/attachments.h"
 #include "filasofia/engine/contact/clip_holds.h"
 #include "filasofia/engine/topology/apply_edit.h"
 #include "filasofia/engine/topology/cut_attachments.h"
@@ -14,6 +16,7 @@
 #include "filasofia/physics/limits.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -96,8 +99,19 @@ std::vector<Tool> toolsNear(SoftBody& body, const std::vector<Blade>& blades, ph
     return tools;
 }
 
+/// Tells once of a tool whose cut was too small for the mesh to show it.
+void tellInVain(BodyId tool, const Scene& scene, SoftBody& body)
+{
+    std::vector<BodyId>& told = body.topology.toldInVain;
+    if (std::ranges::find(told, tool) != told.end()) return;
+    told.push_back(tool);
+    logWarning(nameOf(scene, tool), ": its blade went through edges of ", describe(body.model),
+               " and opened nothing: the cut was smaller than elements of ",
+               std::round(1e4 * body.topology.mesh->meanEdge()) / 10.0, " mm show");
+}
+
 /// Lets every tool near a body cut it.
-void cutBody(SoftBody& body, const std::vector<Blade>& blades, physics::TopologyReport& report)
+void cutBody(const Scene& scene, SoftBody& body, const std::vector<Blade>& blades, physics::TopologyReport& report)
 {
     const SoftState& state = body.state;
     BodyTopology& topology = body.topology;
@@ -111,9 +125,14 @@ void cutBody(SoftBody& body, const std::vector<Blade>& blades, physics::Topology
         mesh.moveTo(state.x);
     else
         mesh.placeAt(state.x);
+    std::vector<BodyId> cutters;
+    for (const Stroke& each : strokes) cutters.push_back(each.tool);
+    auto cutter = cutters.begin();
     for (const RuptureReport& done : cutWith(tools, mesh, strokes)) {
         topology.cut += done;
         add(done, report);
+        if (done.inVain > 0) tellInVain(*cutter, scene, body);
+        ++cutter;
     }
 }
 
@@ -163,7 +182,7 @@ void cutBodies(const StepContext& context, const RigidPlan& rigid, Scene& scene,
         if (isRod(body.model))
             findRodCuts(blades, body, context.report.topology);
         else
-            cutBody(body, blades, context.report.topology);
+            cutBody(scene, body, blades, context.report.topology);
     }
     cutAttachments(blades, scene);
 }
