@@ -63,8 +63,9 @@ def test_its_jaws_open_and_close_and_bear_what_is_mounted_on_an_instrument():
     sim = fs.Simulation(rate=500, gravity=NO_PULL)
     tool = level(sim, tool=fs.ArticulatedInstrumentDef(kind="suctionIrrigator"))
     tube = fs.SuctionIrrigator(sim, tool.tool)
-    tube.suck(True)
+    tool.tool.close()
     sim.step(2)
+    assert tube.sucks
     assert tool.tool.kind == "suctionIrrigator" and tool.tool.body == tool.body
     jaws = level(fs.Simulation(rate=500, gravity=NO_PULL))
     jaws.tool.open(0.5)
@@ -83,8 +84,15 @@ def test_pictures_show_what_a_laparoscope_sees():
     assert picture.std() > 5
     seen.zoom(2)
     sim.step(2)
-    assert (sim.render_depth(96, 72).bodies == tissue).mean() > 1.5 * wide
+    sim.render(96, 72)  # which turns the lens
+    near = (sim.render_depth(96, 72).bodies == tissue).mean()
+    assert near > 1.5 * wide
     assert seen.field_of_view == pytest.approx(2 * math.atan(math.tan(view / 2) / 2))
+    aside = dict(pose=fs.look_at((0, 0.3, 0.3), (0, 0, 0)), camera=fs.CameraDef(vertical_field_of_view=0.6))
+    other = (sim.render_depth(96, 72, **aside).bodies == tissue).mean()
+    assert 0 < other < 0.5 * near and sim.render(96, 72, **aside).shape == (72, 96, 3)
+    assert (sim.render_depth(96, 72, **aside).bodies == tissue).mean() == other
+    assert (sim.render_depth(96, 72).bodies == tissue).mean() == near  # the scope sees what it saw
     seen.zoom(1)
     seen.soil(mist=1)
     sim.step(2)
@@ -94,6 +102,15 @@ def test_pictures_show_what_a_laparoscope_sees():
     seen.move(fs.TrocarPose(insertion=0.12, roll=0.5))
     sim.step(2)
     assert seen.lens.mist == 0 and seen.camera.position[1] == pytest.approx(0.08, abs=0.01)
+
+
+def test_a_refused_laparoscope_leaves_pictures_as_they_were():
+    sim = fs.Simulation(rate=500)
+    tissue = sim.add(block())
+    with pytest.raises(fs.Error, match="insertion"):
+        scope(sim, start=fs.TrocarPose(insertion=0.9))
+    sim.step()
+    assert tissue in sim.render_depth(96, 72).bodies
 
 
 def test_wrong_laparoscopy_is_one_line():
@@ -119,7 +136,7 @@ def test_wrong_laparoscopy_is_one_line():
             act()
     sim.step()
     bodies = sim.bodies
-    with pytest.raises(fs.Error, match="before a run"):
+    with pytest.raises(fs.Error, match="Laparoscope: the run has begun"):
         fs.Laparoscope(sim)
     assert sim.bodies == bodies
     sim.close()

@@ -141,7 +141,7 @@ def test_run_makes_the_steps_of_a_time_and_reports():
 def test_a_body_whose_state_is_not_finite_is_named():
     sim, tissue, _ = poke()
     sim.step()
-    sim.set_forces(tissue, np.full((1, 3), 1e300), [0])
+    sim.set_forces(tissue, np.full(sim.frame[tissue].positions.shape, 1e300))
     assert sim.step().undone == [tissue]
     report = sim.report()
     assert report.undone_body == "tissue"

@@ -27,13 +27,13 @@ void makeScope(HeldScope* self, HeldSimulation& sim, nb::handle given)
 {
     const auto def =
         given.is_none() ? prefab::LaparoscopeDef{} : readDef<prefab::LaparoscopeDef>(given, "Laparoscope: definition");
-    // First, as it is refused once a run has begun.
-    const auto seen = std::make_shared<std::weak_ptr<prefab::Laparoscope>>();
-    usable(sim, "Laparoscope").simulation().dress([seen](visual::VisualServer& server) {
-        if (const auto scope = seen->lock()) scope->dress(server);
-    });
+    if (usable(sim, "Laparoscope").begun())
+        fail("Laparoscope: the run has begun: make it before the first step or picture");
     hold(self, sim, "Laparoscope", def);
-    *seen = self->prefab;
+    const Session::Turn turn(*sim.session, "Laparoscope");
+    sim.session->simulation().dress([seen = std::weak_ptr(self->prefab)](visual::VisualServer& server) {
+        if (const auto scope = seen.lock()) scope->dress(server);
+    });
     sim.session->keep(self->prefab);
     sim.shownBeside.insert(self->prefab->body());
 }
@@ -121,7 +121,9 @@ void addScope(nb::module_& module)
                 self.open("zoom").zoom(readArgument<double>(times, "zoom", "times", closed(1, 4)));
             },
             nb::arg("times").none(), nb::sig("def zoom(self, times: float) -> None"),
-            "[-], in [1, 4], how much larger the picture's middle is than without zoom.")
+            "[-], in [1, 4], how much larger the picture's middle is than without zoom, from the next picture on. "
+            "Depth "
+            "images follow after that picture.")
         .def(
             "horizon",
             [](HeldScope& self, nb::handle keep) {

@@ -13,9 +13,9 @@ namespace {
 /// If the user chose nothing to be drawn, everything that has a surface is, but for what a library has shown.
 void showAll(HeldSimulation& self)
 {
+    self.shownByUs.merge(std::exchange(self.shownByScene, {}));
     if (self.shown) return;
     Session& session = *self.session;
-    self.shownByUs.merge(std::exchange(self.shownByScene, {}));
     for (const BodyId id : session.physics().bodies()) {
         const auto def = session.physics().def(id);
         if (self.shownByUs.contains(id) || self.shownBeside.contains(id) || !physics::hasSurface(*def)) continue;
@@ -34,9 +34,10 @@ nb::object show(HeldSimulation& self, nb::handle body, nb::handle def, bool besi
         self.shownBeside.insert(id);
     } else {
         self.shown = true;
-        for (const auto& [body, ours] : std::exchange(self.shownByScene, {})) session.simulation().unshow(ours);
+        for (const auto& [other, ours] : std::exchange(self.shownByScene, {})) session.simulation().unshow(ours);
     }
-    if (const auto ours = self.shownByUs.extract(id)) session.simulation().unshow(ours.mapped());
+    for (auto* list : {&self.shownByUs, &self.shownByScene})
+        if (const auto ours = list->extract(id)) session.simulation().unshow(ours.mapped());
     return Convert<runtime::ShownId>::make(shown);
 }
 

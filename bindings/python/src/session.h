@@ -57,6 +57,8 @@ public:
 
     /// Adds a scene before the first step; its measures are written until close().
     void add(const scene::SceneDef& scene, const prefab::MetricTrackerDef& tracker);
+    /// Whether it has begun to run, with a step, a picture or a recording.
+    [[nodiscard]] bool begun() const { return run_.has_value(); }
     /// What that scene left to others to draw.
     [[nodiscard]] const std::map<BodyId, runtime::ShownId>& drawn() const { return scene_.drawn; }
     /// Begins to measure, before the first step; the file is whole after close().

@@ -71,21 +71,26 @@ struct Laparoscope::Impl {
     }
     [[nodiscard]] double fieldOfView() const { return 2.0 * std::atan(std::tan(0.5 * def.fieldOfView) / times); }
 
-    /// On the main thread, before every picture.
-    void setLens() const
+    /// On the main thread, before every picture. If a picture has a lens of its own, that stays, and the zoom waits.
+    void setLens()
     {
-        if (view.camera == nullptr) return;
+        if (view.camera == nullptr || view.camera->def().verticalFieldOfView != lensSet) return;
+        turnLens();
+    }
+    void turnLens()
+    {
+        lensSet = fieldOfView();
         visual::CameraDef lens = view.camera->def();
-        const double wanted = fieldOfView();
-        if (lens.verticalFieldOfView == wanted) return;
-        lens.verticalFieldOfView = wanted;
+        if (lens.verticalFieldOfView == lensSet) return;
+        lens.verticalFieldOfView = lensSet;
         view.camera->set(lens);
     }
 
     const LaparoscopeDef def;
     TrocarDrive drive;
     Endoscope scope;
-    EndoscopeView view; ///< used by the main thread only
+    EndoscopeView view;   ///< used by the main thread only
+    double lensSet = 0.0; ///< [rad] the angle that the camera was last given; used by the main thread only
     std::atomic<double> times;
     std::atomic<bool> upright;
 };
@@ -121,7 +126,7 @@ BodyId Laparoscope::handle() const { return impl_->drive.handle(); }
 EndoscopeView Laparoscope::dress(visual::VisualServer& server)
 {
     impl_->view = impl_->scope.dress(server);
-    impl_->setLens();
+    impl_->turnLens();
     return impl_->view;
 }
 

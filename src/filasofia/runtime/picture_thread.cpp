@@ -19,7 +19,6 @@ struct PictureThread::Stage {
     visual::Transform* mover = nullptr; ///< the camera, or the rig that carries it and the light
     Pose inMover = {};                  ///< the camera's pose, seen from the mover
     Pose startPose = {};                ///< the mover's, as the look placed it
-    visual::CameraDef startLens = {};
 
     std::atomic<bool>& viewing; ///< the scene is in a viewer's window; read by other threads
     std::chrono::nanoseconds period = {};
@@ -58,7 +57,6 @@ void PictureThread::Stage::open(std::unique_ptr<window::Window> window, const wi
     mover = camera->parent() ? camera->parent() : camera;
     inMover = mover == camera ? Pose{} : camera->pose();
     startPose = mover->pose();
-    startLens = camera->def();
 }
 
 void PictureThread::Stage::close()
@@ -72,7 +70,7 @@ void PictureThread::Stage::close()
 void PictureThread::Stage::aim(const PictureDef& def)
 {
     mover->setPose(def.pose ? physics::unitPose(*def.pose, "picture: pose") * inverse(inMover) : startPose);
-    camera->set(def.camera.value_or(startLens));
+    if (def.camera) camera->set(*def.camera);
 }
 
 visual::View& PictureThread::Stage::viewAside(const PictureDef& def)
@@ -90,17 +88,21 @@ visual::View& PictureThread::Stage::viewAside(const PictureDef& def)
     return *aside;
 }
 
-/// Lets the person at the window look on from where they were.
+/// Gives the camera its lens back, and lets the person at the window look on from where they were.
 struct PictureThread::Stage::Watching {
     Stage& stage;
     Pose from;
     visual::CameraDef lens;
+    std::optional<visual::CameraDef> asked; ///< the picture's own lens
 
     ~Watching()
     {
-        if (!stage.viewing) return;
-        stage.mover->setPose(from);
-        stage.camera->set(lens);
+        if (asked) {
+            const double now = stage.camera->def().verticalFieldOfView; // a scope may have been zoomed meanwhile
+            if (now != asked->verticalFieldOfView) lens.verticalFieldOfView = now;
+            stage.camera->set(lens);
+        }
+        if (stage.viewing) stage.mover->setPose(from);
     }
 };
 
@@ -111,11 +113,12 @@ template <class Capture> auto PictureThread::Stage::take(const PictureDef& def, 
         open(nullptr, {.width = def.width, .height = def.height}, visual::Backend::Headless,
              def.pose ? Framed::AtStart : Framed::Now);
     visual::VisualServer& visual = scene->visual();
-    const Watching watching{*this, mover->pose(), camera->def()};
+    const Watching watching{*this, mover->pose(), camera->def(), def.camera};
     if (!viewing) visual.resize(def.width, def.height);
     visual::View* const view = viewing ? &viewAside(def) : nullptr;
     aim(def);
-    impl.mapFinishedFrame(visual); // after aim(): a recording keeps where the camera is
+    impl.mapFinishedFrame(visual); // after aim(): a recording keeps where a camera is that follows no body
+    if (def.pose) aim(def);        // one that does is back at its body
     return view ? capture(*view) : capture(visual);
 }
 

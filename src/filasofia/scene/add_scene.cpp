@@ -15,15 +15,18 @@
 namespace filasofia::scene {
 namespace {
 
-BodyId addBody(runtime::Simulation& simulation, const SceneBody& body, const std::vector<BodyId>& before)
+/// `drawn`: it is drawn as what it is; otherwise as it says.
+BodyId addBody(runtime::Simulation& simulation, const SceneBody& body, const std::vector<BodyId>& before, bool drawn,
+               AddedScene& added)
 {
     physics::BodyDef def = body.def;
     SceneNumbers(before).replaceIn(def);
     checkMotions(body);
-    if (body.show.empty() && !body.paint.empty())
+    if (body.show.empty() && !drawn && !body.paint.empty())
         fail(physics::describeBody(body.def), ": paint needs a body that is drawn: give it a show");
     if (auto* rigid = std::get_if<physics::RigidBodyDef>(&def)) setFirstPoses(body.motions, *rigid);
     const BodyId id = std::visit([&](auto& each) { return simulation.add(std::move(each)); }, def);
+    if (drawn) added.drawn[id] = simulation.show(id);
     for (const runtime::ShowDef& each : body.show) simulation.show(id, each);
     for (const runtime::PaintDef& each : body.paint) simulation.paint(id, each);
     if (body.bleeding) simulation.bleed(id, *body.bleeding);
@@ -88,9 +91,8 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
         }
     const bool showsNone = std::ranges::all_of(scene.bodies, [](const SceneBody& each) { return each.show.empty(); });
     for (const SceneBody& body : scene.bodies) try {
-            ids.push_back(addBody(simulation, body, ids));
-            // Its picture would be black.
-            if (showsNone && physics::hasSurface(body.def)) added.drawn[ids.back()] = simulation.show(ids.back());
+            const bool drawn = showsNone && physics::hasSurface(body.def); // or the picture would be black
+            ids.push_back(addBody(simulation, body, ids, drawn, added));
         } catch (const Error& error) {
             failAtPlace(body.places, pathIn(body, error.what()), error.what());
         }

@@ -143,18 +143,24 @@ void warnOfTissueForBlades(const Scene& scene, std::set<int>& warned)
     }
 }
 
-/// Logs a warning once per group if blades are in a group that no body has which may be cut, and others have one.
-void warnOfIdleBlades(const Scene& scene, const std::vector<SurfaceOwner>& owners, std::set<int>& warned)
+/// Logs a warning once per group if a rigid body has blades, and none in a group of a body that may be cut, though
+/// there are such bodies.
+void warnOfIdleBlades(const Scene& scene, std::set<int>& warned)
 {
-    const auto isCuttable = [](const SoftBody& each) { return each.model.dynamicTopology; };
-    if (std::ranges::none_of(scene.soft, isCuttable)) return;
-    for (const SurfaceOwner& owner : owners) {
-        const CollisionShape& shape = *owner.collision->shape;
-        const auto isCut = [&](const SoftBody& each) { return mayBeCut(each.model, shape.group); };
-        if (owner.soft || !shape.cutting || std::ranges::any_of(scene.soft, isCut)) continue;
-        if (warned.insert(shape.group).second)
-            logWarning("rigid body '", nameOf(scene, owner), "': no body that may be cut has collision group ",
-                       shape.group, ": its blade cuts nothing");
+    if (std::ranges::none_of(scene.soft, [](const SoftBody& each) { return each.model.dynamicTopology; })) return;
+    const auto isBlade = [](const CollisionModel& each) { return each.shape->cutting; };
+    const auto cuts = [&](const CollisionModel& blade) {
+        return isBlade(blade) && std::ranges::any_of(scene.soft, [&](const SoftBody& each) {
+                   return mayBeCut(each.model, blade.shape->group);
+               });
+    };
+    for (const RigidBody& body : scene.rigid) {
+        const std::vector<CollisionModel>& models = body.model.collision;
+        const auto blade = std::ranges::find_if(models, isBlade);
+        if (blade == models.end() || std::ranges::any_of(models, cuts)) continue;
+        if (const int group = blade->shape->group; warned.insert(group).second)
+            logWarning("rigid body '", body.model.name, "': no body that may be cut has collision group ", group,
+                       ": its blade cuts nothing");
     }
 }
 
@@ -261,7 +267,7 @@ std::vector<bool> placeSurfaces(double dt, const Scene& scene, const std::vector
     if (owners.size() != detection.surfaces.size()) {
         warnOfLoneGroups(scene, owners, detection.warnedGroups);
         warnOfThinProximity(scene, owners, detection.warnedThin);
-        warnOfIdleBlades(scene, owners, detection.warnedIdle);
+        warnOfIdleBlades(scene, detection.warnedIdle);
     }
     const bool same = std::ranges::equal(owners, detection.surfaces, {}, &SurfaceOwner::name, &CollisionSurface::name);
     std::vector<bool> added;

@@ -346,10 +346,10 @@ bool isAlmostDone(const EditableMesh& mesh, int sheet)
     return kFewLeft * left <= std::ranges::count(data.labels, sheet, &CutLabel::sheet);
 }
 
-/// Faces all of whose nodes are on the rim of a cut cannot open, as nothing parts their nodes: a strip of tissue that a
-/// blade narrower than about two elements passed stays whole. A node in the middle of an edge of two of them opens
-/// both. Returns these new nodes.
-std::vector<int> partStuckFaces(EditableMesh& mesh, const OpeningLimits& limits, RuptureReport& report)
+/// Where a cut is narrow, its closed faces have all nodes on its rim, and nothing parts these: a strip that a blade of
+/// less than about two elements passed stays whole. A node in the middle of an edge of two such faces opens both.
+/// Returns these new nodes.
+std::vector<int> partStuckFaces(EditableMesh& mesh, int sheet, const OpeningLimits& limits, RuptureReport& report)
 {
     if (mesh.isSheet()) return {};
     const MeshTopology& data = mesh.data();
@@ -361,6 +361,7 @@ std::vector<int> partStuckFaces(EditableMesh& mesh, const OpeningLimits& limits,
     std::vector<EdgeOfFace> edges;
     int faces = 0;
     forEachClosed(mesh, [&](int t, int f) {
+        if (!isOf(sheet, t, f, data)) return;
         const std::array<int, 3> n = faceNodes(data.tetrahedra[t], f);
         for (int k = 0; k < 3; ++k) {
             const Edge edge = {std::min(n[k], n[(k + 1) % 3]), std::max(n[k], n[(k + 1) % 3])};
@@ -378,8 +379,8 @@ std::vector<int> partStuckFaces(EditableMesh& mesh, const OpeningLimits& limits,
     for (std::size_t i = 0, next = 0; i < edges.size(); i = next) {
         while (next < edges.size() && edges[next].edge == edges[i].edge) ++next;
         const auto [a, b] = edges[i].edge;
-        if (next - i != 2 || edges[i].length <= limits.shortestEdge || data.labels[a].sheet != data.labels[b].sheet ||
-            parted[edges[i].face] || parted[edges[i + 1].face])
+        if (next - i != 2 || edges[i].length <= limits.shortestEdge || parted[edges[i].face] ||
+            parted[edges[i + 1].face])
             continue;
         edgeStar(data, a, b, star);
         if (mesh.qualityAfterBisecting(a, b, 0.5, star) < limits.minQuality) continue;
@@ -406,7 +407,7 @@ void openAll(EditableMesh& mesh, int sheet, const OpeningLimits& limits, Rupture
         mesh, [&](int t, int f) { forEachFaceNode(data.tetrahedra[t], f, [&](int n) { candidates.push_back(n); }); });
     openFaces(mesh, limits, std::move(candidates), report);
     const bool almost = isAlmostDone(mesh, sheet);
-    if (!almost) openFaces(mesh, limits, partStuckFaces(mesh, limits, report), report);
+    if (!almost) openFaces(mesh, limits, partStuckFaces(mesh, sheet, limits, report), report);
     // Faces can block each other, so try them one at a time as long as another one opens.
     OpeningLimits last = limits;
     for (bool progress = true; progress;) {
