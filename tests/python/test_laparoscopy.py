@@ -67,9 +67,11 @@ def test_its_jaws_open_and_close_and_bear_what_is_mounted_on_an_instrument():
     sim.step(2)
     assert tube.sucks
     assert tool.tool.kind == "suctionIrrigator" and tool.tool.body == tool.body
-    jaws = level(fs.Simulation(rate=500, gravity=NO_PULL))
+    other = fs.Simulation(rate=500, gravity=NO_PULL)
+    jaws = level(other)
     jaws.tool.open(0.5)
-    assert jaws.tool.kind == "laparoscopicGrasper"
+    other.step(300)
+    assert jaws.tool.kind == "laparoscopicGrasper" and jaws.tool.opening == pytest.approx(0.5, abs=0.02)
 
 
 def test_pictures_show_what_a_laparoscope_sees():
