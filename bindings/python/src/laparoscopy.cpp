@@ -121,9 +121,8 @@ void addScope(nb::module_& module)
                 self.open("zoom").zoom(readArgument<double>(times, "zoom", "times", closed(1, 4)));
             },
             nb::arg("times").none(), nb::sig("def zoom(self, times: float) -> None"),
-            "[-], in [1, 4], how much larger the picture's middle is than without zoom, from the next picture on. "
-            "Depth "
-            "images follow after that picture.")
+            "[-], in [1, 4], how much larger the picture's middle is than without zoom: in the next picture, and in "
+            "depth images after it.")
         .def(
             "horizon",
             [](HeldScope& self, nb::handle keep) {
