@@ -1,6 +1,6 @@
 // What goes through a trocar: instruments and a scope.
-#include "arrays.h"
 #include "instrument.h"
+#include "properties.h"
 #include "results.h"
 
 #include "filasofia/prefab/laparoscope.h"
@@ -89,16 +89,10 @@ void addReport(nb::module_& module)
             "pivot", [](const TrocarReport& self) { return Convert<Pose>::make(self.pivot); },
             nb::for_getter(nb::sig("def pivot(self) -> filasofia.Pose")), "of the jaws, or a scope's tip, in the world")
         .def_ro("torque", &TrocarReport::torque, "[N m], on the hand, about the shaft's direction");
-    const auto addVector = [&report](const char* name, Vec3 TrocarReport::*member, const char* meaning) {
-        report.def_prop_ro(
-            name, [member](const TrocarReport& self) { return vectorOf(self.*member); },
-            nb::for_getter(nb::sig(text("def ", name, "(self) -> numpy.typing.NDArray[numpy.float64]").c_str())),
-            meaning);
-    };
-    addVector("handle", &TrocarReport::handle, "(3,) [m], where the hand holds the shaft, in the world");
-    addVector("shift", &TrocarReport::shift, "(3,) [m], how far the wall has yielded at the fulcrum");
-    addVector("force", &TrocarReport::force, "(3,) [N], on the hand: tissue by the lever, wall and seal");
-    addVector("wall", &TrocarReport::wall, "(3,) [N], from the wall on the shaft, sideways");
+    addVector(report, "handle", &TrocarReport::handle, "(3,) [m], where the hand holds the shaft, in the world");
+    addVector(report, "shift", &TrocarReport::shift, "(3,) [m], how far the wall has yielded at the fulcrum");
+    addVector(report, "force", &TrocarReport::force, "(3,) [N], on the hand: tissue by the lever, wall and seal");
+    addVector(report, "wall", &TrocarReport::wall, "(3,) [N], from the wall on the shaft, sideways");
 }
 
 void addScope(nb::module_& module)

@@ -1,7 +1,6 @@
 #include "results.h"
 
-#include "arrays.h"
-#include "convert.h"
+#include "properties.h"
 
 #include <nanobind/stl/vector.h>
 
@@ -31,22 +30,6 @@ void bindFlags(nb::module_& module)
         .value("RESTLESS", StepFlag::Restless, "a body goes on moving though nothing drives it")
         .value("ENERGY_GAINED", StepFlag::EnergyGained, "a restless body moves with ever more energy")
         .value("INTERSECTING", StepFlag::Intersecting, "surfaces of bodies pass through each other");
-}
-
-/// Properties that are a body's id or a vector, which Python has in forms of its own.
-template <class T, class Member> void addId(nb::class_<T>& bound, const char* name, Member member)
-{
-    const std::string signature = text("def ", name, "(self) -> filasofia.BodyId | None");
-    bound.def_prop_ro(
-        name, [member](const T& self) { return Convert<BodyId>::make(self.*member); },
-        nb::for_getter(nb::sig(signature.c_str())));
-}
-template <class T, class Member> void addVector(nb::class_<T>& bound, const char* name, Member member, const char* doc)
-{
-    const std::string signature = text("def ", name, "(self) -> numpy.typing.NDArray[numpy.float64]");
-    bound.def_prop_ro(
-        name, [member](const T& self) { return vectorOf(self.*member); }, nb::for_getter(nb::sig(signature.c_str())),
-        doc);
 }
 
 void bindParts(nb::module_& module)
