@@ -1,11 +1,13 @@
 """What goes through a trocar: instruments and a scope."""
 import math
+import time
 
 import numpy as np
 import pytest
 
 import filasofia as fs
 from scenes import ball, block
+from virtual_display import press, virtual_display
 
 INSIDE, LENGTH = 0.12, 0.36  # [m]
 NO_PULL = (0, 0, 0)
@@ -144,3 +146,59 @@ def test_wrong_laparoscopy_is_one_line():
     sim.close()
     with pytest.raises(fs.Error, match="closed"):
         tool.move(fs.TrocarPose(insertion=0.1))
+
+
+def test_pictures_show_what_an_endoscope_sees():
+    sim = fs.Simulation(rate=500, gravity=NO_PULL)
+    tissue = sim.add(block())
+    start = fs.look_at((0, 0.08, 0), (0, 0, 0), (0, 0, -1))
+    seen = fs.Endoscope(sim, fs.EndoscopeDef(pose=start, inclination=0.4, groups=[]))
+    sim.step()
+    assert seen.tip == start and seen.body in sim.bodies
+    labels = sim.render_depth(96, 72).bodies
+    straight = np.argwhere(labels == tissue).mean(axis=0)
+    before = seen.camera
+    seen.roll(math.pi)  # an inclined view goes over to the other side, and the picture turns
+    seen.camera_roll(math.pi)
+    sim.step(2)
+    assert np.allclose(seen.camera.position, (-before.position[0], before.position[1], -before.position[2]), atol=1e-9)
+    rolled = np.argwhere(sim.render_depth(96, 72).bodies == tissue).mean(axis=0)
+    assert abs(rolled[0] - (71 - straight[0])) < 3 < abs(rolled[0] - straight[0])
+    seen.move(fs.Pose((0, 0.06, 0), start.orientation))
+    seen.soil(smear=0.3)
+    sim.step(2)
+    assert seen.tip.position[1] == pytest.approx(0.06) and seen.lens.smear == 0.3
+    assert np.linalg.norm(np.subtract(seen.channel.position, seen.tip.position)) == pytest.approx(math.hypot(1.5e-3, 2.3e-3))
+    assert sim.render(96, 72).std() > 5
+
+
+def test_a_person_at_the_viewer_moves_what_goes_through_trocars(monkeypatch):
+    sim = fs.Simulation(rate=500, gravity=NO_PULL)
+    sim.add(block())
+    left, right, seen = level(sim), level(sim, name="right"), scope(sim)
+    hands = fs.TrocarHands(sim, left, right, seen, fs.TrocarHandsDef(gain=0.01))
+    sim.step()
+    assert hands.wanted == (left.definition.start, right.definition.start, seen.definition.start)
+    left.move(fs.TrocarPose(insertion=0.2))  # does not last
+    sim.step(5)
+    assert left.report.pose == left.definition.start
+    with virtual_display() as name:
+        monkeypatch.setenv("DISPLAY", name)
+        with fs.viewer.launch_passive(sim) as viewer:
+            for _ in range(60):  # nobody tells when the window listens
+                press(name, ord("1"), ord("w"), ord("3"), ord("s"))
+                viewer.sync()
+                sim.step(50)
+                if hands.wanted[0].insertion > INSIDE and hands.wanted[2].insertion < 0.1:
+                    break
+                time.sleep(0.2)
+    assert hands.wanted[0].insertion > INSIDE and hands.wanted[1] == right.definition.start and hands.wanted[2].insertion < 0.1
+    sim.step(500)
+    assert left.report.pose.insertion == pytest.approx(hands.wanted[0].insertion, abs=1e-6)
+    for act, says in [
+        (lambda: fs.TrocarHands(sim, left, left, seen), "left and right must be two instruments"),
+        (lambda: fs.TrocarHandsDef(gain=1), r"gain must be in \(0, 0.1\] rad, got 1"),
+        (lambda: fs.TrocarHands(fs.Simulation(), left, right, seen), "of another simulation"),
+    ]:
+        with pytest.raises(fs.Error, match=says):
+            act()

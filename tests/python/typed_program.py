@@ -89,6 +89,11 @@ def instruments(sim: fs.Simulation, tissue: fs.BodyId) -> None:
     scope = fs.Laparoscope(sim)
     scope.soil(mist=0.5)
     force: NDArray[np.float64] = grasper.report.force
+    hands = fs.TrocarHands(sim, grasper, fs.LaparoscopicInstrument(sim), scope, fs.TrocarHandsDef(gain=0.001))
+    wanted: tuple[fs.TrocarPose, fs.TrocarPose, fs.TrocarPose] = hands.wanted
+    hysteroscope = fs.Endoscope(sim, fs.EndoscopeDef(inclination=0.2))
+    hysteroscope.roll(0.1)
+    print(wanted, hysteroscope.tip.position, hysteroscope.channel, hysteroscope.lens.smear)
     print(force, grasper.tool.opening, scope.lens.mist, scope.camera.position, scope.definition.zoom)
     print(held, line, together, clips.left, shears.parted, suction.irrigated, loop.CUTS, loop.definition.width)
 

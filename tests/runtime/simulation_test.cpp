@@ -223,6 +223,29 @@ TEST_CASE("a run that fails leaves a simulation that can run")
     CHECK(report.visual.bodies == 1);
 }
 
+TEST_CASE("what was asked of blades and not done is told at the end of a run")
+{
+    Simulation sim;
+    physics::SoftBodyDef tissue = bunny();
+    tissue.dynamicTopology = true;
+    const BodyId body = sim.add(tissue);
+    CHECK(warnings(sim.run(headless(2))).empty());
+    sim.add(physics::RigidBodyDef{
+        .name = "knife",
+        .elements = {{{1.0, 0.0, 0.0}, {}}},
+        .collision = {{.mesh = geometry::shapes::box({0.01, 0.01, 0.01}), .group = 3, .cutting = true}}});
+    sim.physics().removePiece(body, 7);
+    const RunReport report = sim.run(headless(2));
+    const std::string idle = "blade of 'knife' cuts nothing: no body that may be cut has its group";
+    const std::string gone = "pieces to be removed that do not exist: 1";
+    CHECK(warnings(report) == std::vector<std::string>{gone, idle});
+    CHECK_THAT(summary(report), Catch::Contains(gone + "\n" + idle + "\n"));
+    CHECK(warnings(sim.run(headless(2))) == std::vector{idle}); // it still is
+    RunReport cut;
+    cut.refused.inVain = 2;
+    CHECK(warnings(cut) == std::vector<std::string>{"strokes of blades that opened nothing: 2"});
+}
+
 TEST_CASE("a run at whose end a body is rolled back has failed, and one that recovers has not")
 {
     Simulation sim;

@@ -3,6 +3,7 @@
 #include "def_table.h"
 
 #include "filasofia/prefab/clip_applier.h"
+#include "filasofia/prefab/endoscope.h"
 #include "filasofia/prefab/instrument_tie.h"
 #include "filasofia/prefab/knot_hands.h"
 #include "filasofia/prefab/laparoscope.h"
@@ -10,6 +11,7 @@
 #include "filasofia/prefab/metric_tracker.h"
 #include "filasofia/prefab/specimen_bag.h"
 #include "filasofia/prefab/suction_irrigator.h"
+#include "filasofia/prefab/trocar_hands.h"
 #include "filasofia/prefab/ultrasonic_shears.h"
 #include "filasofia/prefab/wire_loop.h"
 
@@ -43,12 +45,14 @@ const DefTable& table()
         out.add<surface::DistensionDef>();
         out.add<surface::Distend>();
         out.add<prefab::ClipApplierDef>();
+        out.add<prefab::EndoscopeDef>();
         out.add<prefab::InstrumentTieDef>();
         out.add<prefab::KnotDef>();
         out.add<prefab::LaparoscopeDef>();
         out.add<prefab::LaparoscopicInstrumentDef>();
         out.add<prefab::SpecimenBagDef>();
         out.add<prefab::SuctionIrrigatorDef>();
+        out.add<prefab::TrocarHandsDef>();
         out.add<prefab::UltrasonicShearsDef>();
         out.add<prefab::WireLoopDef>();
         out.add<runtime::PictureDef>();

@@ -1,10 +1,10 @@
-// What goes through a trocar: instruments and a scope.
+// What goes through a trocar: instruments and a scope, and the hands that a person moves them with.
 #include "instrument.h"
 #include "properties.h"
 #include "results.h"
+#include "scope.h"
 
-#include "filasofia/prefab/laparoscope.h"
-#include "filasofia/prefab/laparoscopic_instrument.h"
+#include "filasofia/prefab/trocar_hands.h"
 
 namespace filasofia::python {
 namespace {
@@ -13,27 +13,13 @@ using prefab::TrocarPose;
 using prefab::TrocarReport;
 using HeldLaparoscopic = HeldPrefab<prefab::LaparoscopicInstrument>;
 using HeldScope = HeldPrefab<prefab::Laparoscope>;
+using HeldHands = HeldPrefab<prefab::TrocarHands>;
 
 void makeInstrument(HeldLaparoscopic* self, HeldSimulation& sim, nb::handle given)
 {
     hold(self, sim, "LaparoscopicInstrument",
          given.is_none() ? prefab::LaparoscopicInstrumentDef{}
                          : readDef<prefab::LaparoscopicInstrumentDef>(given, "LaparoscopicInstrument: definition"));
-    sim.session->keep(self->prefab);
-    sim.shownBeside.insert(self->prefab->body());
-}
-
-void makeScope(HeldScope* self, HeldSimulation& sim, nb::handle given)
-{
-    const auto def =
-        given.is_none() ? prefab::LaparoscopeDef{} : readDef<prefab::LaparoscopeDef>(given, "Laparoscope: definition");
-    if (usable(sim, "Laparoscope").begun())
-        fail("Laparoscope: the run has begun: make it before the first step or picture");
-    hold(self, sim, "Laparoscope", def);
-    const Session::Turn turn(*sim.session, "Laparoscope");
-    sim.session->simulation().dress([seen = std::weak_ptr(self->prefab)](visual::VisualServer& server) {
-        if (const auto scope = seen.lock()) scope->dress(server);
-    });
     sim.session->keep(self->prefab);
     sim.shownBeside.insert(self->prefab->body());
 }
@@ -97,17 +83,20 @@ void addReport(nb::module_& module)
 
 void addScope(nb::module_& module)
 {
-    nb::class_<prefab::LensState>(module, "LensState", "How dirty a lens is.")
-        .def_ro("mist", &prefab::LensState::mist, "[-], in [0, 1], how fogged it is")
-        .def_ro("smear", &prefab::LensState::smear, "[-], in [0, 1], share of it that is smeared");
     nb::class_<HeldScope> scope(module, "Laparoscope",
                                 "A rigid scope through a trocar. Pictures and the viewer show what it sees, unless "
                                 "they are told another pose. Make it before the first step.");
-    scope.def("__init__", &makeScope, nb::arg("sim"), nb::arg("definition").none() = nb::none(),
-              nb::sig("def __init__(self, sim: filasofia.Simulation, definition: filasofia.LaparoscopeDef | None = "
-                      "None) -> None"),
-              "Adds its body.");
+    scope.def(
+        "__init__",
+        [](HeldScope* self, HeldSimulation& sim, nb::handle given) {
+            makeScope<prefab::Laparoscope, prefab::LaparoscopeDef>(self, sim, given, "Laparoscope");
+        },
+        nb::arg("sim"), nb::arg("definition").none() = nb::none(),
+        nb::sig("def __init__(self, sim: filasofia.Simulation, definition: filasofia.LaparoscopeDef | None = "
+                "None) -> None"),
+        "Adds its body.");
     addTrocar(scope, "LaparoscopeDef");
+    addLens(scope);
     scope
         .def(
             "zoom",
@@ -124,23 +113,45 @@ void addScope(nb::module_& module)
             },
             nb::arg("keep").none(), nb::sig("def horizon(self, keep: bool) -> None"),
             "Whether the camera head keeps the picture upright.")
-        .def(
-            "soil",
-            [](HeldScope& self, nb::handle mist, nb::handle smear) {
-                self.open("soil").soil({.mist = readArgument<double>(mist, "soil", "mist", closed(0, 1)),
-                                        .smear = readArgument<double>(smear, "soil", "smear", closed(0, 1))});
-            },
-            nb::arg("mist").none() = 0.0, nb::arg("smear").none() = 0.0,
-            nb::sig("def soil(self, mist: float = 0.0, smear: float = 0.0) -> None"),
-            "Makes the lens as dirty as this, from the next step on; without arguments it is wiped.")
-        .def_prop_ro(
-            "lens", [](HeldScope& self) { return self.open("lens").lens(); }, "as of the last step")
-        .def_prop_ro(
-            "camera", [](HeldScope& self) { return Convert<Pose>::make(self.open("camera").camera()); },
-            nb::for_getter(nb::sig("def camera(self) -> filasofia.Pose")), "looks along -z; +y is up in the picture")
         .def_prop_ro(
             "field_of_view", [](HeldScope& self) { return self.open("field_of_view").fieldOfView(); },
             "[rad], over the height of the picture, with the present zoom");
+}
+
+void makeHands(HeldHands* self, HeldSimulation& sim, HeldLaparoscopic& left, HeldLaparoscopic& right, HeldScope& scope,
+               nb::handle given)
+{
+    for (const std::shared_ptr<Session>& each : {left.session, right.session, scope.session})
+        if (each != sim.session) fail("TrocarHands: an instrument or the scope is of another simulation");
+    if (left.prefab == right.prefab) fail("TrocarHands: left and right must be two instruments, and are one");
+    hold(self, sim, "TrocarHands", *left.prefab, *right.prefab, *scope.prefab,
+         given.is_none() ? prefab::TrocarHandsDef{}
+                         : readDef<prefab::TrocarHandsDef>(given, "TrocarHands: definition"));
+    sim.session->keep(self->prefab);
+}
+
+void addHands(nb::module_& module)
+{
+    nb::class_<HeldHands>(module, "TrocarHands",
+                          "A person at a viewer moves two instruments and a scope with mouse and keys: 1, 2 and 3 "
+                          "choose one, a right drag turns its shaft, the wheel moves it in and out, the left button "
+                          "closes its jaws. move() of these does not last meanwhile.")
+        .def("__init__", &makeHands, nb::arg("sim"), nb::arg("left"), nb::arg("right"), nb::arg("scope"),
+             nb::arg("definition").none() = nb::none(),
+             nb::sig("def __init__(self, sim: filasofia.Simulation, left: filasofia.LaparoscopicInstrument, right: "
+                     "filasofia.LaparoscopicInstrument, scope: filasofia.Laparoscope, definition: "
+                     "filasofia.TrocarHandsDef | None = None) -> None"),
+             "They hold these until the simulation ends, and a state from before cannot be restored.")
+        .def_prop_ro(
+            "wanted",
+            [](HeldHands& self) {
+                const prefab::TrocarPoses poses = self.open("wanted").wanted();
+                return nb::make_tuple(Convert<TrocarPose>::make(poses.left), Convert<TrocarPose>::make(poses.right),
+                                      Convert<TrocarPose>::make(poses.scope));
+            },
+            nb::for_getter(nb::sig("def wanted(self) -> tuple[filasofia.TrocarPose, filasofia.TrocarPose, "
+                                   "filasofia.TrocarPose]")),
+            "where the left and the right instrument and the scope were told to be, in the last step");
 }
 
 } // namespace
@@ -165,6 +176,7 @@ void addLaparoscopy(nb::module_& module)
         nb::for_getter(nb::sig("def tool(self) -> filasofia.ArticulatedInstrument")),
         "its jaws, to open and close, and to mount something on; what it is told by move() does not last");
     addScope(module);
+    addHands(module);
 }
 
 } // namespace filasofia::python

@@ -55,6 +55,7 @@ NB_MODULE(_core, module)
     addInstrument(module);
     addClipApplier(module);
     addInstrumentTie(module);
+    addEndoscope(module);
     addKnotHands(module);
     addLaparoscopy(module);
     addSpecimenBag(module);

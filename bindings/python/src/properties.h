@@ -7,13 +7,20 @@
 
 namespace filasofia::python {
 
-/// Properties that are a body's id or a vector, which Python has in forms of its own.
+/// Properties that are ids of bodies or a vector, which Python has in forms of its own.
 template <class T, class Member> void addId(nb::class_<T>& bound, const char* name, Member member)
 {
     const std::string signature = text("def ", name, "(self) -> filasofia.BodyId | None");
     bound.def_prop_ro(
         name, [member](const T& self) { return Convert<BodyId>::make(self.*member); },
         nb::for_getter(nb::sig(signature.c_str())));
+}
+template <class T, class Member> void addIds(nb::class_<T>& bound, const char* name, Member member, const char* doc)
+{
+    const std::string signature = text("def ", name, "(self) -> list[filasofia.BodyId]");
+    bound.def_prop_ro(
+        name, [member](const T& self) { return Convert<std::vector<BodyId>>::make(self.*member); },
+        nb::for_getter(nb::sig(signature.c_str())), doc);
 }
 template <class T, class Member> void addVector(nb::class_<T>& bound, const char* name, Member member, const char* doc)
 {

@@ -117,8 +117,10 @@ void bindRuptures(nb::module_& module)
         .def_ro("share", &LostPiece::share, "[-], of the mass that the body had as a whole");
     addId(lost, "body", &LostPiece::body);
 
-    nb::class_<TopologyReport>(module, "TopologyReport", "Cuts and tears of a step.")
-        .def_ro("ruptures", &TopologyReport::ruptures)
+    nb::class_<TopologyReport> topology(module, "TopologyReport", "Cuts and tears of a step.");
+    addIds(topology, "idle_blades", &TopologyReport::idleBlades,
+           "bodies of which blades cut nothing, told when bodies were added or removed");
+    topology.def_ro("ruptures", &TopologyReport::ruptures)
         .def_ro("lost", &TopologyReport::lost, "pieces that went farther than 10 m and were removed")
         .def_ro("lost_pieces", &TopologyReport::lostPieces)
         .def_ro("pending", &TopologyReport::pending)
@@ -128,7 +130,9 @@ void bindRuptures(nb::module_& module)
         .def_ro("blade_too_fast", &TopologyReport::bladeTooFast, "blades that jumped across a body")
         .def_ro("blade_off", &TopologyReport::bladeOff,
                 "blades that were switched off in tissue and pushed further into it")
-        .def_prop_ro("refused", &TopologyReport::refused, "these, and edits that were refused")
+        .def_ro("in_vain", &TopologyReport::inVain, "strokes that had crossed edges and opened nothing when they ended")
+        .def_ro("no_piece", &TopologyReport::noPiece, "pieces that were to be removed and did not exist")
+        .def_prop_ro("refused", &TopologyReport::refused, "blades that were not used, and edits that were refused")
         .def("__repr__", [](const TopologyReport& self) {
             return text("TopologyReport(ruptures=", self.ruptures.size(), ", lost=", self.lost,
                         ", pending=", self.pending, ", refused=", self.refused(), ")");
@@ -163,15 +167,12 @@ void bindStep(nb::module_& module)
         .def_ro("force", &AttachmentBreak::force, "[N] that it carried, summed over its points")
         .def_ro("points", &AttachmentBreak::points, "[-], that let go")
         .def_ro("broken", &AttachmentBreak::broken, "nothing of it holds any more");
-    nb::class_<StepReport>(module, "StepReport", "How a step went.")
-        .def_ro("step", &StepReport::step, "number of steps completed")
+    nb::class_<StepReport> step(module, "StepReport", "How a step went.");
+    addIds(step, "undone", &StepReport::undone, "bodies that were restored to the state before the step");
+    step.def_ro("step", &StepReport::step, "number of steps completed")
         .def_ro("time", &StepReport::time, "[s], simulated")
         .def_ro("dt", &StepReport::dt, "[s]; 0 while paused")
         .def_prop_ro("flags", [](const StepReport& self) { return static_cast<StepFlag>(self.flags); })
-        .def_prop_ro(
-            "undone", [](const StepReport& self) { return Convert<std::vector<BodyId>>::make(self.undone); },
-            nb::for_getter(nb::sig("def undone(self) -> list[filasofia.BodyId]")),
-            "bodies that were restored to the state before the step")
         .def_ro("solves", &StepReport::solves)
         .def_prop_ro("iterations", &StepReport::iterations, "of all solves, each counted once")
         .def_ro("contacts", &StepReport::contacts)

@@ -13,6 +13,7 @@ void addMeasures(nb::module_& module, nb::class_<HeldSimulation>& simulation);
 void addClipApplier(nb::module_& module);
 void addInstrument(nb::module_& module);
 void addInstrumentTie(nb::module_& module);
+void addEndoscope(nb::module_& module);
 void addKnotHands(nb::module_& module);
 void addLaparoscopy(nb::module_& module);
 void addSpecimenBag(nb::module_& module);

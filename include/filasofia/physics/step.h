@@ -161,10 +161,14 @@ struct TopologyReport {
     int edgeGone = 0;     ///< refused: an edge to be cut had been cut meanwhile
     int tearClosed = 0;   ///< refused: a tear would have opened nothing, or left an invalid surface
     int noPiece = 0;      ///< refused: a piece to be removed does not exist, or is all that is left of the body
+    int inVain = 0;       ///< strokes that ended, had crossed edges and opened nothing
     int lost = 0;         ///< pieces that went farther than 10 m and were removed
     int putOff = 0;       ///< faces that could not be opened yet and are tried again
     int pending = 0;      ///< crossings and tears that wait for the next step
     std::vector<LostPiece> lostPieces = {}; ///< what `lost` counts, in ascending order of bodies
+    /// Rigid bodies of which blades cut nothing, as no body that may be cut has their collision group. Told when bodies
+    /// or collision models were added or removed, once per group.
+    std::vector<BodyId> idleBlades = {};
     [[nodiscard]] int refused() const { return bladesRefused() + edgeGone + tearClosed + noPiece; }
     [[nodiscard]] int bladesRefused() const
     {

@@ -95,12 +95,14 @@ struct LostPiecesReport {
     double share = 0.0;       ///< [-], in (0, 1], of the mass that the body had as a whole
 };
 
-/// Blades that were not used in a run (physics::TopologyReport).
+/// What was asked of blades in a run and not done (physics::TopologyReport).
 struct RefusedBlades {
-    std::uint64_t steps = 0;  ///< [-], steps with such a blade
+    std::uint64_t steps = 0;  ///< [-], steps with a blade that was not used
     std::uint64_t jumped = 0; ///< [-], steps among these in which one jumped, and cut nothing on its way
     /// [-], steps among these in which one that is off was pushed on into the tissue that it is in
     std::uint64_t off = 0;
+    std::uint64_t inVain = 0;  ///< [-], strokes that had crossed edges and opened nothing when they ended
+    std::uint64_t noPiece = 0; ///< [-], pieces that were to be removed and did not exist
 };
 
 /// What became of the blood of a body that bleeds.
@@ -177,7 +179,8 @@ struct RunReport {
     std::vector<std::string> nothingHeld; ///< one line per attachment or grasp that held nothing; after 12 a count
     /// One line per attachment or grasp of which points let go, with the time; after 12 a count
     std::vector<std::string> broke;
-    std::vector<std::string> bluntBlades; ///< one line per blade that touched a soft body without dynamicTopology
+    /// One line per blade that touched a soft body without dynamicTopology, or that no body has the group of.
+    std::vector<std::string> bluntBlades;
     /// why functions of everyStep() are no longer called, in this run or an earlier one: scripts that ended early
     std::vector<std::string> callbackProblems;
     std::vector<std::string> pictures; ///< files written, including the video

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
+#include <set>
 
 namespace filasofia::runtime {
 
@@ -70,6 +71,9 @@ public:
         refused_.steps += blades.bladesRefused() > 0;
         refused_.jumped += blades.bladeJump + blades.bladeTooFast > 0;
         refused_.off += blades.bladeOff > 0;
+        refused_.inVain += static_cast<std::uint64_t>(blades.inVain);
+        refused_.noPiece += static_cast<std::uint64_t>(blades.noPiece);
+        idleBlades_.insert(blades.idleBlades.begin(), blades.idleBlades.end());
     }
     /// The steps of all runs, paused ones included.
     [[nodiscard]] std::uint64_t stepsEver() const { return stepsEver_; }
@@ -82,6 +86,8 @@ public:
     [[nodiscard]] const std::map<BodyId, Lost>& lost() const { return lost_; }
     /// What was opened, by body, without their names.
     [[nodiscard]] const std::map<BodyId, OpenedSurfaces>& opened() const { return opened_; }
+    /// Bodies of which blades cut nothing, in all runs: a step tells it once.
+    [[nodiscard]] const std::set<BodyId>& idleBlades() const { return idleBlades_; }
     void fill(RunReport& report) const
     {
         report.undone = undone_;
@@ -130,6 +136,7 @@ private:
     physics::StrainedElements mostStrained_; ///< in the step with the largest strain in relation to its range
     std::map<BodyId, OpenedSurfaces> opened_;
     RefusedBlades refused_;
+    std::set<BodyId> idleBlades_;
     std::map<BodyId, Lost> lost_;
     physics::ClipReport clips_;
     AttachmentWatch attachments_;

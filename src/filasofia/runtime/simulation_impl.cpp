@@ -362,6 +362,9 @@ void Simulation::Impl::fill(RunReport& report) const
     report.nothingHeld = counters.attachments().nothing(physics);
     report.broke = counters.attachments().broke(physics);
     report.bluntBlades = blades.lines();
+    for (const BodyId each : counters.idleBlades())
+        report.bluntBlades.push_back(
+            text("blade of '", nameOf(each, physics), "' cuts nothing: no body that may be cut has its group"));
     report.callbackProblems = everyStep.problems();
     files.fill(report);
     report.finished = control.reason();

@@ -242,6 +242,10 @@ std::vector<std::string> problemsOf(const RunReport& report)
     if (report.restless > 0) out.push_back(unrestLine(report));
     for (const LostPiecesReport& lost : report.lost) out.push_back(lostLine(lost));
     if (report.refused.steps > 0) out.push_back(refusedLine(report.refused));
+    if (report.refused.inVain > 0)
+        out.push_back(text("strokes of blades that opened nothing: ", report.refused.inVain));
+    if (report.refused.noPiece > 0)
+        out.push_back(text("pieces to be removed that do not exist: ", report.refused.noPiece));
     if (report.nothingChanged > 0)
         out.push_back(text("a change of tissue (SetTissue) found no element in ", steps(report.nothingChanged)));
     out.insert(out.end(), report.nothingHeld.begin(), report.nothingHeld.end());

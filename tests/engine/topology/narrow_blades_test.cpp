@@ -20,6 +20,8 @@ struct Slide {
     BodyId blade;
     double area = 0.0; // [m^2] opened
     int pieces = 0;
+    int inVain = 0; // strokes
+    std::vector<BodyId> idle;
     std::vector<std::string> told;
 
     /// `another`: it has a blade of group 0, too. `y`, `z` [m]: the middle of the sheet; the block goes from -10 to 10
@@ -43,6 +45,8 @@ struct Slide {
         for (double x = -35e-3; x < 35e-3; x += 0.2e-3) {
             stage.post(SetPose{blade, 0, at(x)});
             const StepReport report = stage.step(1e-3);
+            inVain += report.topology.inVain;
+            idle.insert(idle.end(), report.topology.idleBlades.begin(), report.topology.idleBlades.end());
             for (const Rupture& each : report.topology.ruptures) {
                 area += each.area;
                 pieces += static_cast<int>(each.detached.size());
@@ -70,6 +74,7 @@ TEST_CASE("a blade that slides through tissue opens no more than it sweeps, howe
         CHECK(slide.area >= 0.3 * width * kLength);
         CHECK(slide.pieces == 0);
         CHECK(slide.saidThat("opened nothing") == 0);
+        CHECK(slide.inVain == 0);
     }
 }
 
@@ -94,13 +99,18 @@ TEST_CASE("a cut that is too small for the elements is told, and so is a blade t
     const Slide thin(1e-3, -0.3e-3, 0.42e-3);
     CHECK(thin.area == 0.0);
     CHECK(thin.saidThat("opened nothing: the cut was smaller than elements of") == 1);
+    CHECK(thin.inVain > 0);
+    CHECK(thin.idle.empty());
     const Slide idle(20e-3, 0.1e-3, 0.0, 3);
     CHECK(idle.area == 0.0);
     CHECK(idle.saidThat("no body that may be cut has collision group 3: its blade cuts nothing") == 1);
+    CHECK(idle.idle == std::vector{idle.blade});
+    CHECK(idle.inVain == 0);
     CHECK(thin.saidThat("its blade cuts nothing") == 0);
     const Slide one(20e-3, 0.1e-3, 0.0, 3, true); // one of its two blades cuts
     CHECK(one.area > 0.0);
     CHECK(one.saidThat("its blade cuts nothing") == 0);
+    CHECK(one.idle.empty());
 }
 
 TEST_CASE("a piece that does not exist is not removed, and that is told")

@@ -144,10 +144,11 @@ void warnOfTissueForBlades(const Scene& scene, std::set<int>& warned)
 }
 
 /// Logs a warning once per group if a rigid body has blades, and none in a group of a body that may be cut, though
-/// there are such bodies.
-void warnOfIdleBlades(const Scene& scene, std::set<int>& warned)
+/// there are such bodies. Returns the bodies with these blades.
+std::vector<BodyId> warnOfIdleBlades(const Scene& scene, std::set<int>& warned)
 {
-    if (std::ranges::none_of(scene.soft, [](const SoftBody& each) { return each.model.dynamicTopology; })) return;
+    std::vector<BodyId> idle;
+    if (std::ranges::none_of(scene.soft, [](const SoftBody& each) { return each.model.dynamicTopology; })) return idle;
     const auto isBlade = [](const CollisionModel& each) { return each.shape->cutting; };
     const auto cuts = [&](const CollisionModel& blade) {
         return isBlade(blade) && std::ranges::any_of(scene.soft, [&](const SoftBody& each) {
@@ -158,10 +159,13 @@ void warnOfIdleBlades(const Scene& scene, std::set<int>& warned)
         const std::vector<CollisionModel>& models = body.model.collision;
         const auto blade = std::ranges::find_if(models, isBlade);
         if (blade == models.end() || std::ranges::any_of(models, cuts)) continue;
-        if (const int group = blade->shape->group; warned.insert(group).second)
-            logWarning("rigid body '", body.model.name, "': no body that may be cut has collision group ", group,
-                       ": its blade cuts nothing");
+        const int group = blade->shape->group;
+        if (!warned.insert(group).second) continue;
+        idle.push_back(body.model.id);
+        logWarning("rigid body '", body.model.name, "': no body that may be cut has collision group ", group,
+                   ": its blade cuts nothing");
     }
+    return idle;
 }
 
 /// Surfaces at rest tell inside from outside only by their insets, a fraction of the proximities. Logs a warning once
@@ -259,7 +263,7 @@ double insetAt(const CollisionModel& collision, const Proximity& found, std::siz
     return depth;
 }
 
-std::vector<bool> placeSurfaces(double dt, const Scene& scene, const std::vector<SurfaceOwner>& owners,
+std::vector<bool> placeSurfaces(const StepContext& context, const Scene& scene, const std::vector<SurfaceOwner>& owners,
                                 Coupling& coupling)
 {
     ContactDetection& detection = coupling.detection;
@@ -267,7 +271,7 @@ std::vector<bool> placeSurfaces(double dt, const Scene& scene, const std::vector
     if (owners.size() != detection.surfaces.size()) {
         warnOfLoneGroups(scene, owners, detection.warnedGroups);
         warnOfThinProximity(scene, owners, detection.warnedThin);
-        warnOfIdleBlades(scene, detection.warnedIdle);
+        context.report.topology.idleBlades = warnOfIdleBlades(scene, detection.warnedIdle);
     }
     const bool same = std::ranges::equal(owners, detection.surfaces, {}, &SurfaceOwner::name, &CollisionSurface::name);
     std::vector<bool> added;
@@ -283,7 +287,7 @@ std::vector<bool> placeSurfaces(double dt, const Scene& scene, const std::vector
         surface.cuts = !owner.soft && owner.collision->shape->cutting &&
                        (scene.rigid[owner.body].state.cutting || scene.rigid[owner.body].state.sheath > 0);
         surface.cuttable = owner.soft && mayBeCut(scene.soft[owner.body].model, owner.collision->shape->group);
-        placeSurface(dt, owner, scene, coupling.rigid, detection.normals, surface);
+        placeSurface(context.dt, owner, scene, coupling.rigid, detection.normals, surface);
     }
     return added;
 }

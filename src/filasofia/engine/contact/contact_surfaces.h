@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/engine/contact/coupling.h"
+#include "filasofia/engine/scene/step_context.h"
 
 #include <string>
 #include <vector>
@@ -36,9 +37,9 @@ Vec3 valueAt(std::size_t vertex, const geometry::Embedding& embedding, const std
 /// [m] The inset of a surface at the place of a proximity.
 double insetAt(const CollisionModel& collision, const Proximity& found, std::size_t side);
 
-/// Updates every surface to its body's state, and warns of models that cannot work. Returns per surface whether it is
-/// new; empty if none is.
-std::vector<bool> placeSurfaces(double dt, const Scene& scene, const std::vector<SurfaceOwner>& owners,
+/// Updates every surface to its body's state, and warns of models that cannot work; blades among them are reported.
+/// Returns per surface whether it is new; empty if none is.
+std::vector<bool> placeSurfaces(const StepContext& context, const Scene& scene, const std::vector<SurfaceOwner>& owners,
                                 Coupling& coupling);
 
 } // namespace filasofia::engine

@@ -260,7 +260,7 @@ void findContacts(const StepContext& context, const Scene& scene, Coupling& coup
 
     ContactDetection& detection = coupling.detection;
     const std::vector<SurfaceOwner> owners = surfaceOwners(scene);
-    const std::vector<bool> added = placeSurfaces(dt, scene, owners, coupling);
+    const std::vector<bool> added = placeSurfaces(context, scene, owners, coupling);
     detection.sides = scene.sides;
     detection.pushed.clear();
     for (const CachedContact& each : scene.contacts)

@@ -26,6 +26,7 @@ void add(const RuptureReport& from, physics::TopologyReport& to)
     to.bladeJump += refused(RuptureRefusal::BladeJump);
     to.edgeGone += refused(RuptureRefusal::EdgeGone);
     to.tearClosed += refused(RuptureRefusal::TearClosed);
+    to.inVain += static_cast<int>(from.inVain);
     to.putOff += static_cast<int>(from.repairDeferred);
     to.pending += static_cast<int>(from.pending);
 }
