@@ -31,4 +31,11 @@ void hold(HeldPrefab<Prefab>* self, HeldSimulation& sim, const char* name, Given
     new (self) HeldPrefab<Prefab>{sim.session, std::move(made)};
 }
 
+/// The prefab is drawn beside all other bodies; with `kept`, its steps go on when Python has let it go.
+template <class Prefab> void drawBeside(HeldPrefab<Prefab>& self, HeldSimulation& sim, bool kept)
+{
+    if (kept) sim.session->keep(self.prefab);
+    sim.shownBeside.insert(self.prefab->body());
+}
+
 } // namespace filasofia::python

@@ -13,8 +13,7 @@ void make(HeldInstrument* self, HeldSimulation& sim, nb::handle given)
     auto def = given.is_none() ? prefab::ArticulatedInstrumentDef{}
                                : readDef<prefab::ArticulatedInstrumentDef>(given, "ArticulatedInstrument: definition");
     hold(self, sim, "ArticulatedInstrument", def);
-    sim.session->keep(self->prefab);
-    sim.shownBeside.insert(self->prefab->body());
+    drawBeside(*self, sim, true);
 }
 
 void close(HeldInstrument& self, nb::handle torque)

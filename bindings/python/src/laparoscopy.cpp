@@ -20,8 +20,7 @@ void makeInstrument(HeldLaparoscopic* self, HeldSimulation& sim, nb::handle give
     hold(self, sim, "LaparoscopicInstrument",
          given.is_none() ? prefab::LaparoscopicInstrumentDef{}
                          : readDef<prefab::LaparoscopicInstrumentDef>(given, "LaparoscopicInstrument: definition"));
-    sim.session->keep(self->prefab);
-    sim.shownBeside.insert(self->prefab->body());
+    drawBeside(*self, sim, true);
 }
 
 /// What an instrument and a scope have in common. `def`: the name of its Def.

@@ -15,8 +15,7 @@ void makeScope(HeldPrefab<Prefab>* self, HeldSimulation& sim, nb::handle given, 
     sim.session->simulation().dress([seen = std::weak_ptr(self->prefab)](visual::VisualServer& server) {
         if (const auto scope = seen.lock()) scope->dress(server);
     });
-    sim.session->keep(self->prefab);
-    sim.shownBeside.insert(self->prefab->body());
+    drawBeside(*self, sim, true);
 }
 
 /// What all scopes have: a lens that becomes dirty, and a camera.

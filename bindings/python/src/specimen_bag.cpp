@@ -18,7 +18,7 @@ void make(HeldBag* self, HeldSimulation& sim, nb::handle tool, nb::handle def)
         hold(self, sim, "SpecimenBag", *instrument, read);
     else
         hold(self, sim, "SpecimenBag", readArgument<BodyId>(tool, "SpecimenBag", "tool"), read);
-    sim.shownBeside.insert(self->prefab->body());
+    drawBeside(*self, sim, false);
 }
 
 } // namespace

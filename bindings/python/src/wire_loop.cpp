@@ -13,7 +13,7 @@ void make(HeldLoop* self, HeldSimulation& sim, nb::handle def)
 {
     hold(self, sim, "WireLoop",
          def.is_none() ? prefab::WireLoopDef{} : readDef<prefab::WireLoopDef>(def, "WireLoop: definition"));
-    sim.shownBeside.insert(self->prefab->body());
+    drawBeside(*self, sim, false);
 }
 
 /// A new array of the points.

@@ -9,6 +9,7 @@ namespace {
 constexpr std::size_t kFewestAttachments = 2, kMostAttachments = 8;
 // Relative to the mean compliance of the attachments: several may hold the same motion.
 constexpr double kShift = 1e-4;
+constexpr int kDeepest = 4; // bodies that bear each other
 
 } // namespace
 
@@ -80,6 +81,63 @@ void CoupledSolve::measureHold(std::size_t body)
     if (!hold.factor.factorise(compliance, static_cast<int>(size))) hold.attachments.clear();
 }
 
+void CoupledSolve::findBurdens()
+{
+    burdens_.assign(bodies_->size(), {});
+    const auto isExact = [&](std::size_t body) { return (*bodies_)[body].smoother->isExact(); };
+    for (std::size_t c = 0; c < rows_.size(); ++c) {
+        const bool welds = constraint(c).kind == ConstraintKind::Weld && constraint(c).softness == 0.0;
+        const bool pushes = constraint(c).kind == ConstraintKind::Contact && rows_[c].law.impulse.x > 0.0;
+        for (std::size_t k = 0; k < 2; ++k) {
+            const Side &own = sides_[c][k], &other = sides_[c][1 - k];
+            if (!own.body || !isExact(*own.body) || !(own.along > 0.0)) continue;
+            const bool rod = (*bodies_)[*own.body].smoother->couplesNodes();
+            if (!welds && (!pushes || rod || !(other.along > 0.0))) continue;
+            const double inertia = other.along > 0.0 ? 1.0 / other.along : std::numeric_limits<double>::infinity();
+            std::vector<Burden>& burdens = burdens_[*own.body];
+            auto at = std::ranges::find(burdens, other.body, &Burden::other);
+            if (at == burdens.end()) at = burdens.insert(at, {other.body});
+            // What is rigid has the same inertia at all its contacts; the nodes of tissue add up.
+            at->own = other.body && !isExact(*other.body) ? at->own + inertia : std::max(at->own, inertia);
+            at->all = at->own;
+        }
+    }
+    for (int depth = 1; depth < kDeepest; ++depth)
+        for (std::size_t b = 0; b < burdens_.size(); ++b)
+            for (Burden& each : burdens_[b]) {
+                each.all = each.own;
+                if (!each.other) continue;
+                for (const Burden& next : burdens_[*each.other])
+                    if (next.other != b) each.all += next.all;
+            }
+}
+
+double CoupledSolve::inertiaAt(std::size_t c, std::size_t side) const
+{
+    const Side &own = sides_[c][side], &other = sides_[c][1 - side];
+    if (!(own.along > 0.0)) return std::numeric_limits<double>::infinity();
+    double sum = 1.0 / own.along;
+    // A rod bears along itself what is tied to it, and nothing across, where it is touched. A contact with what cannot
+    // move bounds the impulse of what has no room by its penalty (trappedAt).
+    const bool touches = !constraint(c).bilateral();
+    if (!own.body || (touches && ((*bodies_)[*own.body].smoother->couplesNodes() || !(other.along > 0.0)))) return sum;
+    for (const Burden& each : burdens_[*own.body])
+        if (each.other != other.body) sum += each.all;
+    return sum;
+}
+
+double CoupledSolve::burdened(std::size_t c, double free) const
+{
+    const auto bears = [&](std::size_t k) {
+        const std::array<Side, 2>& sides = sides_[c];
+        return sides[k].body && std::ranges::any_of(burdens_[*sides[k].body], [&](const Burden& each) {
+                   return each.other != sides[1 - k].body;
+               });
+    };
+    if (!bears(0) && !bears(1)) return free;
+    return std::clamp(1.0 / inertiaAt(c, 0) + 1.0 / inertiaAt(c, 1), kShift * free, free);
+}
+
 bool CoupledSolve::isHeld(const Side& side) const { return side.body && !holds_[*side.body].attachments.empty(); }
 
 Mat3 CoupledSolve::takenByHold(std::size_t c, std::size_t side)
@@ -108,13 +166,8 @@ double CoupledSolve::compliancePressed(std::size_t c, double kappa)
 {
     const std::array<Side, 2>& sides = sides_[c];
     const Constraint& each = constraint(c);
-    if (each.bilateral()) {
-        double sum = 0.0;
-        for (const Side& side : sides)
-            sum +=
-                isHeld(side) && side.along > 0.0 ? 1.0 / (1.0 / side.along + holds_[*side.body].pushing) : side.along;
-        return sum;
-    }
+    const double alone = sides[0].along + sides[1].along;
+    if (each.bilateral()) return burdened(c, alone);
     // A rod's side has the kappa that rods have on rigid bodies. The filter knows the rod as it is, so that costs no
     // iterations. With the 3 to 10 of tissue, contacts learn over many steps what a bent wire of some milligrams
     // presses with, and it sinks in.
@@ -126,7 +179,7 @@ double CoupledSolve::compliancePressed(std::size_t c, double kappa)
             shares[k] = std::min(1.0, kappa / limits_->exactKappa.contact);
         free += shares[k] * sides[k].along;
     }
-    if (std::ranges::none_of(sides, [&](const Side& side) { return isHeld(side); })) return free;
+    if (std::ranges::none_of(sides, [&](const Side& side) { return isHeld(side); })) return burdened(c, free);
     Mat3 all = kShift * (shares[0] * sides[0].inAll + shares[1] * sides[1].inAll) * Mat3::identity();
     for (const WeightedPoint& at : constraints_->pointsOf(constraints_->list[c]))
         all += shares[sideOf(at)] * at.weight * at.weight * compliance_[static_cast<std::size_t>(at.point)];

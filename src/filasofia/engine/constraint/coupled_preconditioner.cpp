@@ -98,6 +98,7 @@ void CoupledSolve::chooseStiffness()
     sides_.clear();
     for (const ConstraintRow& row : constraints_->list) sides_.push_back(sidesOf(row));
     findHolds();
+    findBurdens();
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const ConstraintRow& row = constraints_->list[c];
         const Constraint& each = *row.constraint;

@@ -145,11 +145,22 @@ private:
         linalg::DenseCholesky factor;         ///< the compliance of the attachments, factorised
     };
 
+    /// What a body whose D is A bears beside its own inertia: another body that is fixed to it, or pushes at it.
+    struct Burden {
+        std::optional<std::size_t> other; ///< none: what cannot move
+        double own = 0.0;                 ///< [kg] the other's inertia at the constraints between the two
+        double all = 0.0;                 ///< [kg] with what it bears in turn
+    };
+
     void begin(const std::vector<std::vector<ContactPoint>>& pointsOf);
     [[nodiscard]] std::size_t bodyOf(int point) const; ///< index of the body that a contact point is of
     [[nodiscard]] static std::size_t sideOf(const WeightedPoint& point) { return point.weight < 0.0 ? 1 : 0; }
     [[nodiscard]] std::array<Side, 2> sidesOf(const ConstraintRow& row) const;
     void findHolds();
+    void findBurdens();
+    /// [kg] The inertia on one side of a row: that of the body, and of what else is fixed to it or rests on it.
+    [[nodiscard]] double inertiaAt(std::size_t c, std::size_t side) const;
+    [[nodiscard]] double burdened(std::size_t c, double free) const; ///< [1/kg] what is left of a row's compliance
     void measureHold(std::size_t body);
     [[nodiscard]] bool isHeld(const Side& side) const;
     [[nodiscard]] Mat3 takenByHold(std::size_t c, std::size_t side); ///< [1/kg] by which a held body yields less there
@@ -197,9 +208,12 @@ private:
     double sweepOnce(double part, double& mismatch);
     bool sweep(CoupledReport& report); ///< until the impulses settle; false if D is not positive definite
     [[nodiscard]] bool isOutOfTime(int iterations) const;
-    void beginAnew();                     ///< from the solution so far, after the law has changed
-    [[nodiscard]] bool holdsWell() const; ///< what is welded
-    bool updateMultipliers(int made);     ///< after so many updates; false if none is needed, or helps
+    void beginAnew();                                 ///< from the solution so far, after the law has changed
+    [[nodiscard]] double missOf(std::size_t c) const; ///< [-] how far a rigid constraint is off, in tolerances
+    [[nodiscard]] bool weldsAreWithin(double tolerances) const;
+    [[nodiscard]] bool holdsWell() const;     ///< what is welded: without taking a step
+    [[nodiscard]] bool holdsTogether() const; ///< the same: well enough for what has converged
+    bool updateMultipliers(int made);         ///< after so many updates; false if none is needed, or helps
     [[nodiscard]] double mismatch() const;
     [[nodiscard]] Vec3 carried(std::size_t c) const; ///< [N s] the multiplier that the next step starts from
 
@@ -220,8 +234,9 @@ private:
     std::vector<double> shares_;
     std::vector<Mat3> compliance_; ///< [1/kg] per contact point
     std::vector<std::array<Side, 2>> sides_;
-    std::vector<Hold> holds_;  ///< per body
-    std::vector<double> held_; ///< scratch of takenByHold()
+    std::vector<Hold> holds_;                  ///< per body
+    std::vector<std::vector<Burden>> burdens_; ///< per body; none of one whose D is not A
+    std::vector<double> held_;                 ///< scratch of takenByHold()
     // What the passes over all rows read lies apart from the rest: a thousand rows do not fit into a core's cache
     // beside a body. Vectors per row are in world axes.
     std::vector<Row> rows_;
