@@ -177,7 +177,18 @@ def test_a_person_at_the_viewer_moves_what_goes_through_trocars(monkeypatch):
     sim.add(block())
     left, right, seen = level(sim), level(sim, name="right"), scope(sim)
     hands = fs.TrocarHands(sim, left, right, seen, fs.TrocarHandsDef(gain=0.01))
+    for act, says in [
+        (lambda: fs.TrocarHands(sim, left, left, seen), "left and right must be two instruments"),
+        (lambda: fs.TrocarHandsDef(gain=1), r"gain must be in \(0, 0.1\] rad, got 1"),
+        (lambda: fs.TrocarHands(fs.Simulation(), left, right, seen), "of another simulation"),
+    ]:
+        with pytest.raises(fs.Error, match=says):
+            act()
     sim.step()
+    with pytest.raises(fs.Error, match="TrocarHands: the run has begun"):
+        fs.TrocarHands(sim, left, right, seen)
+    with pytest.raises(fs.Error, match="hands hold instruments, and do not go back"):
+        sim.restore(sim.save_state())
     assert hands.wanted == (left.definition.start, right.definition.start, seen.definition.start)
     left.move(fs.TrocarPose(insertion=0.2))  # does not last
     sim.step(5)
@@ -195,10 +206,3 @@ def test_a_person_at_the_viewer_moves_what_goes_through_trocars(monkeypatch):
     assert hands.wanted[0].insertion > INSIDE and hands.wanted[1] == right.definition.start and hands.wanted[2].insertion < 0.1
     sim.step(500)
     assert left.report.pose.insertion == pytest.approx(hands.wanted[0].insertion, abs=1e-6)
-    for act, says in [
-        (lambda: fs.TrocarHands(sim, left, left, seen), "left and right must be two instruments"),
-        (lambda: fs.TrocarHandsDef(gain=1), r"gain must be in \(0, 0.1\] rad, got 1"),
-        (lambda: fs.TrocarHands(fs.Simulation(), left, right, seen), "of another simulation"),
-    ]:
-        with pytest.raises(fs.Error, match=says):
-            act()

@@ -30,6 +30,7 @@ def press(name: str, *keys: int):
     x11, test = (ctypes.CDLL(f"lib{library}.so.6") for library in ("X11", "Xtst"))
     x11.XOpenDisplay.restype = ctypes.c_void_p
     server = ctypes.c_void_p(x11.XOpenDisplay(name.encode()))
+    assert server, f"no X server {name}"
     for key in keys:
         code = x11.XKeysymToKeycode(server, ctypes.c_ulong(key))
         for down in (1, 0):

@@ -237,10 +237,13 @@ TEST_CASE("what was asked of blades and not done is told at the end of a run")
     sim.physics().removePiece(body, 7);
     const RunReport report = sim.run(headless(2));
     const std::string idle = "blade of 'knife' cuts nothing: no body that may be cut has its group";
-    const std::string gone = "pieces to be removed that do not exist: 1";
+    const std::string gone = "pieces that could not be removed: 1";
     CHECK(warnings(report) == std::vector<std::string>{gone, idle});
     CHECK_THAT(summary(report), Catch::Contains(gone + "\n" + idle + "\n"));
     CHECK(warnings(sim.run(headless(2))) == std::vector{idle}); // it still is
+    tissue.collision = {{.group = 3}};
+    sim.add(tissue);
+    CHECK(warnings(sim.run(headless(2))).empty());
     RunReport cut;
     cut.refused.inVain = 2;
     CHECK(warnings(cut) == std::vector<std::string>{"strokes of blades that opened nothing: 2"});

@@ -122,6 +122,7 @@ void makeHands(HeldHands* self, HeldSimulation& sim, HeldLaparoscopic& left, Hel
 {
     for (const std::shared_ptr<Session>& each : {left.session, right.session, scope.session})
         if (each != sim.session) fail("TrocarHands: an instrument or the scope is of another simulation");
+    if (usable(sim, "TrocarHands").begun()) fail("TrocarHands: the run has begun: make them before the first step");
     if (left.prefab == right.prefab) fail("TrocarHands: left and right must be two instruments, and are one");
     hold(self, sim, "TrocarHands", *left.prefab, *right.prefab, *scope.prefab,
          given.is_none() ? prefab::TrocarHandsDef{}
@@ -140,7 +141,7 @@ void addHands(nb::module_& module)
              nb::sig("def __init__(self, sim: filasofia.Simulation, left: filasofia.LaparoscopicInstrument, right: "
                      "filasofia.LaparoscopicInstrument, scope: filasofia.Laparoscope, definition: "
                      "filasofia.TrocarHandsDef | None = None) -> None"),
-             "They hold these until the simulation ends, and a state from before cannot be restored.")
+             "Make them before the first step. They hold these until the simulation ends; no state can be restored.")
         .def_prop_ro(
             "wanted",
             [](HeldHands& self) {

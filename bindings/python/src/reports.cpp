@@ -15,7 +15,8 @@ void bindFlags(nb::module_& module)
         .value("LATE", StepFlag::Late)
         .value("CLAMPED", StepFlag::Clamped)
         .value("NOT_CONVERGED", StepFlag::NotConverged,
-               "a solver stopped at its iteration limit, or contact forces are off from their law by more than 5 %")
+               "a solver stopped at its iteration limit, contact forces are off from their law by more than 5 %, or "
+               "what is attached hard misses what it is to do by more than 0.2 mm")
         .value("UNDONE", StepFlag::Undone, "a body's new state was not finite and was restored")
         .value("EVENT_LOST", StepFlag::EventLost)
         .value("RECORD_LOST", StepFlag::RecordLost)
@@ -119,7 +120,7 @@ void bindRuptures(nb::module_& module)
 
     nb::class_<TopologyReport> topology(module, "TopologyReport", "Cuts and tears of a step.");
     addIds(topology, "idle_blades", &TopologyReport::idleBlades,
-           "bodies of which blades cut nothing, told when bodies were added or removed");
+           "rigid bodies of which no blade cuts, as no body that may be cut has their groups");
     topology.def_ro("ruptures", &TopologyReport::ruptures)
         .def_ro("lost", &TopologyReport::lost, "pieces that went farther than 10 m and were removed")
         .def_ro("lost_pieces", &TopologyReport::lostPieces)
@@ -131,7 +132,7 @@ void bindRuptures(nb::module_& module)
         .def_ro("blade_off", &TopologyReport::bladeOff,
                 "blades that were switched off in tissue and pushed further into it")
         .def_ro("in_vain", &TopologyReport::inVain, "strokes that had crossed edges and opened nothing when they ended")
-        .def_ro("no_piece", &TopologyReport::noPiece, "pieces that were to be removed and did not exist")
+        .def_ro("no_piece", &TopologyReport::noPiece, "pieces that could not be removed")
         .def_prop_ro("refused", &TopologyReport::refused, "blades that were not used, and edits that were refused")
         .def("__repr__", [](const TopologyReport& self) {
             return text("TopologyReport(ruptures=", self.ruptures.size(), ", lost=", self.lost,

@@ -17,7 +17,8 @@ enum class StepFlag : std::uint32_t {
     Late = 1u << 0,    ///< it began more than a period late (runtime)
     Clamped = 1u << 1, ///< dt was cut to period + slack: simulated time fell behind (runtime)
     /// a solver stopped at its iteration limit, and the body lost speed in proportion to the error; or contact forces
-    /// are off from their law (ContactReport::mismatch) by more than 5 %
+    /// are off from their law (ContactReport::mismatch) by more than 5 %; or what is attached hard misses what it is to
+    /// do by more than 0.2 mm in a step, as a pair that stays 2 mm apart
     NotConverged = 1u << 2,
     Undone =
         1u
@@ -166,8 +167,8 @@ struct TopologyReport {
     int putOff = 0;       ///< faces that could not be opened yet and are tried again
     int pending = 0;      ///< crossings and tears that wait for the next step
     std::vector<LostPiece> lostPieces = {}; ///< what `lost` counts, in ascending order of bodies
-    /// Rigid bodies of which blades cut nothing, as no body that may be cut has their collision group. Told when bodies
-    /// or collision models were added or removed, once per group.
+    /// Rigid bodies of which no blade cuts, as no body that may be cut has their collision groups, though there are
+    /// such bodies. In the order in which they were added; empty with the SOFA engine.
     std::vector<BodyId> idleBlades = {};
     [[nodiscard]] int refused() const { return bladesRefused() + edgeGone + tearClosed + noPiece; }
     [[nodiscard]] int bladesRefused() const

@@ -102,7 +102,7 @@ struct RefusedBlades {
     /// [-], steps among these in which one that is off was pushed on into the tissue that it is in
     std::uint64_t off = 0;
     std::uint64_t inVain = 0;  ///< [-], strokes that had crossed edges and opened nothing when they ended
-    std::uint64_t noPiece = 0; ///< [-], pieces that were to be removed and did not exist
+    std::uint64_t noPiece = 0; ///< [-], pieces that could not be removed (TopologyReport::noPiece)
 };
 
 /// What became of the blood of a body that bleeds.
@@ -146,7 +146,7 @@ struct RunReport {
     std::uint64_t damped = 0;
     /// [-], steps without a break at the end of the run in which a body was rolled back: physics has failed
     std::uint64_t undoneAtEnd = 0;
-    std::uint64_t notConverged = 0; ///< [-], steps in which a solver reached its iteration limit
+    std::uint64_t notConverged = 0; ///< [-], steps with StepFlag::NotConverged
     std::uint64_t outOfTime = 0;    ///< [-], steps in which a solver stopped at the deadline (StepFlag::OutOfTime)
     std::uint64_t intersecting = 0; ///< [-], steps in which surfaces pass through each other (StepFlag::Intersecting)
     physics::Intersection deepestIntersection = {}; ///< in the step in which it was deepest
@@ -163,7 +163,7 @@ struct RunReport {
     physics::Unrest worstUnrest = {}; ///< in the step with the fastest such body
     std::string worstUnrestBody = {}; ///< the name of that body
     std::vector<OpenedSurfaces> opened;              ///< one per body that was cut or torn, ascending by their ids
-    RefusedBlades refused = {};                      ///< blades that were not used
+    RefusedBlades refused = {};                      ///< what blades were not used for, or did in vain
     bool realTime = false;                           ///< physics was scheduled before ordinary threads
     std::string finished;                            ///< why it ended
     std::vector<ContactPairReport> contacts;         ///< one per pair of bodies that touched, ascending by their ids
@@ -179,7 +179,8 @@ struct RunReport {
     std::vector<std::string> nothingHeld; ///< one line per attachment or grasp that held nothing; after 12 a count
     /// One line per attachment or grasp of which points let go, with the time; after 12 a count
     std::vector<std::string> broke;
-    /// One line per blade that touched a soft body without dynamicTopology, or that no body has the group of.
+    /// One line per blade that touched a soft body without dynamicTopology, and per body of which no blade cuts at the
+    /// end of the run, as no body that may be cut has their groups.
     std::vector<std::string> bluntBlades;
     /// why functions of everyStep() are no longer called, in this run or an earlier one: scripts that ended early
     std::vector<std::string> callbackProblems;

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <map>
-#include <set>
+#include <vector>
 
 namespace filasofia::runtime {
 
@@ -26,6 +26,7 @@ public:
         mostStrained_ = {};
         opened_.clear();
         refused_ = {};
+        idleBlades_.clear();
         lost_.clear();
         clips_ = {};
         attachments_.begin();
@@ -73,7 +74,7 @@ public:
         refused_.off += blades.bladeOff > 0;
         refused_.inVain += static_cast<std::uint64_t>(blades.inVain);
         refused_.noPiece += static_cast<std::uint64_t>(blades.noPiece);
-        idleBlades_.insert(blades.idleBlades.begin(), blades.idleBlades.end());
+        if (report.dt > 0.0) idleBlades_ = blades.idleBlades;
     }
     /// The steps of all runs, paused ones included.
     [[nodiscard]] std::uint64_t stepsEver() const { return stepsEver_; }
@@ -86,8 +87,8 @@ public:
     [[nodiscard]] const std::map<BodyId, Lost>& lost() const { return lost_; }
     /// What was opened, by body, without their names.
     [[nodiscard]] const std::map<BodyId, OpenedSurfaces>& opened() const { return opened_; }
-    /// Bodies of which blades cut nothing, in all runs: a step tells it once.
-    [[nodiscard]] const std::set<BodyId>& idleBlades() const { return idleBlades_; }
+    /// Bodies of which blades cut nothing, as of the last step.
+    [[nodiscard]] const std::vector<BodyId>& idleBlades() const { return idleBlades_; }
     void fill(RunReport& report) const
     {
         report.undone = undone_;
@@ -136,7 +137,7 @@ private:
     physics::StrainedElements mostStrained_; ///< in the step with the largest strain in relation to its range
     std::map<BodyId, OpenedSurfaces> opened_;
     RefusedBlades refused_;
-    std::set<BodyId> idleBlades_;
+    std::vector<BodyId> idleBlades_;
     std::map<BodyId, Lost> lost_;
     physics::ClipReport clips_;
     AttachmentWatch attachments_;

@@ -244,8 +244,7 @@ std::vector<std::string> problemsOf(const RunReport& report)
     if (report.refused.steps > 0) out.push_back(refusedLine(report.refused));
     if (report.refused.inVain > 0)
         out.push_back(text("strokes of blades that opened nothing: ", report.refused.inVain));
-    if (report.refused.noPiece > 0)
-        out.push_back(text("pieces to be removed that do not exist: ", report.refused.noPiece));
+    if (report.refused.noPiece > 0) out.push_back(text("pieces that could not be removed: ", report.refused.noPiece));
     if (report.nothingChanged > 0)
         out.push_back(text("a change of tissue (SetTissue) found no element in ", steps(report.nothingChanged)));
     out.insert(out.end(), report.nothingHeld.begin(), report.nothingHeld.end());
@@ -259,7 +258,8 @@ std::vector<std::string> warnings(const RunReport& report)
 {
     std::vector<std::string> out = problemsOf(report);
     if (report.notConverged > 0)
-        out.push_back(text("a solver stopped at its iteration limit in ", steps(report.notConverged)));
+        out.push_back(text("a solver stopped at its iteration limit, or left apart what is tied, in ",
+                           steps(report.notConverged)));
     if (report.outOfTime > 0) out.push_back(text("a solver stopped at the deadline in ", steps(report.outOfTime)));
     return out;
 }

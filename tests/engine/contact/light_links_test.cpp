@@ -102,6 +102,28 @@ TEST_CASE("a thread that is tied to tissue and drawn by a tool takes the tissue 
     }
 }
 
+TEST_CASE("a step tells of what is tied hard and comes apart, as two tools draw one node to two sides")
+{
+    for (const double apart : {1e-3, 10e-3}) {
+        INFO(apart);
+        Hung scene;
+        std::array<BodyId, 2> tools;
+        for (BodyId& tool : tools) {
+            tool = scene.stage.add(cube("tool", 10e-3, {0, 85e-3, 0}));
+            scene.stage.post(Attach{
+                AttachmentId{++scene.stage.lastAttachment}, scene.tissue, {.nodes = {scene.lowest}, .to = tool}});
+        }
+        scene.stage.run(10, 1e-3);
+        bool told = false;
+        for (int i = 1; i <= 200; ++i) {
+            for (const double side : {-1.0, 1.0})
+                scene.stage.post(SetPose{tools[side < 0.0 ? 0 : 1], 0, {{0.5 * side * apart * i / 200, 85e-3, 0}, {}}});
+            told = scene.stage.step(1e-3).has(StepFlag::NotConverged);
+        }
+        CHECK(told == (apart > 5e-3));
+    }
+}
+
 TEST_CASE("a bob on a thread on tissue gains no height")
 {
     // It rose from its 25 mm to 47 mm, and in steps of 4 ms it was thrown out of the scene.

@@ -46,7 +46,7 @@ struct Slide {
             stage.post(SetPose{blade, 0, at(x)});
             const StepReport report = stage.step(1e-3);
             inVain += report.topology.inVain;
-            idle.insert(idle.end(), report.topology.idleBlades.begin(), report.topology.idleBlades.end());
+            idle = report.topology.idleBlades;
             for (const Rupture& each : report.topology.ruptures) {
                 area += each.area;
                 pieces += static_cast<int>(each.detached.size());

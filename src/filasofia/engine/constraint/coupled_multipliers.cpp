@@ -16,9 +16,9 @@ constexpr int kMostUpdates = 10;
 // [-] Tolerances by which a weld may be off if its solve takes no step. At 1, a tip of 0.01 mg on a bar of 10 g drifted
 // at 0.1 mm/s until it was 0.1 mm off, again and again.
 constexpr double kHeldWell = 0.02;
-// [-] Tolerances by which a weld may be off at the end of a solve that has converged: what is 1 mm apart is not tied. A
-// thread came 8 mm out of the tissue that it was tied to, in steps that all had converged.
-constexpr double kApart = 100.0;
+// [-] Tolerances by which a weld may miss what it is to do: 0.2 mm in a step, or a pair that stays 2 mm apart. A thread
+// came 8 mm out of the tissue that it was tied to, in steps that all had converged.
+constexpr double kApart = 20.0;
 
 } // namespace
 

@@ -118,7 +118,8 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
         shortSteps = length_ < kShort ? shortSteps + 1 : 0;
     }
     if (!swept_) report.mismatch = mismatch();
-    report.converged = report.converged && report.mismatch <= kLawful && (swept_ || holdsTogether());
+    report.converged = report.converged && report.mismatch <= kLawful;
+    report.apart = !swept_ && !holdsTogether();
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         Constraint& solved = *rows.list[c].constraint;
         solved.multiplier = carried(c);

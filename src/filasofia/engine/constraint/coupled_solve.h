@@ -43,6 +43,7 @@ struct CoupledLimits {
 
 /// `residual` is defined as for one body; after sweeps it is the share of the impulses that the last one changed.
 struct CoupledReport : linalg::NodeSolveReport {
+    bool apart = false;    ///< what is tied hard misses by far what it is to do, though the solve may have converged
     int rounds = 0;        ///< 1, plus 1 per multiplier update, plus 1 if the active set was frozen or swept
     double mismatch = 0.0; ///< [-] distance of the impulses from their law, relative to the largest; 0 if satisfied
 };
@@ -139,7 +140,7 @@ private:
     };
     /// What attachments and tissue do to a body whose D is A: D knows it as free.
     struct Hold {
-        double pushing = 0.0;                 ///< [kg] the tissue that pushes at it
+        bool pushes = false;                  ///< at tissue
         std::vector<std::size_t> attachments; ///< rows; empty: nothing holds it
         std::vector<Vec3> answers;            ///< [1/kg] D^-1 at its points, per attachment and axis
         linalg::DenseCholesky factor;         ///< the compliance of the attachments, factorised
@@ -157,6 +158,8 @@ private:
     [[nodiscard]] static std::size_t sideOf(const WeightedPoint& point) { return point.weight < 0.0 ? 1 : 0; }
     [[nodiscard]] std::array<Side, 2> sidesOf(const ConstraintRow& row) const;
     void findHolds();
+    /// Whether the body on this side bears what is fixed to it or pushes at it: a rigid one or a rod.
+    [[nodiscard]] bool bears(std::size_t c, std::size_t side) const;
     void findBurdens();
     /// [kg] The inertia on one side of a row: that of the body, and of what else is fixed to it or rests on it.
     [[nodiscard]] double inertiaAt(std::size_t c, std::size_t side) const;
@@ -164,8 +167,8 @@ private:
     void measureHold(std::size_t body);
     [[nodiscard]] bool isHeld(const Side& side) const;
     [[nodiscard]] Mat3 takenByHold(std::size_t c, std::size_t side); ///< [1/kg] by which a held body yields less there
-    /// [1/kg] The compliance of a row along the normal that Sigma follows: that of bodies as they are held, or at an
-    /// attachment, pushed; less for rods on tissue.
+    /// [1/kg] The compliance of a row along the normal that Sigma follows: that of bodies as they are held, or with
+    /// what they bear; less for rods on tissue.
     [[nodiscard]] double compliancePressed(std::size_t c, double kappa);
     void chooseStiffness();
     /// The smoother of the body that a contact point is of; `point` becomes its number in the body.
@@ -235,7 +238,8 @@ private:
     std::vector<Mat3> compliance_; ///< [1/kg] per contact point
     std::vector<std::array<Side, 2>> sides_;
     std::vector<Hold> holds_;                  ///< per body
-    std::vector<std::vector<Burden>> burdens_; ///< per body; none of one whose D is not A
+    std::vector<std::vector<Burden>> burdens_; ///< per body; none of tissue
+    double whole_ = 0.0;                       ///< [kg] the mass of all bodies
     std::vector<double> held_;                 ///< scratch of takenByHold()
     // What the passes over all rows read lies apart from the rest: a thousand rows do not fit into a core's cache
     // beside a body. Vectors per row are in world axes.

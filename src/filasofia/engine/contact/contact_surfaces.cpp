@@ -159,11 +159,10 @@ std::vector<BodyId> warnOfIdleBlades(const Scene& scene, std::set<int>& warned)
         const std::vector<CollisionModel>& models = body.model.collision;
         const auto blade = std::ranges::find_if(models, isBlade);
         if (blade == models.end() || std::ranges::any_of(models, cuts)) continue;
-        const int group = blade->shape->group;
-        if (!warned.insert(group).second) continue;
         idle.push_back(body.model.id);
-        logWarning("rigid body '", body.model.name, "': no body that may be cut has collision group ", group,
-                   ": its blade cuts nothing");
+        if (const int group = blade->shape->group; warned.insert(group).second)
+            logWarning("rigid body '", body.model.name, "': no body that may be cut has collision group ", group,
+                       ": its blade cuts nothing");
     }
     return idle;
 }
@@ -271,8 +270,9 @@ std::vector<bool> placeSurfaces(const StepContext& context, const Scene& scene, 
     if (owners.size() != detection.surfaces.size()) {
         warnOfLoneGroups(scene, owners, detection.warnedGroups);
         warnOfThinProximity(scene, owners, detection.warnedThin);
-        context.report.topology.idleBlades = warnOfIdleBlades(scene, detection.warnedIdle);
+        detection.idleBlades = warnOfIdleBlades(scene, detection.warnedIdle);
     }
+    context.report.topology.idleBlades = detection.idleBlades;
     const bool same = std::ranges::equal(owners, detection.surfaces, {}, &SurfaceOwner::name, &CollisionSurface::name);
     std::vector<bool> added;
     for (std::size_t s = 0; !same && s < owners.size(); ++s)

@@ -41,10 +41,11 @@ struct ContactDetection {
     /// Pairs that started inside each other, deeper than contacts are followed.
     std::vector<std::array<SurfaceName, 2>> startedInside;
     IntersectionWatch intersections;
-    std::set<int> warnedGroups;    ///< collision groups for which the log has said that only one body has them
-    std::set<int> warnedIdle;      ///< collision groups for which the log has said that blades in them cut nothing
-    std::set<int> warnedForBlades; ///< collision groups for which the log has said that only blades meet a soft body
-    std::set<int> warnedThin;      ///< collision groups for which the log has said that the proximities are too small
+    std::set<int> warnedGroups;     ///< collision groups for which the log has said that only one body has them
+    std::set<int> warnedIdle;       ///< collision groups for which the log has said that blades in them cut nothing
+    std::vector<BodyId> idleBlades; ///< rigid bodies of which blades cut nothing
+    std::set<int> warnedForBlades;  ///< collision groups for which the log has said that only blades meet a soft body
+    std::set<int> warnedThin;       ///< collision groups for which the log has said that the proximities are too small
     ProximityScratch scratch;
     std::vector<Proximity> proximities;
     std::vector<char> followed;         ///< per proximity: whether it is a contact

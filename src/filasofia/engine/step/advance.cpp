@@ -249,14 +249,19 @@ private:
         }
         const CoupledReport solve =
             engine::solveIsland(context_, island, coupledLimitsOf(context_, scene_, island, limits), scene_, coupling_);
+        const auto coupledOutcome = [&solve](BodyId id, BodyId together) {
+            BodyOutcome outcome = outcomeOf(id, together, solve);
+            if (solve.apart && !solve.outOfTime) outcome.set(StepFlag::NotConverged);
+            return outcome;
+        };
         for (std::size_t b : island.soft) {
             const int before = repeats_ > 0 ? outcomes_[b].solve.iterations : 0;
-            outcomes_[b] = outcomeOf(scene_.soft[b].model.id, scene_.soft[island.soft.front()].model.id, solve);
+            outcomes_[b] = coupledOutcome(scene_.soft[b].model.id, scene_.soft[island.soft.front()].model.id);
             outcomes_[b].solve.iterations += before;
         }
         if (island.soft.empty() && repeats_ == 0) {
             const BodyId first = scene_.rigid[coupling_.rigid[island.rigid[0]].body].model.id;
-            rigidOutcomes_.push_back(outcomeOf(first, first, solve));
+            rigidOutcomes_.push_back(coupledOutcome(first, first));
         }
         noteContacts(solve);
     }
