@@ -96,6 +96,15 @@ TEST_CASE("an endoscope's light and camera are where its body is, and its channe
     CHECK(near(scope.channel().position, transform(kTip, EndoscopeDef{}.channel.position)));
 }
 
+TEST_CASE("an endoscope whose surface is no file leaves nothing behind")
+{
+    Simulation sim;
+    CHECK_THROWS_WITH(Endoscope(sim, {.surfaces = {"nowhere.obj"}}), Catch::Contains("nowhere.obj"));
+    CHECK(sim.physics().bodies().empty());
+    CHECK_NOTHROW(Endoscope(sim));
+    CHECK(sim.physics().bodies().size() == 1);
+}
+
 TEST_CASE("a wrong endoscope Def is refused with its name, the field and the bound")
 {
     Simulation sim;

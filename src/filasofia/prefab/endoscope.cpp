@@ -50,6 +50,16 @@ struct Endoscope::Impl {
         : simulation(sim), def(completed(asked)), aim{def.pose}, newest(aim), body(addBody()),
           soiling(std::make_shared<LensSoiling>(sim, body, kCamera, def.soiling))
     {
+        try {
+            showSurfaces();
+        } catch (...) {
+            simulation.physics().remove(body);
+            throw;
+        }
+    }
+
+    void showSurfaces()
+    {
         // The scope's surfaces cast no shadow, because its own light is inside them.
         for (const runtime::SurfaceSource& surface : def.surfaces)
             simulation.show(body, {.surface = surface,
