@@ -7,8 +7,8 @@ namespace {
 
 // Per body. One is a hinge, about which a body turns. Each costs three solves with D.
 constexpr std::size_t kFewestAttachments = 2, kMostAttachments = 8;
-// Relative to the mean compliance of the attachments: several may hold the same motion. Also relative to what a row
-// yields alone: it never counts as stiffer than that.
+// Relative to the mean compliance of the attachments: several may hold the same motion. Also the least share
+// of what a row yields alone that is left to it.
 constexpr double kShift = 1e-4;
 // Bodies that bear each other. A bob on a clip on tissue fell by 0.7 m in a second, as the penalty between clip and bob
 // followed the clip's 10 mg alone, and not the tissue behind it.
@@ -94,8 +94,6 @@ bool CoupledSolve::bears(std::size_t c, std::size_t side) const
 void CoupledSolve::findBurdens()
 {
     burdens_.assign(bodies_->size(), {});
-    whole_ = 0.0;
-    for (const double mass : masses_) whole_ += mass;
     if (exact_) return; // the filter knows them
     for (std::size_t c = 0; c < rows_.size(); ++c) {
         const Constraint& each = constraint(c);
@@ -189,8 +187,7 @@ double CoupledSolve::compliancePressed(std::size_t c, double kappa)
 {
     const std::array<Side, 2>& sides = sides_[c];
     const Constraint& each = constraint(c);
-    const double alone = sides[0].along + sides[1].along;
-    if (each.bilateral()) return burdened(c, alone);
+    if (each.bilateral()) return burdened(c, sides[0].along + sides[1].along);
     // A rod's side has the kappa that rods have on rigid bodies. The filter knows the rod as it is, so that costs no
     // iterations. With the 3 to 10 of tissue, contacts learn over many steps what a bent wire of some milligrams
     // presses with, and it sinks in.

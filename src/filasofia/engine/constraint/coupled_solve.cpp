@@ -142,12 +142,12 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
     sharing_.clear();
     compliance_.clear();
     masses_.clear();
-    double mass = 0.0;
+    whole_ = 0.0;
     for (std::size_t b = 0; b < bodies_->size(); ++b) {
         BodyOperator& body = *(*bodies_)[b].matrix;
         const std::vector<ContactPoint>& points = pointsOf[b];
         masses_.push_back(body.begin(points));
-        mass += masses_.back();
+        whole_ += masses_.back();
         const int offset = first_.back(), count = static_cast<int>(points.size());
         for (int k = 0; k < count; ++k) {
             compliance_.push_back((*bodies_)[b].smoother->compliance(k));
@@ -175,7 +175,7 @@ void CoupledSolve::begin(const std::vector<std::vector<ContactPoint>>& pointsOf)
     together_ =
         exact_ || std::ranges::any_of(*bodies_, [](const CoupledBody& body) { return body.smoother->couplesNodes(); });
     if (together_) filter_.begin(*bodies_, first_, *constraints_);
-    smallest_ = mass * limits_->linear.smallAnswer;
+    smallest_ = whole_ * limits_->linear.smallAnswer;
     energy_ = smallest_ * limits_->linear.smallAnswer;
     activeSetFrozen_ = frictionLags_ = swept_ = false;
     const auto lags = [](const ConstraintRow& row) { return row.constraint->contact.cached.frictionLags; };
