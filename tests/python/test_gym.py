@@ -173,8 +173,9 @@ def test_hands_that_both_hold_a_ring_do_not_fight(apart):
         most = max(most, *(float(np.linalg.norm(env.force(tool))) for tool in env.tools))
         if terminated:
             break
-    assert both > 0 and most < 20
-    assert bool(breaks) == bool(apart) and all(each.attachment.force < 20 for each in breaks)  # pulled apart, it slips out
+    print(f"a hand feels at most {most:.1f} N")
+    assert both > 20 if apart else both > 0
+    assert most < env.bears and not breaks  # hands do not pull on, so no grip gives way
     assert info["is_success"] == (apart is None)
     env.close()
 

@@ -352,15 +352,23 @@ class SurgicalEnv(gymnasium.Env):
         """One action; whether the simulation broke, and how the state is judged."""
         moves = self._moves(action)
         self._actions.append(np.array(action))
-        dt = self.frame_skip / self.rate
-        for tool, move in zip(self.tools, moves):
-            tool.place = self._against(tool, self.limit(tool, tool.move(move, dt)))
-            if tool.grips is not None:
-                self._grip(tool, move[-1])
-        report = self.sim.step(self.frame_skip, self.moves())
+        parts = self._parts()
+        steps, broke = self.frame_skip // parts, False
+        for part in range(parts):
+            for tool, move in zip(self.tools, moves):
+                tool.place = self._against(tool, self.limit(tool, tool.move(move, steps / self.rate)))
+                if tool.grips is not None and part == 0:
+                    self._grip(tool, move[-1])
+            broke |= fs.StepFlag.UNDONE in self.sim.step(steps, self.moves()).flags
         self.steps += 1
-        judgement = self._judged()
-        return fs.StepFlag.UNDONE in report.flags, judgement
+        return broke, self._judged()
+
+    def _parts(self) -> int:
+        """How often hands look at their forces during an action: in each step, if one has a finite strength.
+
+        Once per action a hand of PegTransfer moved by 4 mm in between, and caught a ring with 49 N.
+        """
+        return self.frame_skip if any(np.isfinite(tool.strength) for tool in self.tools) else 1
 
     def render(self) -> Array | None:
         """A picture of image_size, (height, width, 3), uint8; None without a render_mode."""

@@ -49,7 +49,7 @@ class PegTransfer(SurgicalEnv):
     eye, looks_at = (0.0, 0.14, 0.13), (0.0, 0.005, 0.0)
     inner, wall, height, peg = 0.0055, 0.0033, 0.007, 0.0013  # [m]
     grip = 20e3  #: [N/m], of each held point: the board, or the other hand, holds against a hard one without bound
-    bears = 10.0  #: [N], what a grip bears: a ring slips out if the hands pull against each other
+    bears = 10.0  #: [N], what a grip bears: more than its hand pulls with
     strength = 5.0  #: [N], of a hand
 
     def build(self) -> list[Tool]:
