@@ -1,12 +1,14 @@
 """The programs of the guide do what it says."""
 import os
 import re
+import shutil
 
 import filasofia as fs
 
 
 def test_the_programs_of_the_guide_run(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # they write files
+    shutil.copy(os.path.join(os.environ["FILASOFIA_ROOT"], "examples/scenes/biopsy.json"), tmp_path)
     with open(os.path.join(os.environ["FILASOFIA_ROOT"], "docs/guide/python.md")) as page:
         blocks = re.findall(r"```python\n(.*?)```", page.read(), flags=re.S)
     assert len(blocks) >= 6

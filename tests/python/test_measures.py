@@ -42,6 +42,41 @@ def test_a_task_that_is_left_before_its_end_is_unfinished_in_the_session(tmp_pat
     assert found == [["the run ended: 1 of 3 steps done, next 'grasp'"], []]
 
 
+def test_the_task_of_a_scene_tells_how_far_it_is():
+    scene = os.path.join(os.environ["FILASOFIA_ROOT"], "examples/scenes/biopsy.json")
+    sim = fs.load(scene)
+    assert (sim.task.state, sim.task.step, sim.task.time) == ("running", 0, 0.0)
+    sim.step(1000)
+    state = sim.save_state()
+    early = sim.task
+    assert (early.name, early.state, early.step) == ("biopsy", "running", 1) and len(early.steps) == 3
+    assert early.instruction and early.steps[early.step] == "grasp" and early.target.shape == (3,)
+    assert 0 < early.done_at[0] < early.time == pytest.approx(sim.time - 2 * sim.dt, abs=1e-9)  # it began with a state
+    sim.step(1600)
+    done = sim.task
+    assert (done.state, done.step, done.instruction, done.target) == ("done", 3, "", None)
+    assert done.done_at == sorted(done.done_at) and len(done.done_at) == 3
+    assert repr(done).startswith("TaskProgress(name='biopsy', state='done', step=3 of 3, time=")
+    assert early.step == 1  # what was asked for is a copy
+    sim.restore(state)
+    sim.step()
+    assert sim.task.step == 1 and sim.task.done_at == early.done_at
+    sim.close()
+    assert sim.task.step == 1
+    assert fs.Simulation().task is None
+
+
+def test_a_task_whose_time_is_over_has_failed(tmp_path):
+    scene = tmp_path / "scene.json"
+    wait = {"name": "wait", "done": {"type": "Waited", "seconds": "1 s"}}
+    scene.write_text(json.dumps({"bodies": [], "task": {"name": "hold on", "timeLimit": "50 ms", "steps": [wait]}}))
+    sim = fs.load(scene)
+    sim.step(30)
+    assert sim.task.state == "running"
+    sim.step(30)
+    assert sim.task.state == "failed" and sim.task.step == 0 and sim.task.done_at == []
+
+
 def test_a_scene_is_measured_by_its_task(tmp_path):
     scene = os.path.join(os.environ["FILASOFIA_ROOT"], "examples/scenes/biopsy.json")
     file = tmp_path / "biopsy.jsonl"

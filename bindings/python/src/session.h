@@ -61,6 +61,8 @@ public:
     [[nodiscard]] bool begun() const { return run_.has_value(); }
     /// What that scene left to others to draw.
     [[nodiscard]] const std::map<BodyId, runtime::ShownId>& drawn() const { return scene_.drawn; }
+    /// That of the scene; null if it has none.
+    [[nodiscard]] const prefab::Task* task() const { return scene_.task.get(); }
     /// Begins to measure, before the first step; the file is whole after close().
     void measure(prefab::MetricTrackerDef def);
     /// The part of the simulation lives as long as the session: steps may use it when Python has let it go.

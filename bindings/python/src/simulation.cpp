@@ -351,6 +351,7 @@ void bindSimulation(nb::module_& module)
     addSteps(sim);
     addStates(module, sim);
     addMeasures(module, sim);
+    addTasks(module, sim);
     addRecords(sim);
     addCallbacks(sim);
     addPictures(sim);

@@ -1,5 +1,6 @@
 #include "filasofia/surface/heated_tissue.h"
 
+#include "filasofia/core/sorted.h"
 #include "filasofia/geometry/distance.h"
 
 #include <algorithm>
@@ -100,8 +101,7 @@ std::vector<HeatedPart> HeatedTissue::spread(std::span<const geometry::Triangle>
         if (further[a] + further[b] + further[c] == 0) continue;
         heat({places[a], places[b], places[c]}, {1.0 - intact[a], 1.0 - intact[b], 1.0 - intact[c]});
     }
-    std::ranges::sort(changed_);
-    changed_.erase(std::ranges::unique(changed_).begin(), changed_.end());
+    sortUnique(changed_);
 
     // Which tetrahedra that brings to a higher level.
     std::array<HeatedPart, kLevels> parts;

@@ -12,9 +12,6 @@
 namespace filasofia::visual {
 namespace {
 
-using Attribute = filament::VertexAttribute;
-using Type = filament::VertexBuffer::AttributeType;
-
 // Buffers are scarce (see FilamentBackend::addBody), so data that change together share one.
 enum Stream : std::uint8_t { kShape, kRest, kStates, kStreamCount };
 
@@ -73,6 +70,8 @@ FilamentBody::~FilamentBody()
 
 void FilamentBody::buildBuffers(const BodyGeometry& geometry)
 {
+    using Attribute = filament::VertexAttribute;
+    using Type = filament::VertexBuffer::AttributeType;
     const std::size_t count = geometry.rest.size();
     vertices_ = filament::VertexBuffer::Builder()
                     .vertexCount(static_cast<std::uint32_t>(count))

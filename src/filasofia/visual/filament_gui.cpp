@@ -9,10 +9,6 @@
 namespace filasofia::visual {
 namespace {
 
-using Attribute = filament::VertexAttribute;
-using Type = filament::VertexBuffer::AttributeType;
-using Renderable = filament::RenderableManager;
-
 constexpr std::size_t kMaxCommands = 4096; // limit of a renderable, and more than anybody could read
 
 } // namespace
@@ -94,6 +90,8 @@ void FilamentGui::setViewport(const filament::Viewport& pixels)
 
 void FilamentGui::growBuffers()
 {
+    using Attribute = filament::VertexAttribute;
+    using Type = filament::VertexBuffer::AttributeType;
     if (vertexRoom_ < picture_.vertices.size()) {
         if (vertices_) engine_.destroy(vertices_);
         vertexRoom_ = roomFor(picture_.vertices.size());
@@ -137,6 +135,7 @@ void FilamentGui::buildRenderable()
         instances_.push_back(pool_.get("gui").createInstance());
         instances_.back()->setParameter("glyphs", glyphs_, sampler);
     }
+    using Renderable = filament::RenderableManager;
     Renderable::Builder builder(count);
     builder.boundingBox({{0, 0, 0}, {1e4F, 1e4F, 1e4F}}).culling(false).castShadows(false).receiveShadows(false);
     for (std::size_t i = 0; i < count; ++i) {
