@@ -182,6 +182,19 @@ TEST_CASE("buttons, refused forces and another placement are reported and applie
     CHECK(seen.tick.hand.pose.position == Vec3{1.02, 0, 0});
 }
 
+TEST_CASE("the last of 32 buttons is reported, too")
+{
+    Held held;
+    held.servo.open();
+    held.hand.sample.buttons = 1u << 31 | 1u; // a motion file may have any of them
+    held.tick();
+    held.hand.sample.buttons = 0;
+    held.tick();
+    REQUIRE(held.notices.size() == 5);
+    CHECK((held.notices[2].button == 31 && held.notices[2].pressed));
+    CHECK((held.notices[4].button == 31 && !held.notices[4].pressed));
+}
+
 TEST_CASE("the lateness of wake-ups is counted, and percentiles are upper ends of bins")
 {
     Hand hand;

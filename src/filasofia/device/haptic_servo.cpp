@@ -8,6 +8,7 @@
 #include <time.h>
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -124,10 +125,11 @@ void HapticServo::report(ServoState state)
 
 void HapticServo::reportButtons(std::uint32_t buttons)
 {
-    const std::uint32_t changed = buttons ^ std::exchange(buttons_, buttons);
-    for (int b = 0; changed >> b != 0; ++b)
-        if (changed >> b & 1u)
-            notice_({.kind = DeviceNotice::Kind::Button, .button = b, .pressed = (buttons >> b & 1u) != 0});
+    std::uint32_t changed = buttons ^ std::exchange(buttons_, buttons);
+    for (; changed != 0; changed &= changed - 1) { // without its lowest bit
+        const int b = std::countr_zero(changed);
+        notice_({.kind = DeviceNotice::Kind::Button, .button = b, .pressed = (buttons >> b & 1u) != 0});
+    }
 }
 
 void HapticServo::reopenAfterAWhile()
