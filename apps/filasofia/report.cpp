@@ -29,7 +29,8 @@ void keepCase(std::vector<Attempt>& cohort, const std::string& task)
 
 Attempt attemptOf(const metric::Session& session)
 {
-    return {session.trainee, session.task, session.date, session.software, metric::measure(session)};
+    const bool unfinished = metric::findUnfinished(session) != nullptr;
+    return {session.trainee, session.task, session.date, session.software, metric::measure(session), unfinished};
 }
 
 Report makeReport(metric::Session session, std::string origin, std::vector<Attempt> cohort)
@@ -39,10 +40,12 @@ Report makeReport(metric::Session session, std::string origin, std::vector<Attem
     const bool compared = !cohort.empty();
     if (compared) keepCase(cohort, report.session.task);
     const metric::Session& own = report.session;
-    report.own = {{own.trainee, own.task, own.date, own.software, report.values, true}};
+    report.own = {
+        {own.trainee, own.task, own.date, own.software, report.values, metric::findUnfinished(own) != nullptr, true}};
     for (Attempt& attempt : cohort)
         (attempt.trainee == report.session.trainee ? report.own : report.others).push_back(std::move(attempt));
     std::ranges::stable_sort(report.own, {}, &Attempt::date);
+    report.unfinished = std::erase_if(report.others, [](const Attempt& each) { return each.unfinished; });
     if (!compared) return report;
     for (std::size_t i = 0; i < report.values.size(); ++i) {
         std::vector<double> numbers;

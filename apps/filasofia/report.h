@@ -13,6 +13,7 @@ namespace filasofia::app {
 struct Attempt {
     std::string trainee = {}, task = {}, date = {}, software = {};
     std::vector<metric::Value> values = {}; ///< in the catalog's order
+    bool unfinished = false;                ///< its task was left or out of time: its numbers are those of a part
     bool current = false;                   ///< true for the session that is reported
 };
 Attempt attemptOf(const metric::Session& session);
@@ -23,7 +24,8 @@ struct Report {
     std::string origin = {};                ///< the file's name, or another description
     std::vector<metric::Value> values = {}; ///< in the catalog's order
     std::vector<Attempt> own = {};    ///< the trainee's sessions of this case, including this one, by ascending date
-    std::vector<Attempt> others = {}; ///< other trainees' sessions of this case
+    std::vector<Attempt> others = {}; ///< other trainees' sessions of this case, if they were finished
+    std::size_t unfinished = 0;       ///< theirs that were not, and are left out
     std::vector<metric::Comparison> comparisons = {}; ///< comparisons with the others; empty without a cohort
     std::vector<std::string> leftOut = {};            ///< files of the cohort that could not be read
 };

@@ -292,6 +292,9 @@ std::string notes(const Report& report)
     if (!report.comparisons.empty())
         out += text("<li>z: the distance in standard deviations from the mean of ", report.others.size(),
                     " sessions of other trainees of the same case. It ranks; it does not judge.</li>\n");
+    if (report.unfinished > 0)
+        out += text("<li>", report.unfinished, report.unfinished == 1 ? " session" : " sessions",
+                    " of other trainees in which the task was not finished: left out.</li>\n");
     for (const std::string& file : report.leftOut)
         out += text("<li>The cohort's file ", escaped(shownName(file)), " could not be read and is left out.</li>\n");
     if (const std::string makers = otherMakers(report); !makers.empty())

@@ -112,6 +112,9 @@ std::string reportText(const Report& report)
     if (const metric::Event* event = metric::findUnfinished(session))
         out += text("the task was not finished: ", shownName(event->what), '\n');
     if (session.lost > 0) out += text(session.lost, " samples were lost\n");
+    if (report.unfinished > 0)
+        out += text("left out: ", report.unfinished, report.unfinished == 1 ? " session" : " sessions",
+                    " of others in which the task was not finished\n");
     bool netForce = false; // whether its line is there
     for (std::size_t i = 0; i < report.values.size(); ++i) {
         const metric::MetricInfo& info = metric::catalog()[i];

@@ -58,11 +58,11 @@ const Scene& sceneOf(const RunCommandOptions& options)
         names += text(names.empty() ? "" : ", ", scene.name);
     }
     if (options.scene.find_first_of("./") != std::string::npos)
-        fail("run: a scene file has a name that ends in .json, .urdf, .xml or .mjcf, got '", shortened(options.scene),
-             "'");
+        fail("run: a scene file has a name that ends in .json, .urdf, .xml, .mjcf or .scn, got '",
+             shortened(options.scene), "'");
     for (const std::string_view file : kSceneFiles) names += text(", ", file);
     fail("run: unknown scene '", shortened(options.scene), "'; known are ", names,
-         ", and scene files (.json, .urdf, .xml)");
+         ", and scene files (.json, .urdf, .xml, .mjcf, .scn)");
 }
 
 std::vector<std::string> bunnySizes()

@@ -22,7 +22,7 @@ def run(*words, folder=None):
                           timeout=100)
 
 
-def session(trainee="Ada", task="a case", date="2026-11-20", seconds=2.0, reach=0.1, version=1, end=True, what="polyp"):
+def session(trainee="Ada", task="a case", date="2026-11-20", seconds=2.0, reach=0.1, version=1, end=True, what="polyp", left=False):
     """A straight minimum-jerk reach with a push in it, as a MetricTracker writes it."""
     lines = [{"format": "filasofia session", "version": version, "trainee": trainee, "case": task, "date": date,
               "software": "a test", "seed": 7, "watched": ["tear"], "forceLimit": 1.0,
@@ -33,6 +33,8 @@ def session(trainee="Ada", task="a case", date="2026-11-20", seconds=2.0, reach=
         place = [reach * s**3 * (10 - 15 * s + 6 * s * s), 0, 0, 1, 0, 0, 0]
         lines.append({"t": i / 200, "s": [place + [0, push, 0, int(push > 0)] + ([0, 0, 0] if push > 0 else [])]})
     lines.append({"t": 1.0, "event": "tear", "what": what, "amount": 1e-5})
+    if left:
+        lines.append({"t": seconds, "event": "unfinished", "what": "the run ended: 0 of 1 steps done"})
     if end:
         lines.append({"end": 0})
     return "".join(json.dumps(line) + "\n" for line in lines)
@@ -226,6 +228,19 @@ class Cohort(Report):
         sessions = json.loads(self.report(file, "--cohort", "cohort", "--json", "-"))["sessions"]
         self.assertEqual([each["date"] for each in sessions], ["2026-11-10", "2026-11-20"])
         self.assertEqual([each["current"] for each in sessions], [False, True])
+
+    def test_others_who_gave_up_are_no_measure_of_those_who_did_not(self):
+        file = self.write("ada.jsonl", session(reach=0.2))
+        for i, reach in enumerate((0.1, 0.12, 0.14)):
+            self.write(f"cohort/{i}.jsonl", session(trainee=f"T{i}", reach=reach))
+        expected = self.metrics(file, "--cohort", "cohort")
+        for i in range(2):
+            self.write(f"cohort/left{i}.jsonl", session(trainee=f"L{i}", reach=0.01, left=True))
+        self.assertEqual(self.metrics(file, "--cohort", "cohort"), expected)
+        self.assertIn("left out: 2 sessions of others in which the task was not finished", self.report(file, "--cohort", "cohort"))
+        self.report(file, "--cohort", "cohort", "--html", "p.html")
+        self.assertIn("<li>2 sessions of other trainees in which the task was not finished: left out.</li>",
+                      (self.folder / "p.html").read_text())
 
     def record(self, name, *words, steps=400):
         done = run("run", "poke", "--headless", "--steps", steps, "--record", name, *words, folder=self.folder)

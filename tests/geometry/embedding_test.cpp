@@ -1,5 +1,6 @@
 #include "filasofia/geometry/distance.h"
 #include "filasofia/geometry/embedding.h"
+#include "filasofia/geometry/surface_fit.h"
 #include "geometry/sample_meshes.h"
 
 namespace embedding_test {
@@ -84,5 +85,26 @@ TEST_CASE("a point so far away that its distance overflows is embedded too")
 }
 
 TEST_CASE("no points make an empty embedding") { CHECK(embed(unitTetrahedron(), {}).nodes.empty()); }
+
+TEST_CASE("a surface that lies elsewhere than its tetrahedra, or in other units, is odd")
+{
+    const TetMesh mesh = cubeMesh(2, 1); // 1 m
+    const auto fit = [&](double scale, Vec3 shift) {
+        std::vector<Vec3> surface;
+        for (const Vec3 each : mesh.nodes) surface.push_back(scale * each + shift);
+        return oddFit(surface, mesh.nodes);
+    };
+    CHECK(fit(1.0, {}).empty());
+    CHECK(fit(1.0, {0.15, 0.0, 0.0}).empty()); // a tenth of the diagonal is 0.17 m
+    CHECK(fit(0.01, {0.5, 0.5, 0.5}).empty()); // a part inside
+    CHECK(fit(1.0, {0.0, -0.3, 0.0}) ==
+          "is 1.73 m large, and reaches 0.3 m out of the body's tetrahedra, which are 1.73 m large");
+    CHECK(fit(2.0, {}) == "is 3.46 m large, and reaches 1 m out of the body's tetrahedra, which are 1.73 m large");
+    CHECK(fit(1000.0, {}) ==
+          "is 1730 m large, and reaches 999 m out of the body's tetrahedra, which are 1.73 m large; if one of them is "
+          "in millimetres, give it a scale of 0.001");
+    CHECK(fit(0.001, {}) == "is 0.00173 m large, inside the body's tetrahedra, which are 1.73 m large; if one of them "
+                            "is in millimetres, give it a scale of 0.001");
+}
 
 } // namespace embedding_test

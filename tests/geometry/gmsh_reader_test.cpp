@@ -56,6 +56,24 @@ TEST_CASE("physical groups become labels with names, in every version, form and 
     CHECK(parseGmsh(kAscii4, "a.msh").labels.empty());
 }
 
+TEST_CASE("a volume of several physical groups has the label of the first, and the others are named")
+{
+    const std::string names = "$PhysicalNames\n2\n3 9 \"organ\"\n3 11 \"tumour\"\n$EndPhysicalNames\n";
+    // Version 2 has its elements once for each group.
+    const std::string twice = replaced(replaced(kAscii2, "$Nodes\n", names + "$Nodes\n"), "1\n7 4 2 0 1 1 2 3 4\n",
+                                       "2\n7 4 2 9 1 1 2 3 4\n8 4 2 11 1 1 2 3 4\n");
+    const std::string entities = "$Entities\n0 0 0 1\n1 0 0 0 1 1 1 2 9 11 0\n$EndEntities\n";
+    const std::string both = replaced(kAscii4, "$Nodes\n", names + entities + "$Nodes\n");
+    for (const std::string& file : {twice, both}) {
+        const LogTrap log;
+        const TetMesh read = parseGmsh(file, "a.msh");
+        CHECK(read.labels == std::vector<int>{9});
+        CHECK(log.warnings == "a.msh: volumes are in several physical groups; their tetrahedra are labelled by the "
+                              "first one, and not by 'tumour': give each volume one group\n");
+    }
+    CHECK_THAT(errorIn(replaced(twice, "8 4 2 11", "8 4 2 9")), Contains("same side")); // given twice for one group
+}
+
 TEST_CASE("without physical groups, several geometric entities are the labels")
 {
     const std::string two = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n5\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"

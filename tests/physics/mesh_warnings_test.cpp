@@ -194,4 +194,32 @@ TEST_CASE("nodes that were split so that a body can be cut are told, and nobody 
     CHECK_THAT(logOf(def), Contains("to join them"));
 }
 
+TEST_CASE("a collision mesh that is far from its tetrahedra is told")
+{
+    SoftBodyDef organ = soft(*geometry::shapes::block({0.1, 0.1, 0.1}, {2, 2, 2}));
+    organ.collision = {{}, {.mesh = geometry::shapes::sphere(0.05)}};
+    CHECK(logOf(organ).empty());
+    organ.collision[1].mesh = geometry::shapes::sphere(50.0);
+    CHECK_THAT(logOf(organ), Contains("soft body 'organ': collision[1].mesh is 173 m large, and reaches 49.9") ||
+                                 Contains("soft body 'organ': collision[1].mesh is 173 m large, and reaches 50 m"));
+}
+
+TEST_CASE("a proximity or a thickness that was meant in millimetres is told")
+{
+    SoftBodyDef organ = soft(*geometry::shapes::block({0.01, 0.01, 0.01}, {2, 2, 2}));
+    organ.collision = {{.proximity = 2e-3}};
+    CHECK(logOf(organ).empty());
+    organ.collision[0].proximity = 0.5;
+    CHECK(logOf(organ) == "soft body 'organ': collision[0].proximity is 0.5 m, and the body is 0.017 m large; if it is "
+                          "meant in millimetres, write 5e-04\n");
+    RigidBodyDef tool{.name = "tool", .mesh = geometry::shapes::sphere(0.01)};
+    tool.collision = {{}, {.proximity = 1.0}};
+    CHECK_THAT(logOf(tool), Contains("rigid body 'tool': collision[1].proximity is 1 m"));
+    SoftBodyDef sheet{
+        .name = "sheet", .mesh = geometry::shapes::sheet(0.04, 0.04, {4, 4}), .material = ShellMaterial{}};
+    CHECK(logOf(sheet).empty());
+    sheet.material = ShellMaterial{.thickness = 0.5};
+    CHECK_THAT(logOf(sheet), Contains("soft body 'sheet': material.thickness is 0.5 m, and the body is 0.057 m large"));
+}
+
 } // namespace mesh_warnings_test

@@ -156,6 +156,20 @@ TEST_CASE("a single step while paused makes one step, with everyStep, and is pau
     CHECK(sim.run({.headless = true, .steps = 10}).time == Approx(0.011));
 }
 
+TEST_CASE("who goes on during a single step, or after asking for one, goes on: the last word counts")
+{
+    Simulation sim({.physics = {.gravity = {}}});
+    sim.pause(true);
+    int made = 0;
+    sim.on<PhysicsUpdateEvent>([&](const PhysicsUpdateEvent&) {
+        if (++made != 3) return;
+        sim.singleStep();
+        sim.pause(false);
+    });
+    CHECK(sim.run({.headless = true, .steps = 10}).time == Approx(0.007)); // all after the third
+    CHECK_FALSE(sim.paused());
+}
+
 TEST_CASE("Space pauses a live run, N makes one step of it, R puts the bodies back")
 {
     Live live;

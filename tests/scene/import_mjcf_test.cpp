@@ -345,6 +345,24 @@ TEST_CASE("MJCF: an included file stands in the place of its include, and its mi
     }
 }
 
+TEST_CASE("MJCF: bodies with unlike frictions are told, because their pairs rub otherwise")
+{
+    const SceneFolder folder;
+    const auto notes = [&](double friction) {
+        return loadMjcf(
+                   folder.write("model.xml",
+                                text("<mujoco><worldbody><geom type=\"plane\" size=\"1 1 1\" friction=\"0.3\"/><body>"
+                                     "<freejoint/><geom size=\"0.1\" friction=\"",
+                                     friction, "\"/></body></worldbody></mujoco>")))
+            .notes;
+    };
+    CHECK(notes(0.3).empty());
+    REQUIRE(notes(1.0).size() == 1);
+    CHECK_THAT(notes(1.0)[0],
+               Catch::EndsWith("model.xml:1:2: bodies have frictions from 0.3 to 1: two of them rub with "
+                               "the root of their product, in MuJoCo with the larger one"));
+}
+
 TEST_CASE("imports: a file is what its name and its first element say")
 {
     CHECK((isSceneFile("a.urdf") && isSceneFile("a.XML") && isSceneFile("a.json") && !isSceneFile("a.obj")));

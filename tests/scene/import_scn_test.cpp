@@ -331,6 +331,38 @@ TEST_CASE("rigid bodies, obstacles, friction and collision models of SOFA are re
     CHECK(most > 10.0); // 2 kg weigh 19.6 N
 }
 
+TEST_CASE("a rigid body of SOFA turns about its frame, with the inertia of the box around its collision model there")
+{
+    const SceneFolder folder;
+    folder.write("solid.obj", kObj); // in [0, 1] along each axis
+    const auto massOf = [&](const std::string& pipeline) {
+        const Imported imported = loadScn(folder.write(
+            "scene.scn",
+            "<Node name=\"root\">" + pipeline +
+                "<Node name=\"B\"><EulerImplicitSolver/><MechanicalObject template=\"Rigid3\" position=\"0 3 0 0 0 0 "
+                "1\"/>"
+                "<UniformMass totalMass=\"2\"/><Node name=\"S\"><MeshOBJLoader name=\"l\" filename=\"solid.obj\"/>"
+                "<MeshTopology src=\"@l\"/><MechanicalObject "
+                "src=\"@l\"/><TriangleCollisionModel/><RigidMapping/></Node>"
+                "</Node></Node>"));
+        return std::get<physics::GivenInertia>(std::get<RigidBodyDef>(imported.scene.bodies.at(0).def).mass);
+    };
+    const physics::GivenInertia box = massOf("<CollisionPipeline/>"), none = massOf("");
+    CHECK(box.centre == Vec3{});
+    CHECK(box.moments.x == Approx(2.0 * (1.0 / 3.0 + 1.0 / 3.0)));
+    CHECK(none.centre == Vec3{});
+    CHECK(none.moments == Vec3{2, 2, 2}); // SOFA's default
+}
+
+TEST_CASE("a scene of SOFA in millimetres is told by its gravity")
+{
+    CHECK(scn(kBeam).notes.empty());
+    CHECK_THAT(
+        scn(kBeam, R"(gravity="0 -9810 0")").notes.at(0),
+        Catch::EndsWith(": gravity is 9810: the scene seems to be in millimetres, and lengths are read as metres; "
+                        "for organs of their own size, write it in metres, kilograms and pascals"));
+}
+
 TEST_CASE("a scene of SOFA with gravity along z is turned to have y up, and holds the same nodes")
 {
     std::string inside = kBeam;

@@ -216,6 +216,8 @@ TEST_CASE("URDF: a mistake is one line with place, element, attribute, bound and
     CHECK(errorOf(joint + "\"fixed\">" + ends +
                   R"(<joint name="k" type="fixed"><parent link="b"/><child link="a"/></joint>)") ==
           "robot.urdf:1:2: robot 'r' must have a link that no joint moves: its joints form a loop");
+    CHECK(errorOf(R"(<link name="a"/><xacro:property xmlns:xacro="x" name="w" value="1"/>)") ==
+          "robot.urdf:2:18: robot 'r'/xacro:property 'w' is a macro: expand the file first (xacro FILE > robot.urdf)");
     CHECK(errorOf(R"(<link name="a" name="b"/>)") == "robot.urdf:2:2: robot 'r'/link 'a'.name is given twice");
     CHECK(errorOf("<link name=\"a\">") == "robot.urdf:3:3: this is no XML: Start-end tags mismatch");
     CHECK(

@@ -182,6 +182,51 @@ TEST_CASE("scenes: each condition of a task holds when it should")
     CHECK(stepsIn(R"({"type": "Held", "body": "ball", "by": "tissue"})") == Approx(252).margin(3));
 }
 
+TEST_CASE("scenes: what was cut before a reset does not count: the body is whole again")
+{
+    const SceneFolder folder;
+    const auto doneAt = [&](const std::string& reset) {
+        const SceneDef scene =
+            folder.load(text(R"({"physics": {"gravity": [0, 0, 0]}, "bodies": [
+            {"name": "tissue", "mesh": {"type": "block", "size": "20 20 20 mm", "cells": [4, 4, 4]}, "dynamicTopology": true,
+             "collision": [{}], "attachments": [{"box": [[-1, -1, -1], [1, "-9.9 mm", 1]]}]},
+            {"type": "RigidBodyDef", "name": "blade", "elements": ["-30 8 0 mm"],
+             "mesh": {"type": "box", "size": "4 20 30 mm"}, "collision": [{"cutting": true}],
+             "motions": [{"keys": [{"time": 0.1, "pose": "30 8 0 mm"}, {"time": 0.5, "pose": "30 8 0 mm"},
+                                   {"time": 0.6, "pose": "-30 8 0 mm"}]}]}],)",
+                             reset, R"("task": {"steps": [{"done": {"type": "Waited", "seconds": 0.3}},
+                       {"done": {"type": "Parted", "body": "tissue", "area": "0.5 cm^2"}}]}})"));
+        Simulation sim(simulationDef(scene));
+        const AddedScene added = addScene(sim, scene);
+        sim.run({.headless = true, .steps = 800});
+        return added.task->progress().doneAt;
+    };
+    const std::vector<double> counted = doneAt("");
+    REQUIRE(counted.size() == 2);
+    CHECK(counted[1] == Approx(0.301).margin(0.002)); // it was cut at 0.1 s
+    const std::vector<double> again = doneAt(R"("commands": [{"time": 0.2, "type": "Reset"}], )");
+    REQUIRE(again.size() == 2);
+    CHECK(again[1] > 0.5); // by the way back
+}
+
+TEST_CASE("scenes: a time has come in the step that ends at it, also where the sum of the steps is a little short")
+{
+    const SceneFolder folder;
+    const SceneDef scene = folder.load(R"({"bodies": [{"type": "RigidBodyDef", "name": "a"}],
+        "commands": [{"time": "2 s", "type": "SetPose", "id": "a", "pose": "10 0 0 mm"}],
+        "task": {"steps": [{"done": {"type": "Waited", "seconds": 3}}]}})");
+    Simulation sim(simulationDef(scene));
+    const AddedScene added = addScene(sim, scene);
+    std::optional<std::uint64_t> moved;
+    sim.on<event::PhysicsUpdateEvent>([&](const event::PhysicsUpdateEvent& done) {
+        if (!moved && sim.physics().latest()->rigidBodies.front().poses.front().position.x > 0.005) moved = done.step;
+    });
+    sim.run({.headless = true, .steps = 3500});
+    CHECK(moved == 2000);
+    REQUIRE(added.task->progress().doneAt.size() == 1);
+    CHECK(added.task->progress().doneAt[0] == Approx(3.0).margin(1e-6));
+}
+
 TEST_CASE("scenes: an instrument begins at its pose or at its key at 0 s, and cannot have both")
 {
     const SceneFolder folder;
@@ -297,6 +342,17 @@ TEST_CASE("scenes: instruments, tasks and measures that are wrong are refused wi
                           R"("node": )", node, R"(, "place": [0, 0, 0]}}]}})"));
     };
     CHECK_THAT(rod(11), Contains("task.steps[0].done.node must be in [0, 11), got 11"));
+    const auto touched = [&](const std::string& other) {
+        return fails(
+            R"({"bodies": [{"type": "RigidBodyDef", "name": "a", "mesh": {"type": "sphere", "radius": "5 mm"}, )"
+            R"("collision": [{}]}, {"type": "RigidBodyDef", "name": "b", "elements": ["20 0 0 mm"], )"
+            R"("mesh": {"type": "sphere", "radius": "5 mm"}, "collision": [)" +
+            other + R"(]}], "task": {"steps": [{"done": {"type": "Touched", "first": "a", "second": "b"}}]}})");
+    };
+    CHECK(touched("{}") == "no error");
+    for (const std::string other : {"", "{\"group\": 1}"})
+        CHECK_THAT(touched(other), Contains("task.steps[0].done must name two bodies whose collision has a group in "
+                                            "common: rigid body 'a' and rigid body 'b' never touch"));
     CHECK_THAT(step(R"({"type": "Reached", "body": "ball", "target": "ball"})"),
                Contains("must name two bodies, got rigid body 'ball' twice"));
     CHECK_THAT(step(R"({"type": "Touched", "first": "ball", "second": "ball"})"), Contains("must name two bodies"));

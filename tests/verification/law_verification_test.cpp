@@ -184,7 +184,7 @@ TEST_CASE("the compressible laws have closed forms at any Poisson's ratio")
     const double young = 3000.0;
     for (const double nu : {0.0, 0.1, 0.3, 0.45}) {
         const Lame material = lame(young, nu);
-        const auto [mu, lambda] = material;
+        const double mu = material.mu, lambda = material.lambda;
         // What is pulled becomes thinner: these are the rates of strain, for St Venant and Kirchhoff's law those of
         // squares. The comparison ends at a twentieth of the thickness, before nothing is left of it.
         const double spread = 2 * nu / (1 - nu);

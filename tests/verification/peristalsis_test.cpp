@@ -40,7 +40,8 @@ FibreFamily ring(int k)
 /// and no force along it.
 double lumenShrinks(double stress)
 {
-    const auto [mu, lambda] = lame(kYoung, kNu);
+    const Lame material = lame(kYoung, kNu);
+    const double mu = material.mu, lambda = material.lambda;
     const double m = lambda + 2 * mu, c = stress / (2 * m);
     const double a = kInner, b = kOuter, area = 0.5 * (b * b - a * a);
     const auto radial = [&](double r) { return c * (m * (std::log(r) + 1) + lambda * std::log(r)); };

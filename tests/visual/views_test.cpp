@@ -234,6 +234,13 @@ TEST_CASE("an unlit material shows the colour asked for, in spite of the tone ma
     for (const Color& color : {Color{0.5, 0.2, 0.1}, Color{0.05, 0.6, 0.1}, Color{0.1, 0.2, 0.8}})
         CHECK(error(color) <= 8.0);
     CHECK(error({0.8, 0.05, 0.05}) <= 12.0);
+    // Beyond what the tone mapping can show: less bright, but not bleached. Green was shown as (237, 247, 212).
+    for (int corner = 1; corner < 7; ++corner) {
+        const std::array<double, 3> asked{double(corner & 1), double(corner >> 1 & 1), double(corner >> 2 & 1)};
+        body.setMaterial(UnlitMaterial{.color = {asked[0], asked[1], asked[2]}});
+        const auto shown = server.capture().pixel(8, 8);
+        for (std::size_t i = 0; i < 3; ++i) CHECK((asked[i] > 0.0 ? shown[i] >= 185 : shown[i] <= 150));
+    }
 }
 
 TEST_CASE("wrong off-screen views are errors")

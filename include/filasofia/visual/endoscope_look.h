@@ -3,6 +3,8 @@
 #include "filasofia/geometry/box.h"
 #include "filasofia/visual/visual_server.h"
 
+#include <span>
+
 namespace filasofia::visual {
 
 /// The box around a mesh's vertices. Throws an Error if there are none.
@@ -22,5 +24,10 @@ struct EndoscopeLook {
 /// Throws an Error if the box is empty or not finite.
 EndoscopeLook addEndoscopeLook(VisualServer& server, const geometry::Box& around, Quality quality = Quality::High,
                                Vec3 direction = {0.25, 0.3, 1.0});
+
+/// The box, grown about its middle as far as the look at it needs to have all of `points` [m], in the world, in a
+/// picture with this aspect (width over height, > 0). A box around points that fit is as it is.
+geometry::Box framing(const geometry::Box& around, std::span<const Vec3> points, double aspect,
+                      Vec3 direction = {0.25, 0.3, 1.0});
 
 } // namespace filasofia::visual

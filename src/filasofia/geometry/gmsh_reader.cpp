@@ -1,14 +1,18 @@
 #include "filasofia/geometry/gmsh_reader.h"
 
+#include "filasofia/core/log.h"
 #include "filasofia/geometry/gmsh_types.h"
 #include "filasofia/geometry/raw_tet_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <map>
 #include <set>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 // The format: Gmsh reference manual, "MSH file format" (4.1), "version 2 (Legacy)" and "version 1 (Legacy)".
 namespace filasofia::geometry {
@@ -41,6 +45,8 @@ public:
         }
         if (!haveNodes) fail(name_, ": must have a ", nodes, " section, found none");
         if (!haveElements) fail(name_, ": must have an ", elements, " section, found none");
+        dropRepeated();
+        tellSeveral();
         label();
         return resolve(mesh_, in_, in_, name_);
     }
@@ -58,6 +64,8 @@ private:
     void readNames();
     void readEntities();
     void readEntity(int dimension);
+    void dropRepeated();
+    void tellSeveral() const;
     void label();
     void readNodes();
     void readNodes2();
@@ -83,6 +91,7 @@ private:
     RawTetMesh mesh_;
     std::vector<int> groups_, entities_;  ///< per tetrahedron: physical group, 0 for none, and geometric entity
     std::map<std::int64_t, int> groupOf_; ///< a volume of version 4: its first physical group
+    std::set<int> further_;               ///< physical groups of volumes that have another one before
 };
 
 // Returns the first section behind the format. A file of version 1 has none, and begins with its nodes.
@@ -185,7 +194,7 @@ void GmshReader::readEntity(int dimension)
     const std::size_t groups = in_.count("the number of an entity's physical groups", 1, 4, 8);
     for (std::size_t k = 0; k < groups; ++k) {
         const int group = labelIn(in_.integer("a physical group"), "a physical group");
-        if (dimension == 3 && k == 0) groupOf_[tag] = group;
+        if (dimension == 3 && !groupOf_.emplace(tag, group).second) further_.insert(group);
     }
     if (dimension == 0) return;
     const std::size_t bounding = in_.count("the number of an entity's bounding entities", 1, 4, 8);
@@ -201,6 +210,49 @@ void GmshReader::readEntities()
         counts[dimension] = in_.count("the number of entities", dimension == 0 ? 5 : 9, dimension == 0 ? 36 : 68, 8);
     for (int dimension = 0; dimension < 4; ++dimension)
         for (std::size_t i = 0; i < counts[static_cast<std::size_t>(dimension)]; ++i) readEntity(dimension);
+}
+
+// A file of version 2 has the elements of a volume once for each of its physical groups.
+void GmshReader::dropRepeated()
+{
+    const bool one = std::ranges::all_of(groups_, [&](int each) { return each == groups_.front(); });
+    if (one || !mesh_.middles.empty()) return; // these know their element by its index
+    std::vector<std::pair<std::array<std::int64_t, 4>, std::size_t>> sorted;
+    sorted.reserve(mesh_.elements.size());
+    for (std::size_t i = 0; i < mesh_.elements.size(); ++i) {
+        sorted.emplace_back(mesh_.elements[i].nodes, i);
+        std::ranges::sort(sorted.back().first);
+    }
+    std::ranges::sort(sorted);
+    std::vector<bool> repeated(sorted.size());
+    for (std::size_t i = 1, first = 0; i < sorted.size(); ++i) {
+        if (sorted[i].first != sorted[first].first) first = i;
+        const int group = groups_[sorted[i].second];
+        if (i == first || group == groups_[sorted[first].second]) continue; // given twice is an Error
+        repeated[sorted[i].second] = true;
+        further_.insert(group);
+    }
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < repeated.size(); ++i) {
+        if (repeated[i]) continue;
+        mesh_.elements[kept] = mesh_.elements[i], groups_[kept] = groups_[i], entities_[kept] = entities_[i];
+        ++kept;
+    }
+    mesh_.elements.resize(kept), groups_.resize(kept), entities_.resize(kept);
+}
+
+void GmshReader::tellSeveral() const
+{
+    if (further_.empty()) return;
+    std::string groups;
+    for (const int group : further_) {
+        const auto named = std::ranges::find(mesh_.labelNames, group, &MeshLabel::label);
+        groups += groups.empty() ? "" : ", ";
+        groups += named != mesh_.labelNames.end() ? text("'", named->name, "'") : text(group);
+    }
+    logWarning(name_,
+               ": volumes are in several physical groups; their tetrahedra are labelled by the first one, and not by ",
+               groups, ": give each volume one group");
 }
 
 // Tetrahedra are labelled by their physical groups; in a file without any, by their geometric entities, if these are

@@ -60,7 +60,7 @@ std::string elementFault(const TetMesh& mesh, const Tetrahedron& t)
     const double bound = kMinRelativeVolume * longest * longest * longest;
     if (volume > bound && std::isfinite(volume)) return {};
     return text(volume < 0.0 ? " is inverted" : " is flat", ": its volume must be > ", bound,
-                " m^3 (1e-12 times its longest edge cubed), got ", volume);
+                " (1e-12 times its longest edge cubed), got ", volume);
 }
 
 std::string furtherFaults(const TetMesh& mesh, std::size_t first)

@@ -4,11 +4,13 @@
 #include "filasofia/core/log.h"
 #include "filasofia/geometry/box.h"
 #include "filasofia/geometry/mesh_pieces.h"
+#include "filasofia/geometry/surface_fit.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 namespace filasofia::physics {
 namespace {
@@ -134,6 +136,34 @@ void warnOfTwist(const std::string& object, const RodBodyDef& rod, std::size_t e
                    " edges can follow at most ", std::floor(most), " rad; give it less, or more nodes");
 }
 
+/// A length that was meant in millimetres makes bodies hover, and a step take very long.
+void warnOfLength(const std::string& field, double value, std::span<const Vec3> nodes)
+{
+    constexpr double kLargest = 0.25; // [-] relative to the diagonal; usual are 1/50 and less
+    const geometry::Box box = geometry::boxAround(nodes);
+    const double size = length(box.high - box.low);
+    if (!(value > kLargest * size) || nodes.empty()) return;
+    logWarning(field, " is ", value, " m, and the body is ", std::round(1e3 * size) / 1e3,
+               " m large; if it is meant in millimetres, write ", 1e-3 * value);
+}
+
+void warnOfProximity(const std::string& object, const std::vector<CollisionDef>& collision, std::span<const Vec3> nodes)
+{
+    for (std::size_t i = 0; i < collision.size(); ++i)
+        warnOfLength(text(object, ": collision[", i, "].proximity"), collision[i].proximity, nodes);
+}
+
+/// A collision mesh moves with the tetrahedra, however far from them it is.
+void warnOfCollision(const std::string& object, const SoftBodyDef& soft, const geometry::TetMesh& mesh)
+{
+    for (std::size_t i = 0; i < soft.collision.size(); ++i) {
+        const auto* own = std::get_if<std::shared_ptr<const geometry::TriangleMesh>>(&soft.collision[i].mesh);
+        if (own == nullptr || !*own) continue;
+        if (const std::string odd = geometry::oddFit((*own)->vertices, mesh.nodes); !odd.empty())
+            logWarning(object, ": collision[", i, "].mesh ", odd);
+    }
+}
+
 void warnOfRod(const std::string& object, const RodBodyDef& rod)
 {
     warnOfSize(object, rod.points, "use metres");
@@ -155,15 +185,22 @@ void warnOfMesh(const BodyDef& def)
         const auto* surface = std::get_if<std::shared_ptr<const geometry::TriangleMesh>>(&rigid->mesh);
         if (surface && *surface && !(isPlate((*surface)->vertices) && !rigid->dynamic)) // a floor may be that large
             warnOfSize(object, (*surface)->vertices, scaleOf("surface", "loadTriangleMesh", "load_triangle_mesh"));
+        if (surface && *surface) warnOfProximity(object, rigid->collision, (*surface)->vertices);
     }
     const auto* soft = std::get_if<SoftBodyDef>(&def);
     if (!soft) return;
-    if (const auto* sheet = std::get_if<std::shared_ptr<const geometry::TriangleMesh>>(&soft->mesh))
+    if (const auto* sheet = std::get_if<std::shared_ptr<const geometry::TriangleMesh>>(&soft->mesh)) {
         warnOfSize(object, (*sheet)->vertices, scaleOf("surface", "loadTriangleMesh", "load_triangle_mesh"));
+        warnOfProximity(object, soft->collision, (*sheet)->vertices);
+        if (const auto* shell = std::get_if<ShellMaterial>(&soft->material))
+            warnOfLength(object + ": material.thickness", shell->thickness, (*sheet)->vertices);
+    }
     if (const auto* solid = std::get_if<std::shared_ptr<const geometry::TetMesh>>(&soft->mesh)) {
         warnOfSize(object, (*solid)->nodes, scaleOf("tetrahedra", "loadTetMesh", "load_tet_mesh"));
         warnOfPieces(object, **solid, soft->dynamicTopology);
         warnOfThinElements(object, **solid);
+        warnOfCollision(object, *soft, **solid);
+        warnOfProximity(object, soft->collision, (*solid)->nodes);
     }
 }
 

@@ -519,27 +519,27 @@ void Bindings::release()
     visual_ = nullptr;
 }
 
-geometry::Box Bindings::bounds() const
+std::vector<Vec3> Bindings::points() const
 {
-    geometry::Box box;
+    std::vector<Vec3> points;
     const std::lock_guard lock(mutex_);
     for (const auto* list : {&pending_, &shown_})
         for (const Binding& binding : *list) {
             const Pose start = binding.soft ? Pose{} : binding.start; // a soft body's surface is in the world
-            for (const Vec3& vertex : binding.mapped->surface.vertices) box = merged(box, transform(start, vertex));
+            for (const Vec3& vertex : binding.mapped->surface.vertices) points.push_back(transform(start, vertex));
         }
-    return box;
+    return points;
 }
 
-geometry::Box Bindings::boundsNow() const
+std::vector<Vec3> Bindings::pointsNow() const
 {
-    geometry::Box box;
+    std::vector<Vec3> points;
     for (const Binding& binding : shown_) {
         if (!binding.drawn->visible()) continue;
         const Pose pose = binding.drawn->worldPose();
-        for (const Vec3& vertex : binding.drawn->vertices()) box = merged(box, transform(pose, vertex));
+        for (const Vec3& vertex : binding.drawn->vertices()) points.push_back(transform(pose, vertex));
     }
-    return box;
+    return points;
 }
 
 } // namespace filasofia::runtime

@@ -9,6 +9,7 @@
 #include "filasofia/mapping/printed_sheet.h"
 
 #include <set>
+#include <vector>
 
 namespace filasofia::visual {
 class VisualBody;
@@ -64,10 +65,12 @@ public:
     /// Forgets the visual bodies because their server ends; they are pending again.
     void release();
 
-    /// The box around all surfaces in their start poses; empty if there are none.
-    [[nodiscard]] geometry::Box bounds() const;
-    /// The box around everything that is drawn and visible, where it is now.
-    [[nodiscard]] geometry::Box boundsNow() const;
+    /// The vertices of all surfaces in their start poses [m], and the box around them; empty if there are none.
+    [[nodiscard]] std::vector<Vec3> points() const;
+    [[nodiscard]] geometry::Box bounds() const { return geometry::boxAround(points()); }
+    /// The same of everything that is drawn and visible, where it is now.
+    [[nodiscard]] std::vector<Vec3> pointsNow() const;
+    [[nodiscard]] geometry::Box boundsNow() const { return geometry::boxAround(pointsNow()); }
     /// The visual server, while there is one.
     [[nodiscard]] visual::VisualServer* visual() const { return visual_; }
 

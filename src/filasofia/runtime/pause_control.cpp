@@ -18,7 +18,7 @@ bool PauseControl::beginStep(physics::PhysicsServer& physics)
 
 void PauseControl::endStep(physics::PhysicsServer& physics)
 {
-    const bool single = std::exchange(stepping_, false);
+    const bool single = std::exchange(stepping_, false) && !told_.load();
     if (single) physics.pause(true);
     pauseComes_ = single;
     paused_.store(single || physics.paused(), std::memory_order_relaxed);

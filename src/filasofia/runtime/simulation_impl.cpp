@@ -261,13 +261,13 @@ void Simulation::Impl::treat(BodyId id, const surface::Treatment& treatment)
     ofLayer(treatment, [&](auto& layers, const auto& command) { layers.treat(id, command, physics); });
 }
 
-geometry::Box Simulation::Impl::boundsNow(visual::VisualServer& visual)
+std::vector<Vec3> Simulation::Impl::pointsNow(visual::VisualServer& visual)
 {
     const frame::FrameRef frame = physics.latest();
-    if (!frame) return bindings.bounds();
+    if (!frame) return bindings.points();
     bindings.update(*frame, physics, visual);
-    const geometry::Box shown = bindings.boundsNow();
-    return geometry::isEmpty(shown) ? bindings.bounds() : shown;
+    std::vector<Vec3> shown = bindings.pointsNow();
+    return shown.empty() ? bindings.points() : shown;
 }
 
 void Simulation::Impl::dressScene(visual::VisualServer& visual, Framed framed)
@@ -277,10 +277,15 @@ void Simulation::Impl::dressScene(visual::VisualServer& visual, Framed framed)
     for (const visual::GuiDef& gui : picture.guis) visual.add(gui);
     for (const auto& dress : picture.dresses) dress(visual);
     if (!picture.dresses.empty()) return;
-    const geometry::Box bounds = def.look.around         ? *def.look.around
-                                 : framed == Framed::Now ? boundsNow(visual)
-                                                         : bindings.bounds();
-    if (geometry::isEmpty(bounds)) return; // nothing is shown yet, so the picture stays dark
+    geometry::Box bounds;
+    if (def.look.around) {
+        bounds = *def.look.around;
+    } else {
+        const std::vector<Vec3> points = framed == Framed::Now ? pointsNow(visual) : bindings.points();
+        if (points.empty()) return; // nothing is shown yet, so the picture stays dark
+        const double aspect = visual.height() > 0 ? double(visual.width()) / visual.height() : 1.0;
+        bounds = visual::framing(geometry::boxAround(points), points, aspect, def.look.direction);
+    }
     const visual::EndoscopeLook look =
         visual::addEndoscopeLook(visual, {bounds.low, bounds.high}, def.look.quality, def.look.direction);
     if (def.look.mouse)

@@ -126,8 +126,8 @@ struct Simulation::Impl {
     }
     /// Removes all paint, blood, heat, burns and smoke, and releases all pedals.
     void cleanSurfaces();
-    /// The box around all that is shown, where it is now; before the first step, where it starts.
-    geometry::Box boundsNow(visual::VisualServer& visual);
+    /// All that is shown, where it is now; before the first step, where it starts [m].
+    std::vector<Vec3> pointsNow(visual::VisualServer& visual);
     /// Makes the look of the Def, or calls the user's dress functions. The look frames, and lights, what is shown where
     /// it starts, or where it is now.
     enum class Framed { AtStart, Now };

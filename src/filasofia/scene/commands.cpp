@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/physics/command_trial.h"
 #include "filasofia/physics/give.h"
+#include "filasofia/scene/has_come.h"
 #include "filasofia/scene/pedals.h"
 #include "filasofia/scene/remember_past.h"
 #include "filasofia/scene/scene_numbers.h"
@@ -58,7 +59,8 @@ public:
 
     void give(double time)
     {
-        for (std::size_t& next = past_.next; next < commands_.size() && commands_[next].time <= time; ++next) try {
+        for (std::size_t& next = past_.next; next < commands_.size() && hasCome(commands_[next].time, time); ++next)
+            try {
                 std::visit([this](const auto& each) { give(each); }, commands_[next].command);
             } catch (const Error& error) {
                 fail(commands_[next].place, ": ", error.what());

@@ -1,6 +1,7 @@
 #include "filasofia/scene/knots.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/scene/has_come.h"
 #include "filasofia/scene/places.h"
 #include "filasofia/scene/remember_past.h"
 #include "filasofia/scene/scene_numbers.h"
@@ -18,11 +19,11 @@ public:
 
     void follow(double time)
     {
-        if (past_ == 0 && time >= begin_) {
+        if (past_ == 0 && hasCome(begin_, time)) {
             hands_.begin();
             past_ = 1;
         }
-        if (past_ == 1 && release_ && time >= *release_) {
+        if (past_ == 1 && release_ && hasCome(*release_, time)) {
             hands_.release();
             past_ = 2;
         }

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace filasofia::scene {
@@ -31,6 +32,7 @@ public:
             if (auto body = flexes_.read(each)) soft.push_back(std::move(*body));
         addTrees();
         for (SceneBody& each : soft) addSoft(std::move(each));
+        noteFriction();
         readPicture();
         out_.scene.files = reader_.files();
         out_.notes = reader_.takeNotes();
@@ -128,6 +130,26 @@ private:
             return;
         }
         for (physics::CollisionDef& each : tree.def.collision) each.self = true;
+    }
+
+    /// Two bodies rub with the root of the product of their frictions; in MuJoCo with the larger of both.
+    void noteFriction()
+    {
+        double least = std::numeric_limits<double>::infinity(), most = 0.0;
+        for (const SceneBody& each : out_.scene.bodies)
+            std::visit(
+                [&](const auto& def) {
+                    if constexpr (requires { def.collision.empty(); }) {
+                        if (def.collision.empty()) return;
+                        least = std::min(least, def.friction);
+                        most = std::max(most, def.friction);
+                    }
+                },
+                each.def);
+        if (least < most)
+            reader_.note(source_.root(), "friction of pairs",
+                         text("bodies have frictions from ", least, " to ", most,
+                              ": two of them rub with the root of their product, in MuJoCo with the larger one"));
     }
 
     void addSoft(SceneBody body)

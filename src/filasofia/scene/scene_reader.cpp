@@ -18,7 +18,7 @@ std::string hintFor(std::string_view word, const std::vector<std::string>& known
 std::string shown(const Json& json)
 {
     if (json.is_object()) return "an object";
-    const std::string all = json.dump(-1, ' ', true, Json::error_handler_t::replace);
+    const std::string all = json.dump(-1, ' ', false, Json::error_handler_t::replace);
     return json.is_array() && all.size() > 2 * kMaxHinted ? text("a list of length ", json.size()) : shortened(all);
 }
 

@@ -17,6 +17,10 @@ namespace {
 using geometry::TetMesh;
 using geometry::TriangleMesh;
 
+constexpr const char* kMillimetres =
+    ": the scene seems to be in millimetres, and lengths are read as metres; for organs of their own size, write it in "
+    "metres, kilograms and pascals";
+
 class ScnLoader {
 public:
     ScnLoader(const std::filesystem::path& file, const ImportOptions& options)
@@ -43,6 +47,10 @@ private:
         const Vec3 gravity = reader_.vector(root, "gravity", {0, -9.81, 0}, closed(-1e6, 1e6));
         if (std::abs(gravity.z) > std::abs(gravity.y) && std::abs(gravity.z) > std::abs(gravity.x)) world_ = kFromZUp;
         out_.scene.physics.gravity = rotate(world_.orientation, gravity);
+        constexpr double heavy = 1000.0; // [m/s^2]; 9810 is usual
+        millimetres_ = length(gravity) > heavy;
+        if (millimetres_)
+            reader_.note(source_.root(), "millimetres", text("gravity is ", length(gravity), kMillimetres));
         out_.scene.physics.rate = 1.0 / reader_.number(root, "dt", 0.01, closed(1e-5, 1));
         collides_ = static_cast<bool>(findEverywhere({"CollisionPipeline", "DefaultPipeline"}));
         if (const Element near =
@@ -139,7 +147,7 @@ private:
         try {
             physics::check(def);
         } catch (const Error& problem) {
-            fail(place.place(), ": ", problem.what());
+            fail(place.place(), ": ", problem.what(), millimetres_ ? kMillimetres : "");
         }
         SceneBody body{.def = std::move(def), .show = std::move(show)};
         body.places.emplace("", place.place());
@@ -368,16 +376,22 @@ private:
         if (says.has("totalMass")) total /= static_cast<double>(def.elements.size());
         if (!(total > 0.0)) reader_.refuse(mass, "must be > 0");
         const auto* mesh = std::get_if<std::shared_ptr<const TriangleMesh>>(&def.mesh);
-        geometry::Box box;
-        if (mesh && *mesh)
-            for (const Vec3& each : (*mesh)->vertices) box = merged(box, each);
-        const Vec3 size = isEmpty(box) ? Vec3{1, 1, 1} : box.high - box.low;
-        const auto moment = [&](double a, double b) { return std::max(total / 12.0 * (a * a + b * b), 1e-9 * total); };
-        reader_.note(mass, "inertia", "a rigid body's inertia is that of the box around it");
-        def.mass =
-            physics::GivenInertia{.mass = total,
-                                  .centre = isEmpty(box) ? Vec3{} : 0.5 * (box.low + box.high),
-                                  .moments = {moment(size.y, size.z), moment(size.z, size.x), moment(size.x, size.y)}};
+        physics::GivenInertia inertia{.mass = total, .moments = {total, total, total}};
+        if (mesh && *mesh) {
+            // About the frame, which is the centre of mass in SOFA, wherever the mesh is.
+            const geometry::Box box = geometry::boxAround((*mesh)->vertices);
+            const auto mean = [](double low, double high) { return (low * low + low * high + high * high) / 3.0; };
+            const double x = mean(box.low.x, box.high.x), y = mean(box.low.y, box.high.y),
+                         z = mean(box.low.z, box.high.z);
+            const auto moment = [&](double squares) { return total * std::max(squares, 1e-9); };
+            inertia.moments = {moment(y + z), moment(z + x), moment(x + y)};
+            reader_.note(mass, "inertia", "a rigid body's inertia is that of the box around its collision model");
+        } else {
+            reader_.note(
+                mass, "inertia without a mesh",
+                "a rigid body without a collision model has the inertia of SOFA's default: its mass times 1 m^2");
+        }
+        def.mass = inertia;
     }
 
     ScnSource source_;
@@ -389,6 +403,7 @@ private:
     geometry::Box around_;
     std::map<std::string, std::size_t> bodyOfGroup_; ///< the first body of a group of collision models
     bool collides_ = false;
+    bool millimetres_ = false;  ///< as gravity says
     double proximity_ = 0.5e-3; ///< [m]
     double friction_ = 0.0;     ///< [-]
 };

@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/word.h"
 #include "filasofia/prefab/overlays.h"
+#include "filasofia/scene/has_come.h"
 #include "filasofia/scene/remember_past.h"
 #include "filasofia/scene/scene_numbers.h"
 
@@ -26,6 +27,22 @@ std::optional<Vec3> middleOf(const Frame& frame, BodyId id)
     return sum / static_cast<double>(soft->positions.size());
 }
 
+/// The groups in which a body touches others. A soft body's cutting models only meet blades.
+std::set<int> groupsOf(const physics::BodyDef& def)
+{
+    std::set<int> groups;
+    if (const auto* rod = std::get_if<physics::RodBodyDef>(&def)) {
+        if (rod->collision) groups.insert(rod->collision->group);
+    } else if (const auto* soft = std::get_if<physics::SoftBodyDef>(&def)) {
+        for (const physics::CollisionDef& each : soft->collision)
+            if (!each.cutting) groups.insert(each.group);
+    } else {
+        for (const physics::CollisionDef& each : std::get<physics::RigidBodyDef>(def).collision)
+            groups.insert(each.group);
+    }
+    return groups;
+}
+
 /// How many nodes a soft body or a rod is made of.
 std::size_t nodesOf(const physics::BodyDef& def)
 {
@@ -34,7 +51,8 @@ std::size_t nodesOf(const physics::BodyDef& def)
     return physics::isShell(soft) ? physics::worldShell(soft).vertices.size() : physics::worldMesh(soft).nodes.size();
 }
 
-/// What cuts and tears have opened since the run began. Written by the events' thread, read by the stepping one.
+/// What cuts and tears have opened since the run began, or the last reset. Written by the events' thread, read by the
+/// stepping one.
 class Partings {
 public:
     void add(const physics::Rupture& rupture)
@@ -44,9 +62,18 @@ public:
         opened.area += rupture.area;
         opened.pieces += static_cast<int>(rupture.detached.size());
     }
+    /// Before each step: a body that has fewer edits than before was reset, and is whole.
+    void look(BodyId body, std::uint64_t edits)
+    {
+        const std::scoped_lock lock(mutex_);
+        Opened& opened = bodies_[body];
+        if (edits < opened.edits) opened = {};
+        opened.edits = edits;
+    }
     struct Opened {
         double area = 0.0; ///< [m^2]
         int pieces = 0;
+        std::uint64_t edits = 0; ///< the body's mesh has
     };
     using Past = std::map<BodyId, Opened>;
     [[nodiscard]] Past past() const
@@ -144,7 +171,7 @@ private:
     bool holds(const Frame& frame, const Waited& waited)
     {
         if (!since_) since_ = frame.time; // the first state of this step of the task
-        return frame.time - *since_ >= waited.seconds;
+        return hasCome(waited.seconds, frame.time - *since_);
     }
 
     Condition condition_;
@@ -174,7 +201,15 @@ public:
         const std::size_t nodes = nodesOf(*server_.def(c.body));
         if (static_cast<std::size_t>(*c.node) >= nodes) fail(path_, ".node must be in [0, ", nodes, "), got ", *c.node);
     }
-    void operator()(const Touched& c) const { differ(c.first, c.second); }
+    void operator()(const Touched& c) const
+    {
+        differ(c.first, c.second);
+        const std::set<int> one = groupsOf(*server_.def(c.first)), two = groupsOf(*server_.def(c.second));
+        if (std::ranges::none_of(one, [&](int group) { return two.contains(group); }))
+            fail(path_, " must name two bodies whose collision has a group in common: ",
+                 physics::describeBody(*server_.def(c.first)), " and ", physics::describeBody(*server_.def(c.second)),
+                 " never touch");
+    }
     void operator()(const Held& c) const { differ(c.body, c.by); }
     void operator()(const Parted& c) const
     {
@@ -242,15 +277,23 @@ std::shared_ptr<const prefab::Task> addTask(runtime::Simulation& simulation, con
     simulation.on<runtime::CutEvent>([partings](const runtime::CutEvent& cut) { partings->add(cut.rupture); });
     simulation.on<runtime::TearEvent>([partings](const runtime::TearEvent& tear) { partings->add(tear.rupture); });
     rememberPast(simulation, "what a task saw cut and torn", partings);
+    std::vector<BodyId> parted;
     prefab::TaskDef def{.name = task.name, .timeLimit = task.timeLimit, .tracker = tracker};
     for (std::size_t i = 0; i < task.steps.size(); ++i) {
         Condition condition = task.steps[i].done;
         SceneNumbers(ids).replaceIn(condition);
         std::visit(ConditionCheck(simulation.physics(), text("task.steps[", i, "]")), condition);
+        if (const auto* of = std::get_if<Parted>(&condition)) parted.push_back(of->body);
         const auto watch = std::make_shared<Watch>(condition, partings);
         def.steps.push_back(stepOf(task.steps[i], watch));
         rememberPast(simulation, text("step ", i + 1, " of a task"), watch);
     }
+    simulation.everyStep([&simulation, partings, parted](double) {
+        const frame::FrameRef now = simulation.physics().latest();
+        for (const BodyId body : parted)
+            if (const auto* soft = now ? now->softBody(body) : nullptr)
+                partings->look(body, soft->boundary ? soft->boundary->revision : 0);
+    });
     def.over = [&simulation, name = task.name](bool done) {
         simulation.finish(text("task '", prefab::shown(name), done ? "' is done" : "' is out of time"));
     };

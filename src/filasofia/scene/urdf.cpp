@@ -55,6 +55,8 @@ private:
         for (const pugi::xml_node node : robot_.node.children()) {
             if (node.type() != pugi::node_element) continue;
             const Element element{node, robot_.file};
+            if (element.tag().starts_with("xacro:"))
+                reader_.refuse(element, "is a macro: expand the file first (xacro FILE > robot.urdf)");
             if (element.tag() == "link")
                 addNamed(element, links_, linkNames_, UrdfLink{element});
             else if (element.tag() == "joint")

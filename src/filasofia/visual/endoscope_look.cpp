@@ -45,6 +45,23 @@ Light& addLamp(VisualServer& server, Transform& rig, double away)
     return light;
 }
 
+/// From where the look sees a box.
+struct Aim {
+    double radius = 0.0, away = 0.0; ///< [m]: of the box, and of its middle from the lens
+    Pose pose = {};
+};
+Aim aimed(const geometry::Box& around, Vec3 direction, const char* who)
+{
+    const double radius = 0.5 * distance(around.low, around.high);
+    const Vec3 middle = 0.5 * (around.low + around.high);
+    const Vec3 towardsCamera = normalized(direction);
+    if (!(radius > 0.0) || !std::isfinite(radius) || !isFinite(middle))
+        fail(who, ": the box must be finite and not empty");
+    if (towardsCamera == Vec3{} || !isFinite(towardsCamera)) fail(who, ": direction must be finite and not zero");
+    const double away = 0.80 * radius / std::sin(0.5 * kFieldOfView); // corners of a box that an organ fills are empty
+    return {radius, away, lookAt(middle + away * towardsCamera, middle)};
+}
+
 } // namespace
 
 geometry::Box boundsOf(const geometry::TriangleMesh& mesh)
@@ -57,18 +74,11 @@ geometry::Box boundsOf(const geometry::TriangleMesh& mesh)
 
 EndoscopeLook addEndoscopeLook(VisualServer& server, const geometry::Box& around, Quality quality, Vec3 direction)
 {
-    const double radius = 0.5 * distance(around.low, around.high);
-    const Vec3 middle = 0.5 * (around.low + around.high);
-    const Vec3 towardsCamera = normalized(direction);
-    if (!(radius > 0.0) || !std::isfinite(radius) || !isFinite(middle))
-        fail("addEndoscopeLook: the box must be finite and not empty");
-    if (towardsCamera == Vec3{} || !isFinite(towardsCamera))
-        fail("addEndoscopeLook: direction must be finite and not zero");
-    const double away = 0.80 * radius / std::sin(0.5 * kFieldOfView);
+    const auto [radius, away, pose] = aimed(around, direction, "addEndoscopeLook");
 
     EndoscopeLook look;
     look.rig = &server.addTransform("endoscope");
-    look.rig->setPose(lookAt(middle + away * towardsCamera, middle));
+    look.rig->setPose(pose);
     look.camera = &addCamera(server, *look.rig, away);
     look.light = &addLamp(server, *look.rig, away);
 
@@ -87,6 +97,22 @@ EndoscopeLook addEndoscopeLook(VisualServer& server, const geometry::Box& around
     environment.lampDirection = rotate(look.rig->pose().orientation, Vec3{0.45, 0.8, 0.6});
     server.setEnvironment(environment);
     return look;
+}
+
+geometry::Box framing(const geometry::Box& around, std::span<const Vec3> points, double aspect, Vec3 direction)
+{
+    constexpr double kRim = 0.96; // [-] relative to height and width
+    const Aim aim = aimed(around, direction, "framing");
+    if (!(aspect > 0.0) || !std::isfinite(aspect)) fail("framing: aspect must be > 0 and finite, got ", aspect);
+    const double up = kRim * std::tan(0.5 * kFieldOfView), right = aspect * up;
+    const Pose fromWorld = inverse(aim.pose);
+    double needed = aim.away; // [m]
+    for (const Vec3 each : points) {
+        const Vec3 seen = transform(fromWorld, each); // the lens looks along -z
+        needed = std::max(needed, aim.away + seen.z + std::max(std::fabs(seen.y) / up, std::fabs(seen.x) / right));
+    }
+    const Vec3 middle = 0.5 * (around.low + around.high), half = 0.5 * needed / aim.away * (around.high - around.low);
+    return needed > aim.away ? geometry::Box{middle - half, middle + half} : around;
 }
 
 } // namespace filasofia::visual

@@ -8,8 +8,6 @@
 namespace filasofia::visual {
 namespace {
 
-using Renderable = filament::RenderableManager;
-
 /// A vertex in the layout of the graphics card.
 struct Packed {
     Float3 position;
@@ -79,6 +77,7 @@ void FilamentDebug::upload(const DebugLayer& layer)
 
 void FilamentDebug::build(std::size_t indexCount)
 {
+    using Renderable = filament::RenderableManager;
     Renderable::Builder(1)
         .boundingBox({{0, 0, 0}, {1e6F, 1e6F, 1e6F}})
         .culling(false)

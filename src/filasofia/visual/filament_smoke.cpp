@@ -16,8 +16,6 @@
 namespace filasofia::visual {
 namespace {
 
-using Renderable = filament::RenderableManager;
-
 constexpr std::size_t kMostQuads = 257; ///< puffs, and haze
 constexpr double kReach = 2.8;          ///< standard deviations, beyond which a puff is not seen
 /// Light that goes one way per light that arrives, scattered once; the same in smoke.mat for haze. In thick smoke it is
@@ -120,6 +118,7 @@ void SmokePass::make()
     indices_->setBuffer(engine_, ownedBuffer(std::move(quads)));
     const auto build = [&](utils::Entity entity, filament::MaterialInstance* instance, auto* vertices, auto* indices,
                            std::size_t count) {
+        using Renderable = filament::RenderableManager;
         Renderable::Builder(1)
             .boundingBox({{0, 0, 0}, {1e6F, 1e6F, 1e6F}})
             .culling(false)

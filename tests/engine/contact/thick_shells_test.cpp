@@ -94,4 +94,36 @@ TEST_CASE("a closed shell is touched from inside, too")
     CHECK(std::abs(lowest - 0.5 * kThickness) < 0.1 * kProximity);
 }
 
+TEST_CASE("a cloth that slides down a ball is not pressed into it by contacts on the wrong side of its folds")
+{
+    Stage stage({.period = 0.001, .threads = 1});
+    const Vec3 middle{0, 0.3, 0};
+    stage.add(RigidBodyDef{
+        .elements = {{middle, {}}}, .mesh = geometry::shapes::sphere(0.15), .collision = {{}}, .friction = 1});
+    stage.add(SoftBodyDef{.mesh = geometry::shapes::sheet(0.6, 0.6, {20, 20}),
+                          .pose = {{0, 0.5, 0}, {}},
+                          .material = ShellMaterial{.youngModulus = 1e5, .poissonRatio = 0.2, .thickness = 2e-3},
+                          .mass = TotalMass{0.3},
+                          .rayleigh = {0.0, 1e-3},
+                          .collision = {{}},
+                          .friction = 1});
+    stage.post(SetGravity{{0, -9.81, 0}});
+    double inwards = 0.0, deepest = 0.0, largest = 0.0; // [N], [m], [N] on the cloth
+    for (int i = 0; i < 800; ++i) {
+        stage.step(0.001);
+        double all = 0.0;
+        for (const frame::Contact& each : stage.world.scene().contactReports) {
+            const Vec3 onCloth = each.normal * (each.first == BodyId{2} ? each.normalForce : -each.normalForce);
+            inwards = std::max(inwards, dot(onCloth, normalized(middle - each.point)));
+            deepest = std::max(deepest, -each.gap);
+            all += each.normalForce;
+        }
+        largest = std::max(largest, all);
+    }
+    INFO(inwards << " N, " << deepest << " m, " << largest << " N");
+    CHECK(inwards < 0.1);  // was 24
+    CHECK(deepest < 1e-3); // was 3.1 mm
+    CHECK(largest < 40.0); // the cloth weighs 2.9 N
+}
+
 } // namespace thick_shells_test
