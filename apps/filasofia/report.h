@@ -13,7 +13,7 @@ namespace filasofia::app {
 struct Attempt {
     std::string trainee = {}, task = {}, date = {}, software = {};
     std::vector<metric::Value> values = {}; ///< in the catalog's order
-    bool unfinished = false;                ///< its task was left or out of time: its numbers are those of a part
+    bool unfinished = false;                ///< its task was left, or its time was over: it is measured up to there
     bool current = false;                   ///< true for the session that is reported
 };
 Attempt attemptOf(const metric::Session& session);

@@ -98,13 +98,14 @@ TEST_CASE("a surface that lies elsewhere than its tetrahedra, or in other units,
     CHECK(fit(1.0, {0.15, 0.0, 0.0}).empty()); // a tenth of the diagonal is 0.17 m
     CHECK(fit(0.01, {0.5, 0.5, 0.5}).empty()); // a part inside
     CHECK(fit(1.0, {0.0, -0.3, 0.0}) ==
-          "is 1.73 m large, and reaches 0.3 m out of the body's tetrahedra, which are 1.73 m large");
-    CHECK(fit(2.0, {}) == "is 3.46 m large, and reaches 1 m out of the body's tetrahedra, which are 1.73 m large");
+          "is 1.732 m large, and reaches 0.3 m out of the body's tetrahedra, which are 1.732 m large");
+    CHECK(fit(2.0, {}) == "is 3.464 m large, and reaches 1 m out of the body's tetrahedra, which are 1.732 m large");
     CHECK(fit(1000.0, {}) ==
-          "is 1730 m large, and reaches 999 m out of the body's tetrahedra, which are 1.73 m large; if one of them is "
+          "is 1732 m large, and reaches 999 m out of the body's tetrahedra, which are 1.732 m large; if one of them is "
           "in millimetres, give it a scale of 0.001");
-    CHECK(fit(0.001, {}) == "is 0.00173 m large, inside the body's tetrahedra, which are 1.73 m large; if one of them "
-                            "is in millimetres, give it a scale of 0.001");
+    CHECK(fit(0.001, {}) ==
+          "is 0.001732 m large, inside the body's tetrahedra, which are 1.732 m large; if one of them "
+          "is in millimetres, give it a scale of 0.001");
 }
 
 } // namespace embedding_test

@@ -260,6 +260,12 @@ TEST_CASE("a broken surface file gives an Error that names it")
     CHECK_THAT(errorFor("b.gltf", gltf(R"({"mesh":0})", "4", R"(,"uri":"nowhere.bin")")), Contains("b.gltf"));
     CHECK_THAT(errorFor("b.gltf", gltf(R"({"mesh":0,"children":[0]})")), Contains("b.gltf"));
     CHECK_THAT(errorFor("b.stl", binaryStl(surface, 4).substr(0, 200)), Contains("b.stl"));
+    std::string upper = asciiStl(surface), named = binaryStl(surface, 4);
+    std::ranges::transform(upper, upper.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+    CHECK_THAT(errorFor("b.stl", upper),
+               Contains("b.stl: a text STL file must begin with 'solid' in lower case, got 'SOLID'"));
+    named.replace(0, 10, "Solid Edge"); // a binary file may have any header
+    checkIsUnitTetrahedron(meshFrom("b.stl", named));
 }
 
 TEST_CASE("a number in a text file of triangles is read whole, or refused with its line")

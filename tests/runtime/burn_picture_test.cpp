@@ -25,7 +25,9 @@ struct Burn {
 /// A slab is heated within 6 mm of a place beside its middle, and looked at from above.
 Burn burnOf(std::array<int, 3> cells, int subdivision, double power)
 {
-    Simulation sim({.physics = {.rate = 200, .gravity = {}}});
+    // Lit as for a picture of the box around it: how much of a burn is seen depends on the light.
+    Simulation sim({.physics = {.rate = 200, .gravity = {}},
+                    .look = {.around = Box{{-30_mm, -5_mm, -20_mm}, {30_mm, 5_mm, 20_mm}}}});
     const BodyId slab = sim.add(SoftBodyDef{.name = "slab",
                                             .mesh = shapes::block({60_mm, 10_mm, 40_mm}, cells),
                                             .attachments = {{.box = Box{{-1, -1, -1}, {1, -4.9_mm, 1}}}}});

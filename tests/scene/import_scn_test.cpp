@@ -335,19 +335,17 @@ TEST_CASE("a rigid body of SOFA turns about its frame, with the inertia of the b
 {
     const SceneFolder folder;
     folder.write("solid.obj", kObj); // in [0, 1] along each axis
-    const auto massOf = [&](const std::string& pipeline) {
-        const Imported imported = loadScn(folder.write(
-            "scene.scn",
-            "<Node name=\"root\">" + pipeline +
-                "<Node name=\"B\"><EulerImplicitSolver/><MechanicalObject template=\"Rigid3\" position=\"0 3 0 0 0 0 "
-                "1\"/>"
-                "<UniformMass totalMass=\"2\"/><Node name=\"S\"><MeshOBJLoader name=\"l\" filename=\"solid.obj\"/>"
-                "<MeshTopology src=\"@l\"/><MechanicalObject "
-                "src=\"@l\"/><TriangleCollisionModel/><RigidMapping/></Node>"
-                "</Node></Node>"));
+    const auto massOf = [&](const std::string& pipeline, const std::string& child) {
+        const Imported imported = loadScn(folder.write("scene.scn", "<Node name=\"root\">" + pipeline +
+                                                                        R"(<Node name="B"><EulerImplicitSolver/>
+            <MechanicalObject template="Rigid3" position="0 3 0 0 0 0 1"/><UniformMass totalMass="2"/>
+            <Node name="S"><MeshOBJLoader name="l" filename="solid.obj"/><MeshTopology src="@l"/>
+              <MechanicalObject src="@l"/>)" + child + "<RigidMapping/></Node></Node></Node>"));
         return std::get<physics::GivenInertia>(std::get<RigidBodyDef>(imported.scene.bodies.at(0).def).mass);
     };
-    const physics::GivenInertia box = massOf("<CollisionPipeline/>"), none = massOf("");
+    const std::string collides = "<CollisionPipeline/>", model = "<TriangleCollisionModel/>";
+    const physics::GivenInertia box = massOf(collides, model), none = massOf("", model);
+    CHECK(massOf(collides, "<OglModel src=\"@l\"/>").moments == none.moments); // a picture weighs nothing
     CHECK(box.centre == Vec3{});
     CHECK(box.moments.x == Approx(2.0 * (1.0 / 3.0 + 1.0 / 3.0)));
     CHECK(none.centre == Vec3{});

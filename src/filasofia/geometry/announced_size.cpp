@@ -28,8 +28,6 @@ void checkStl(std::string_view bytes, std::string_view name)
 {
     constexpr std::uint64_t kHeader = 84, kTriangle = 50;
     const bool solid = bytes.starts_with("solid");
-    if (!solid && lowered(bytes.substr(0, 6)) == "solid ")
-        fail(name, ": a text STL file must begin with 'solid' in lower case, got '", bytes.substr(0, 5), "'");
     if (bytes.size() < kHeader && !solid)
         fail(name, ": a binary STL file must have at least 84 bytes, got ", bytes.size());
     std::uint32_t count = 0;
@@ -41,6 +39,8 @@ void checkStl(std::string_view bytes, std::string_view name)
             fail(name, ": the file ends before endsolid");
         return checkStlText(bytes, name);
     }
+    if (bytes.size() != kHeader + kTriangle * count && lowered(bytes.substr(0, 6)) == "solid ")
+        fail(name, ": a text STL file must begin with 'solid' in lower case, got '", bytes.substr(0, 5), "'");
     const std::uint64_t max = (bytes.size() - kHeader) / kTriangle;
     if (count > max)
         fail(name, ": byte 80: the number of triangles must be in [0, ", max, "] (the file holds no more), got ",

@@ -186,7 +186,7 @@ void GmshReader::readNames()
     }
 }
 
-// Notes the first physical group of a volume.
+// Notes the first physical group of a volume, and which others it has.
 void GmshReader::readEntity(int dimension)
 {
     const std::int64_t tag = in_.integer("an entity's number");
@@ -194,7 +194,7 @@ void GmshReader::readEntity(int dimension)
     const std::size_t groups = in_.count("the number of an entity's physical groups", 1, 4, 8);
     for (std::size_t k = 0; k < groups; ++k) {
         const int group = labelIn(in_.integer("a physical group"), "a physical group");
-        if (dimension == 3 && !groupOf_.emplace(tag, group).second) further_.insert(group);
+        if (dimension == 3 && groupOf_.emplace(tag, group).first->second != group) further_.insert(group);
     }
     if (dimension == 0) return;
     const std::size_t bounding = in_.count("the number of an entity's bounding entities", 1, 4, 8);

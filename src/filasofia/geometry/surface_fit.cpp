@@ -2,9 +2,9 @@
 
 #include "filasofia/core/text.h"
 #include "filasofia/geometry/box.h"
+#include "filasofia/math/rounded.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace filasofia::geometry {
 
@@ -16,16 +16,12 @@ std::string oddFit(std::span<const Vec3> surface, std::span<const Vec3> mesh)
     const Vec3 below = around.low - drawn.low, above = drawn.high - around.high;
     const double out = std::max({0.0, below.x, below.y, below.z, above.x, above.y, above.z});
     if (out <= kOutside * whole && size >= kSmall * whole) return {};
-    const auto rounded = [](double metres) { // to three digits
-        if (!(metres > 0.0)) return 0.0;
-        const double places = std::pow(10.0, 2.0 - std::floor(std::log10(metres)));
-        return std::round(metres * places) / places;
-    };
+    const auto shown = [](double metres) { return metres > 0.0 ? advised(metres) : 0.0; };
     const double ratio = size / whole;
     const bool units = (ratio > 500.0 && ratio < 2000.0) || (ratio > 0.5e-3 && ratio < 2e-3);
-    return text("is ", rounded(size), " m large, ",
-                out > 0.0 ? text("and reaches ", rounded(out), " m out of") : std::string("inside"),
-                " the body's tetrahedra, which are ", rounded(whole), " m large",
+    return text("is ", shown(size), " m large, ",
+                out > 0.0 ? text("and reaches ", shown(out), " m out of") : std::string("inside"),
+                " the body's tetrahedra, which are ", shown(whole), " m large",
                 units ? "; if one of them is in millimetres, give it a scale of 0.001" : "");
 }
 

@@ -5,6 +5,7 @@
 #include "filasofia/geometry/box.h"
 #include "filasofia/geometry/mesh_pieces.h"
 #include "filasofia/geometry/surface_fit.h"
+#include "filasofia/math/rounded.h"
 
 #include <algorithm>
 #include <array>
@@ -139,18 +140,22 @@ void warnOfTwist(const std::string& object, const RodBodyDef& rod, std::size_t e
 /// A length that was meant in millimetres makes bodies hover, and a step take very long.
 void warnOfLength(const std::string& field, double value, std::span<const Vec3> nodes)
 {
-    constexpr double kLargest = 0.25; // [-] relative to the diagonal; usual are 1/50 and less
+    constexpr double kUsual = 5e-3, kLargest = 0.25; // [m], and [-] relative to the diagonal; usual are 1/50 and less
     const geometry::Box box = geometry::boxAround(nodes);
     const double size = length(box.high - box.low);
-    if (!(value > kLargest * size) || nodes.empty()) return;
-    logWarning(field, " is ", value, " m, and the body is ", std::round(1e3 * size) / 1e3,
+    if (nodes.empty() || !(value > std::max(kUsual, kLargest * size))) return;
+    logWarning(field, " is ", value, " m, and the body is ", size > 0.0 ? advised(size) : 0.0,
                " m large; if it is meant in millimetres, write ", 1e-3 * value);
 }
 
-void warnOfProximity(const std::string& object, const std::vector<CollisionDef>& collision, std::span<const Vec3> nodes)
+/// `own`: the body's mesh, which a model without one of its own collides with.
+void warnOfProximity(const std::string& object, const std::vector<CollisionDef>& collision, std::span<const Vec3> own)
 {
-    for (std::size_t i = 0; i < collision.size(); ++i)
-        warnOfLength(text(object, ": collision[", i, "].proximity"), collision[i].proximity, nodes);
+    for (std::size_t i = 0; i < collision.size(); ++i) {
+        const auto* mesh = std::get_if<std::shared_ptr<const geometry::TriangleMesh>>(&collision[i].mesh);
+        warnOfLength(text(object, ": collision[", i, "].proximity"), collision[i].proximity,
+                     mesh && *mesh ? std::span<const Vec3>((*mesh)->vertices) : own);
+    }
 }
 
 /// A collision mesh moves with the tetrahedra, however far from them it is.
@@ -185,7 +190,8 @@ void warnOfMesh(const BodyDef& def)
         const auto* surface = std::get_if<std::shared_ptr<const geometry::TriangleMesh>>(&rigid->mesh);
         if (surface && *surface && !(isPlate((*surface)->vertices) && !rigid->dynamic)) // a floor may be that large
             warnOfSize(object, (*surface)->vertices, scaleOf("surface", "loadTriangleMesh", "load_triangle_mesh"));
-        if (surface && *surface) warnOfProximity(object, rigid->collision, (*surface)->vertices);
+        warnOfProximity(object, rigid->collision,
+                        surface && *surface ? std::span<const Vec3>((*surface)->vertices) : std::span<const Vec3>());
     }
     const auto* soft = std::get_if<SoftBodyDef>(&def);
     if (!soft) return;

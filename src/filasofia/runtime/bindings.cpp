@@ -3,6 +3,7 @@
 #include "filasofia/core/assert.h"
 #include "filasofia/core/log.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/geometry/surface_fit.h"
 #include "filasofia/physics/physics_server.h"
 #include "filasofia/runtime/strands.h"
 #include "filasofia/runtime/surfaces.h"
@@ -107,6 +108,10 @@ ShownId Bindings::show(BodyId id, const ShowDef& given, const physics::PhysicsSe
                         .strandsOf = attachment});
     } else if (const auto* soft = std::get_if<physics::SoftBodyDef>(&*body)) {
         auto mapped = std::make_shared<const mapping::MappedSurface>(mapSoft(*soft, surface.get(), object));
+        if (surface && !physics::isShell(*soft))
+            if (const std::string odd = geometry::oddFit(mapped->surface.vertices, physics::worldMesh(*soft).nodes);
+                !odd.empty())
+                logWarning(object, ": surface ", odd);
         std::shared_ptr<const mapping::OpeningSurface> opening;
         if (surface && soft->dynamicTopology && physics::isShell(*soft))
             fail(object, ": surface must be empty if a shell has dynamicTopology: it is drawn as its own triangles, "

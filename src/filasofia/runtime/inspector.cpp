@@ -87,7 +87,7 @@ void Inspector::drawPanel()
 void Inspector::drawRun()
 {
     const bool paused = rates_.paused();
-    if (ImGui::Button(paused ? "Resume" : "Pause")) impl_.physics.pause(!paused);
+    if (ImGui::Button(paused ? "Resume" : "Pause")) impl_.setPaused(!paused);
     ImGui::SameLine();
     if (ImGui::Button("Step")) impl_.pause.askSingleStep();
     ImGui::SameLine();

@@ -138,7 +138,7 @@ private:
         if (!action) return false;
         switch (*action) {
         case RunAction::Pause:
-            impl_.physics.pause(!impl_.pause.paused());
+            impl_.setPaused(!impl_.pause.paused());
             break;
         case RunAction::Step:
             impl_.pause.askSingleStep();

@@ -180,11 +180,7 @@ void Simulation::steer(visual::Transform& camera, const visual::OrbitDef& def)
     impl_->steering.begin(camera, def, impl_->bindings);
 }
 void Simulation::screenshot(const std::string& file) { impl_->screenshots.ask(file); }
-void Simulation::pause(bool paused)
-{
-    impl_->pause.tell();
-    impl_->physics.pause(paused);
-}
+void Simulation::pause(bool paused) { impl_->setPaused(paused); }
 bool Simulation::paused() const { return impl_->pause.paused(); }
 void Simulation::singleStep() { impl_->pause.askSingleStep(); }
 void Simulation::reset() { impl_->reset(); }

@@ -124,6 +124,12 @@ struct Simulation::Impl {
             },
             treatment);
     }
+    /// Goes on or pauses, as somebody says; also during a single step.
+    void setPaused(bool paused)
+    {
+        pause.tell();
+        physics.pause(paused);
+    }
     /// Removes all paint, blood, heat, burns and smoke, and releases all pedals.
     void cleanSurfaces();
     /// All that is shown, where it is now; before the first step, where it starts [m].

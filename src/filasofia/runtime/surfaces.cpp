@@ -1,9 +1,7 @@
 #include "filasofia/runtime/surfaces.h"
 
 #include "filasofia/core/error.h"
-#include "filasofia/core/log.h"
 #include "filasofia/geometry/mesh_file.h"
-#include "filasofia/geometry/surface_fit.h"
 
 namespace filasofia::runtime {
 
@@ -35,9 +33,6 @@ mapping::MappedSurface mapSoft(const physics::SoftBodyDef& body, const TriangleM
         return surface ? mapping::mapSheet(rest, std::move(inWorld), object) : mapping::mapSheet(std::move(rest));
     }
     const geometry::TetMesh rest = physics::worldMesh(body);
-    if (surface)
-        if (const std::string odd = geometry::oddFit(inWorld.vertices, rest.nodes); !odd.empty())
-            logWarning(object, ": surface ", odd);
     return surface ? mapping::mapSurface(rest, std::move(inWorld)) : mapping::mapBoundary(rest);
 }
 

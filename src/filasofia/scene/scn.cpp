@@ -17,7 +17,7 @@ namespace {
 using geometry::TetMesh;
 using geometry::TriangleMesh;
 
-constexpr const char* kMillimetres =
+constexpr const char* kInMillimetres =
     ": the scene seems to be in millimetres, and lengths are read as metres; for organs of their own size, write it in "
     "metres, kilograms and pascals";
 
@@ -47,10 +47,10 @@ private:
         const Vec3 gravity = reader_.vector(root, "gravity", {0, -9.81, 0}, closed(-1e6, 1e6));
         if (std::abs(gravity.z) > std::abs(gravity.y) && std::abs(gravity.z) > std::abs(gravity.x)) world_ = kFromZUp;
         out_.scene.physics.gravity = rotate(world_.orientation, gravity);
-        constexpr double heavy = 1000.0; // [m/s^2]; 9810 is usual
-        millimetres_ = length(gravity) > heavy;
+        constexpr double kHeavy = 1000.0; // [m/s^2]; 9810 is usual
+        millimetres_ = length(gravity) > kHeavy;
         if (millimetres_)
-            reader_.note(source_.root(), "millimetres", text("gravity is ", length(gravity), kMillimetres));
+            reader_.note(source_.root(), "millimetres", text("gravity is ", length(gravity), kInMillimetres));
         out_.scene.physics.rate = 1.0 / reader_.number(root, "dt", 0.01, closed(1e-5, 1));
         collides_ = static_cast<bool>(findEverywhere({"CollisionPipeline", "DefaultPipeline"}));
         if (const Element near =
@@ -147,7 +147,7 @@ private:
         try {
             physics::check(def);
         } catch (const Error& problem) {
-            fail(place.place(), ": ", problem.what(), millimetres_ ? kMillimetres : "");
+            fail(place.place(), ": ", problem.what(), millimetres_ ? kInMillimetres : "");
         }
         SceneBody body{.def = std::move(def), .show = std::move(show)};
         body.places.emplace("", place.place());
@@ -375,17 +375,20 @@ private:
                 reader_.numbers({given->at, given->name, given->words.substr(0, given->words.find(' '))}, 1, 1).front();
         if (says.has("totalMass")) total /= static_cast<double>(def.elements.size());
         if (!(total > 0.0)) reader_.refuse(mass, "must be > 0");
-        const auto* mesh = std::get_if<std::shared_ptr<const TriangleMesh>>(&def.mesh);
+        geometry::Box box;
+        for (const physics::CollisionDef& each : def.collision) {
+            const auto& source = each.mesh == physics::TriangleMeshSource() ? def.mesh : each.mesh;
+            for (const Vec3& vertex : std::get<std::shared_ptr<const TriangleMesh>>(source)->vertices)
+                box = merged(box, vertex);
+        }
         physics::GivenInertia inertia{.mass = total, .moments = {total, total, total}};
-        if (mesh && *mesh) {
-            // About the frame, which is the centre of mass in SOFA, wherever the mesh is.
-            const geometry::Box box = geometry::boxAround((*mesh)->vertices);
+        if (!isEmpty(box)) { // about the frame, which is the centre of mass in SOFA, wherever the mesh is
             const auto mean = [](double low, double high) { return (low * low + low * high + high * high) / 3.0; };
             const double x = mean(box.low.x, box.high.x), y = mean(box.low.y, box.high.y),
                          z = mean(box.low.z, box.high.z);
             const auto moment = [&](double squares) { return total * std::max(squares, 1e-9); };
             inertia.moments = {moment(y + z), moment(z + x), moment(x + y)};
-            reader_.note(mass, "inertia", "a rigid body's inertia is that of the box around its collision model");
+            reader_.note(mass, "inertia", "a rigid body's inertia is that of the box around its collision models");
         } else {
             reader_.note(
                 mass, "inertia without a mesh",

@@ -27,7 +27,7 @@ std::optional<Vec3> middleOf(const Frame& frame, BodyId id)
     return sum / static_cast<double>(soft->positions.size());
 }
 
-/// The groups in which a body touches others. A soft body's cutting models only meet blades.
+/// The groups in which a body touches others. With a soft body's cutting models nothing collides.
 std::set<int> groupsOf(const physics::BodyDef& def)
 {
     std::set<int> groups;
@@ -55,25 +55,38 @@ std::size_t nodesOf(const physics::BodyDef& def)
 /// stepping one.
 class Partings {
 public:
-    void add(const physics::Rupture& rupture)
+    /// `step`: in which it opened. What was before a reset and comes late does not count.
+    void add(std::uint64_t step, const physics::Rupture& rupture)
     {
         const std::scoped_lock lock(mutex_);
         Opened& opened = bodies_[rupture.body];
-        opened.area += rupture.area;
-        opened.pieces += static_cast<int>(rupture.detached.size());
+        if (step < opened.since) return;
+        if (step > opened.last.step) opened.last = {.step = step};
+        for (Opening* each : {&opened.all, &opened.last}) {
+            each->area += rupture.area;
+            each->pieces += static_cast<int>(rupture.detached.size());
+        }
     }
-    /// Before each step: a body that has fewer edits than before was reset, and is whole.
-    void look(BodyId body, std::uint64_t edits)
+    /// Before each step: a body that has fewer edits than before was reset in the last one, and was whole.
+    void look(BodyId body, std::uint64_t edits, std::uint64_t step)
     {
         const std::scoped_lock lock(mutex_);
         Opened& opened = bodies_[body];
-        if (edits < opened.edits) opened = {};
+        if (edits < opened.edits) {
+            opened.since = step;
+            opened.all = opened.last.step == step ? opened.last : Opening{};
+        }
         opened.edits = edits;
     }
-    struct Opened {
+    struct Opening {
+        std::uint64_t step = 0;
         double area = 0.0; ///< [m^2]
         int pieces = 0;
-        std::uint64_t edits = 0; ///< the body's mesh has
+    };
+    struct Opened {
+        Opening all = {}, last = {}; ///< since the reset; in the last step that opened anything
+        std::uint64_t edits = 0;     ///< the body's mesh has
+        std::uint64_t since = 0;     ///< step of the reset
     };
     using Past = std::map<BodyId, Opened>;
     [[nodiscard]] Past past() const
@@ -90,7 +103,8 @@ public:
     {
         const std::scoped_lock lock(mutex_);
         const auto found = bodies_.find(wanted.body);
-        return found != bodies_.end() && found->second.area >= wanted.area && found->second.pieces >= wanted.pieces;
+        return found != bodies_.end() && found->second.all.area >= wanted.area &&
+               found->second.all.pieces >= wanted.pieces;
     }
 
 private:
@@ -274,8 +288,10 @@ std::shared_ptr<const prefab::Task> addTask(runtime::Simulation& simulation, con
                                             const std::vector<BodyId>& ids, prefab::MetricTracker* tracker, bool arrow)
 {
     const auto partings = std::make_shared<Partings>();
-    simulation.on<runtime::CutEvent>([partings](const runtime::CutEvent& cut) { partings->add(cut.rupture); });
-    simulation.on<runtime::TearEvent>([partings](const runtime::TearEvent& tear) { partings->add(tear.rupture); });
+    simulation.on<runtime::CutEvent>(
+        [partings](const runtime::CutEvent& cut) { partings->add(cut.step, cut.rupture); });
+    simulation.on<runtime::TearEvent>(
+        [partings](const runtime::TearEvent& tear) { partings->add(tear.step, tear.rupture); });
     rememberPast(simulation, "what a task saw cut and torn", partings);
     std::vector<BodyId> parted;
     prefab::TaskDef def{.name = task.name, .timeLimit = task.timeLimit, .tracker = tracker};
@@ -288,12 +304,13 @@ std::shared_ptr<const prefab::Task> addTask(runtime::Simulation& simulation, con
         def.steps.push_back(stepOf(task.steps[i], watch));
         rememberPast(simulation, text("step ", i + 1, " of a task"), watch);
     }
-    simulation.everyStep([&simulation, partings, parted](double) {
-        const frame::FrameRef now = simulation.physics().latest();
-        for (const BodyId body : parted)
-            if (const auto* soft = now ? now->softBody(body) : nullptr)
-                partings->look(body, soft->boundary ? soft->boundary->revision : 0);
-    });
+    if (!parted.empty())
+        simulation.everyStep([&simulation, partings, parted](double) {
+            const frame::FrameRef now = simulation.physics().latest();
+            for (const BodyId body : parted)
+                if (const auto* soft = now ? now->softBody(body) : nullptr)
+                    partings->look(body, soft->boundary ? soft->boundary->revision : 0, now->step);
+        });
     def.over = [&simulation, name = task.name](bool done) {
         simulation.finish(text("task '", prefab::shown(name), done ? "' is done" : "' is out of time"));
     };

@@ -18,25 +18,32 @@ template <class Visit> void forEachMinimum(ProximityScratch& scratch, const Visi
         for (PointMinimum& minimum : scratch.parts[i].points) visit(minimum);
 }
 
-// The side on which the point was relative to this place, or to the one that shares most vertices with it; 0: it was
-// not near. In a crease of a solid, a place on one wall may share a vertex with one on the other: if two share as many,
-// the point was behind. In a sheet it makes no difference which of the two decides.
-int sideBefore(const std::vector<SheetSide>& sides, const SheetSide& now)
+struct KnownSide {
+    int side = 0;      ///< 1 or -1; 0: it was not near
+    bool same = false; ///< relative to this very place
+};
+
+// The side on which the point was relative to this place, or to the one that shares most vertices with it. In a crease
+// of a solid, a place on one wall may share a vertex with one on the other: if two share as many, the point was behind.
+// In a sheet it makes no difference which of the two decides.
+KnownSide sideBefore(const std::vector<SheetSide>& sides, const SheetSide& now)
 {
     const auto key = [](const SheetSide& kept) { return std::tie(kept.source, kept.target, kept.point); };
     const auto before = [&](const SheetSide& a, const SheetSide& b) { return key(a) < key(b); };
     std::ptrdiff_t most = 0;
     int side = 0;
+    bool same = false;
     for (auto it = std::ranges::lower_bound(sides, now, before); it != sides.end() && key(*it) == key(now); ++it) {
         const std::ptrdiff_t shared = std::ranges::count_if(it->feature, [&](int vertex) {
             return vertex >= 0 && std::ranges::find(now.feature, vertex) != now.feature.end();
         });
+        same = same || it->feature == now.feature;
         if (shared > most || (shared == most && shared > 0 && it->side < side)) {
             most = shared;
             side = it->side;
         }
     }
-    return side;
+    return {side, same};
 }
 
 SheetSide sideNow(const SurfacePair& meeting, const PointMinimum& m)
@@ -50,7 +57,7 @@ SheetSide sideNow(const SurfacePair& meeting, const PointMinimum& m)
 void leaveOutOtherWalls(const SurfacePair& meeting, const std::vector<SheetSide>& sides, ProximityScratch& scratch)
 {
     forEachMinimum(scratch, [&](PointMinimum& m) {
-        if (m.proximity.gap < 0.0 && sideBefore(sides, sideNow(meeting, m)) <= 0) m.distance = kNone;
+        if (m.proximity.gap < 0.0 && sideBefore(sides, sideNow(meeting, m)).side <= 0) m.distance = kNone;
     });
 }
 
@@ -72,7 +79,7 @@ void leaveOutPassed(const SurfacePair& meeting, const std::vector<SheetSide>& si
         std::ranges::none_of(sides, [&](const SheetSide& kept) { return kept.source == name && kept.target == name; });
     forEachMinimum(scratch, [&](PointMinimum& m) {
         if (!hasOwnBelow(*meeting.sides[m.source], m)) return;
-        const int side = sideBefore(sides, sideNow(meeting, m));
+        const int side = sideBefore(sides, sideNow(meeting, m)).side;
         m.passed = side < 0 || (first && side == 0);
         if (m.passed) m.facing = false;
     });
@@ -100,8 +107,8 @@ bool keepForSolid(PointMinimum& m, double nearest)
     return m.proximity.gap >= 0.0 && m.proximity.gap < m.range && m.facing;
 }
 
-/// Whether a point of a solid would be drawn out of its solid, along its outside, to the side of a sheet that it was
-/// on. Where cloth slides down a ball its folds pass the ball's vertices, and one had the side of another fold: two
+/// Whether a point of a solid would be drawn out of its solid, along its outside, to a side of a sheet. Where cloth
+/// slides down a ball its folds pass the ball's vertices, and one had the side that was known of another fold: two
 /// contacts pressed the cloth into the ball with 19 N, six times its weight, for good.
 bool drawnOut(const SurfacePair& meeting, const PointMinimum& m)
 {
@@ -117,14 +124,15 @@ bool keepForSheet(const SurfacePair& meeting, const std::vector<SheetSide>& side
                   PointMinimum& m)
 {
     SheetSide now = sideNow(meeting, m);
-    int side = sideBefore(sides, now);
+    const KnownSide known = sideBefore(sides, now);
+    int side = known.side;
     if (side == 0) side = m.proximity.gap < 0.0 ? -1 : 1;
     if (side < 0) {
         m.proximity.gap = -m.proximity.gap;
         m.proximity.normal = -m.proximity.normal;
     }
     const double gap = m.proximity.gap;
-    if (gap < 0.0 && !meeting.self() && drawnOut(meeting, m)) return false;
+    if (gap < 0.0 && !known.same && !meeting.self() && drawnOut(meeting, m)) return false;
     if (gap < 0.0 ? -gap > m.limit : !(gap < (side < 0 ? m.back : m.range) && m.facing)) return false;
     now.side = side;
     scratch.nextSides.push_back(now);
