@@ -299,7 +299,7 @@ TEST_CASE("scene files: a scene reads no file outside its folder unless that is 
     CHECK_THROWS_WITH(loadScene(scene(sideways.string())), refused);
     std::filesystem::create_symlink(secret, std::filesystem::path(scene("x")).parent_path() / "link.msh");
     CHECK_THROWS_WITH(loadScene(scene("link.msh")), refused);
-    CHECK_THROWS_WITH(loadScene(scene("../\u809d.msh")), Catch::Contains("'../\u809d.msh'")); // as it was written
+    CHECK_THROWS_WITH(loadScene(scene("../\u809d.msh")), Catch::Contains("got \"../\u809d.msh\"")); // as it was written
     CHECK_THROWS_WITH(loadScene(scene("asset:../../etc/passwd")), Catch::Contains("must be a file that comes with"));
     const std::string zero = scene("a\\u0000b");
     for (const bool anyFolder : {false, true})
