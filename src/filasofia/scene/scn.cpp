@@ -378,8 +378,7 @@ private:
         geometry::Box box;
         for (const physics::CollisionDef& each : def.collision) {
             const auto& source = each.mesh == physics::TriangleMeshSource() ? def.mesh : each.mesh;
-            for (const Vec3& vertex : std::get<std::shared_ptr<const TriangleMesh>>(source)->vertices)
-                box = merged(box, vertex);
+            box = merged(box, geometry::boxAround(std::get<std::shared_ptr<const TriangleMesh>>(source)->vertices));
         }
         physics::GivenInertia inertia{.mass = total, .moments = {total, total, total}};
         if (!isEmpty(box)) { // about the frame, which is the centre of mass in SOFA, wherever the mesh is
