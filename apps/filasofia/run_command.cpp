@@ -26,6 +26,7 @@ struct RunCommandOptions {
     std::string engine = runtime::engineNames().front();
     bool anyFolder = false, strict = false, failOnWarnings = false;
     std::string package;
+    double unit = 1.0;
     std::string measures;
     RunDef run;
 };
@@ -133,7 +134,7 @@ RunReport runReloading(LoadedScene& scene, const RunCommandOptions& options, con
 
 scene::ImportOptions importOptions(const RunCommandOptions& options)
 {
-    scene::ImportOptions import{.anyFolder = options.anyFolder, .strict = options.strict};
+    scene::ImportOptions import{.anyFolder = options.anyFolder, .strict = options.strict, .unit = options.unit};
     if (!options.package.empty()) import.packages = {options.package};
     return import;
 }
@@ -224,6 +225,7 @@ int runScene(RunCommandOptions& options)
     const char* fileOnly = options.anyFolder           ? "--any-folder"
                            : options.strict            ? "--strict"
                            : !options.package.empty()  ? "--package"
+                           : options.unit != 1.0       ? "--unit"
                            : !options.measures.empty() ? "--measures"
                                                        : nullptr;
     if (fileOnly) fail("run: ", fileOnly, " applies to scene files, not to '", scene.name, "'");
@@ -295,6 +297,7 @@ std::vector<Option> optionsOf(RunCommandOptions& o)
          "..."},
         {"--package", &o.package,
          "URDF: the folder of package://NAME, or one that has it; .scn: one that has its files", "FOLDER"},
+        {"--unit", &o.unit, ".scn: its unit of length in metres, 0.001 for a scene in millimetres", "METRES"},
     };
 }
 

@@ -1,4 +1,5 @@
 #include "filasofia/geometry/mesh_file.h"
+#include "filasofia/geometry/texture_seams.h"
 #include "geometry/gmsh_writer.h"
 #include "geometry/sample_meshes.h"
 
@@ -171,17 +172,34 @@ TEST_CASE("parts of one file become one mesh, and polygons become triangles")
     CHECK(cube.vertices[1] == Vec3{1, 1, 0});
 }
 
-TEST_CASE("texture coordinates come along, one pair per vertex, and a seam is counted in the log")
+TEST_CASE("texture coordinates come along, one pair per vertex, or per corner if there is a seam")
 {
     const LogTrap log;
-    const TriangleMesh mesh =
-        meshFrom("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0.25\nvt 1 0\nvt 0 1\nvt 0.5 0.5\n"
-                          "f 1/1 2/2 3/3\nf 3/3 2/4 4/4\n");
-    REQUIRE(mesh.uv.size() == 4);
-    CHECK(mesh.uv[0] == std::array{0.0, 0.25});
-    CHECK(mesh.uv[1] == std::array{1.0, 0.0});
-    CHECK_THAT(log.lines, Contains("1 texture coordinates of vertices that have others already"));
-    CHECK(log.warnings.empty()); // most files have seams
+    const std::string points = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0.25\nvt 1 0\nvt 0 1\nvt 0.5 0.5\n";
+    const TriangleMesh plain = meshFrom("t.obj", points + "f 1/1 2/2 3/3\nf 3/3 2/2 4/4\n");
+    CHECK(plain.uv == std::vector<std::array<double, 2>>{{0, 0.25}, {1, 0}, {0, 1}, {0.5, 0.5}});
+    CHECK_FALSE(perCorner(plain));
+
+    const TriangleMesh seam = meshFrom("t.obj", points + "f 1/1 2/2 3/3\nf 3/3 2/4 4/4\n");
+    CHECK(seam.vertices.size() == 4);
+    REQUIRE(perCorner(seam));
+    CHECK(seam.uv == std::vector<std::array<double, 2>>{{0, 0.25}, {1, 0}, {0, 1}, {0, 1}, {0.5, 0.5}, {0.5, 0.5}});
+    CHECK(uvOfVertices(seam) == std::vector<std::array<double, 2>>{{0, 0.25}, {1, 0}, {0, 1}, {0.5, 0.5}});
+    CHECK(log.lines.empty()); // most files have seams
+}
+
+TEST_CASE("pairs of corners become pairs of vertices if there are as many of these")
+{
+    TriangleMesh mesh{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{2, 0, 1}}, {}};
+    setUvOfCorners(mesh, {{0.2, 0}, {0, 0}, {0.1, 0}});
+    CHECK(mesh.uv == std::vector<std::array<double, 2>>{{0, 0}, {0.1, 0}, {0.2, 0}});
+    mesh.vertices.push_back({1, 1, 1});
+    setUvOfCorners(mesh, {{0.2, 0}, {0, 0}, {0.1, 0}});
+    CHECK(perCorner(mesh));
+    CHECK(uvOfVertices(mesh)[2] == std::array{0.2, 0.0});
+    mesh.uv.pop_back();
+    CHECK_THAT(errorOf([&] { check(mesh, "sheet"); }),
+               Contains("sheet: uv must be empty or have one pair for each of 4 vertices or of 3 corners, got 2"));
 }
 
 TEST_CASE("triangles that collapse in joining are dropped and counted in one warning")

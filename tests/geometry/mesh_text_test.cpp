@@ -2,6 +2,7 @@
 
 #include "filasofia/geometry/gmsh_reader.h"
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/geometry/texture_seams.h"
 #include "filasofia/geometry/vtk_reader.h"
 #include "geometry/sample_meshes.h"
 
@@ -37,6 +38,15 @@ TEST_CASE("triangles written as VTK's text come back bit for bit, with texture c
         CHECK(read.triangles == mesh.triangles);
         CHECK(read.uv == mesh.uv);
     }
+    for (std::size_t i = 0; i < 3 * mesh.triangles.size(); ++i) mesh.uv.push_back({1.0 / (3.0 + double(i)), double(i)});
+    REQUIRE(perCorner(mesh));
+    CHECK(parseVtkSurface(vtkText(mesh), "a.vtk").uv == mesh.uv);
+    CHECK_THAT(errorOf([&] {
+                   parseVtkSurface(vtkText(mesh) + "FIELD x 1\nuv_of_corners 6 1 double\n1 2 3 4 5 6\n", "a.vtk");
+               }),
+               Catch::Matchers::Contains("a.vtk: texture coordinates of corners must be one pair for each corner of "
+                                         "triangles (") &&
+                   Catch::Matchers::EndsWith("), got 3"));
 }
 
 } // namespace mesh_text_test

@@ -155,7 +155,8 @@ TEST_CASE("the check of a triangle mesh names what is wrong")
     SECTION("texture coordinates that are too few or none")
     {
         mesh.uv.resize(3);
-        CHECK_THAT(message(), Contains("skin: uv must be empty or have one pair for each of 4 vertices, got 3"));
+        CHECK_THAT(message(),
+                   Contains("skin: uv must be empty or have one pair for each of 4 vertices or of 12 corners, got 3"));
         mesh.uv.resize(4);
         mesh.uv[2][1] = std::numeric_limits<double>::infinity();
         CHECK_THAT(message(), Contains("skin: uv of vertex 2 must be finite"));

@@ -1,6 +1,7 @@
 #include "filasofia/geometry/mass_properties.h"
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/geometry/shapes.h"
+#include "filasofia/geometry/texture_seams.h"
 #include "filasofia/mapping/map.h"
 #include "filasofia/math/mat3.h"
 
@@ -214,6 +215,17 @@ TEST_CASE("creases get a vertex for each side, and only creases do")
     for (std::size_t t = 0; t < both.triangles.size(); ++t)
         for (int corner : {0, 1, 2})
             CHECK(both.uv[both.triangles[t][corner]] == pictured.uv[pictured.triangles[t][corner]]);
+
+    geometry::TriangleMesh seams = *box;
+    for (int i = 0; i < static_cast<int>(3 * box->triangles.size()); ++i) seams.uv.push_back({i / 10.0, 0.0});
+    CHECK(mapping::withCreases(seams, 0.6).uv == seams.uv);
+    // Every corner of a tetrahedron with creases is a vertex.
+    geometry::TriangleMesh sharpest{
+        {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}, {}};
+    for (int i = 0; i < 12; ++i) sharpest.uv.push_back({i / 10.0, 0.0});
+    const geometry::TriangleMesh facets = mapping::withCreases(sharpest, 0.6);
+    REQUIRE(facets.vertices.size() == 12);
+    for (std::size_t i = 0; i < 12; ++i) CHECK(facets.uv[facets.triangles[i / 3][i % 3]] == sharpest.uv[i]);
 }
 
 } // namespace map_test

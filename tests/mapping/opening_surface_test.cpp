@@ -2,6 +2,7 @@
 
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/geometry/surface.h"
+#include "filasofia/geometry/texture_seams.h"
 
 #include <functional>
 #include <map>
@@ -147,6 +148,25 @@ TEST_CASE("a surface is parted along the rim of a cut, and each part goes with i
     CHECK(longestEdge(places, surface.triangles) <=
           (1.0 + 1e-12) * longestEdge(whole->surface.vertices, whole->surface.triangles));
     CHECK(area(places, surface.triangles) == Approx(6 * 0.04 * 0.04).epsilon(1e-9));
+}
+
+TEST_CASE("a texture with seams is parted by corners as one without is by vertices")
+{
+    const PartedBlock block([](Vec3) { return true; });
+    const auto plain = skin(block.rest);
+    auto seams = std::make_shared<MappedSurface>(*plain);
+    std::vector<std::array<double, 2>> ofCorners;
+    for (const Triangle& t : plain->surface.triangles)
+        for (const int v : t) ofCorners.push_back(plain->surface.uv[v]);
+    setUvOfCorners(seams->surface, std::move(ofCorners));
+    REQUIRE(perCorner(seams->surface));
+    const auto one = OpeningSurface::make(plain, block.rest)->on(block.boundary());
+    const auto two = OpeningSurface::make(seams, block.rest)->on(block.boundary());
+    REQUIRE(one->surface.triangles.size() > plain->surface.triangles.size());
+    REQUIRE(one->surface.triangles == two->surface.triangles);
+    REQUIRE(perCorner(two->surface));
+    for (std::size_t i = 0; i < two->surface.uv.size(); ++i)
+        CHECK(two->surface.uv[i] == one->surface.uv[one->surface.triangles[i / 3][i % 3]]);
 }
 
 TEST_CASE("a slit opens down to its end and no further")

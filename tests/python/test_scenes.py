@@ -114,6 +114,23 @@ def test_load_reads_a_model_of_mujoco_and_a_robot(tmp_path, capfd):
     assert "model.xml:1:21: <site> is not read" in capfd.readouterr().err
     with pytest.raises(filasofia.Error, match=r"model.xml:1:21: mujoco/worldbody/site: <site> is not read \(strict\)"):
         filasofia.load(model, strict=True)
+    with pytest.raises(filasofia.Error, match="model.xml: a unit is for scenes of SOFA"):
+        filasofia.load(model, unit=0.001)
+
+
+def test_a_scene_of_sofa_is_in_the_unit_that_is_given(tmp_path):
+    beam = tmp_path / "beam.scn"
+    beam.write_text(
+        '<Node name="root" gravity="0 -9810 0" dt="0.01"><Node name="Beam"><EulerImplicitSolver/>'
+        '<RegularGridTopology n="9 3 3" min="0 0 0" max="400 100 100"/><MechanicalObject/><UniformMass totalMass="4"/>'
+        '<HexahedronFEMForceField youngModulus="20" poissonRatio="0.3"/></Node></Node>'
+    )
+    simulation = filasofia.load(beam, unit=0.001)
+    (body,) = simulation.bodies
+    assert simulation.definition(body).material.young_modulus == pytest.approx(20e3)
+    assert simulation.frame[body].positions.max() == pytest.approx(0.4)
+    with pytest.raises(filasofia.Error, match="unit"):
+        filasofia.load(beam, unit=0)
 
 
 def test_scenes_and_instruments_find_their_files_in_the_package(tmp_path):

@@ -358,7 +358,59 @@ TEST_CASE("a scene of SOFA in millimetres is told by its gravity")
     CHECK_THAT(
         scn(kBeam, R"(gravity="0 -9810 0")").notes.at(0),
         Catch::EndsWith(": gravity is 9810: the scene seems to be in millimetres, and lengths are read as metres; "
-                        "for organs of their own size, write it in metres, kilograms and pascals"));
+                        "for organs of their own size, give the unit 0.001 (--unit 0.001, in Python unit=0.001)"));
+}
+
+/// Half a beam on a floor, and a rigid ball with a mass, with lengths in units of `unit` [m].
+std::string inUnits(double unit)
+{
+    const auto of = [&](double metres) { return text(metres / unit); };
+    return "<CollisionPipeline/><MinProximityIntersection contactDistance=\"" + of(0.002) +
+           "\"/><Node name=\"Beam\"><EulerImplicitSolver/>"
+           "<RegularGridTopology n=\"5 3 3\" min=\"0 0 0\" max=\"" +
+           of(0.2) + " " + of(0.1) + " " + of(0.1) + "\"/><MechanicalObject template=\"Vec3\" translation=\"0 " +
+           of(0.5) + " 0\"/><UniformMass massDensity=\"" + text(1000.0 * unit * unit * unit) +
+           "\"/><HexahedronFEMForceField youngModulus=\"" + text(20000.0 * unit) +
+           "\" poissonRatio=\"0.3\"/><BoxROI name=\"box\" box=\"" + of(-0.01) + " " + of(0.4) + " " + of(-0.01) + " " +
+           of(0.01) + " " + of(0.7) + " " + of(0.2) +
+           "\"/><FixedProjectiveConstraint indices=\"@box.indices\"/><RestShapeSpringsForceField points=\"44\" "
+           "stiffness=\"50\"/><ConstantForceField totalForce=\"0 " +
+           of(-0.2) +
+           " 0\"/><TriangleCollisionModel/></Node><Node name=\"Ball\"><EulerImplicitSolver/><MechanicalObject "
+           "template=\"Rigid3\" position=\"" +
+           of(1.0) + " 0 0 0 0 0 1\"/><UniformMass totalMass=\"2\"/></Node>";
+}
+
+TEST_CASE("a scene of SOFA in millimetres, kilograms and seconds is the same as in metres, if its unit is given")
+{
+    const Imported metres = scn(inUnits(1.0)),
+                   small = scn(inUnits(1e-3), R"(gravity="0 -9810 0" dt="0.02")", {.unit = 1e-3});
+    CHECK(small.scene.physics.gravity.y == Approx(-9.81));
+    CHECK(small.notes == metres.notes);
+    const SoftBodyDef &one = softOf(metres), &two = softOf(small);
+    const TetMesh &mesh = meshOf(one), &other = meshOf(two);
+    REQUIRE(other.nodes.size() == mesh.nodes.size());
+    for (std::size_t i = 0; i < mesh.nodes.size(); ++i) CHECK(distance(mesh.nodes[i], other.nodes[i]) < 1e-9);
+    CHECK(std::get<FemMaterial>(two.material).youngModulus == Approx(20000));
+    CHECK(std::get<physics::Density>(two.mass).value == Approx(1000));
+    CHECK(two.collision.at(0).proximity == Approx(0.001));
+    REQUIRE(two.attachments.size() == 2);
+    CHECK(two.attachments[0].nodes == one.attachments[0].nodes);
+    CHECK(two.attachments[0].nodes.size() == 9);
+    CHECK(two.attachments[1].stiffness == 50.0); // mN/mm
+    REQUIRE(two.forces.size() == one.forces.size());
+    CHECK(two.forces[0].force.y == Approx(one.forces[0].force.y));
+    CHECK(one.forces[0].force.y == Approx(-0.2 / 45));
+    const auto& ball = std::get<RigidBodyDef>(small.scene.bodies.at(1).def);
+    CHECK(ball.elements.at(0).position.x == Approx(1.0));
+    CHECK(std::get<physics::GivenInertia>(ball.mass).mass == 2.0);
+    CHECK(std::get<physics::GivenInertia>(ball.mass).moments.x == Approx(2e-6)); // a unit squared
+
+    CHECK_THAT(errorOf(kBeam, {.unit = 0.0}), Catch::EndsWith("scene.scn: unit must be > 0 m, got 0"));
+    const SceneFolder folder;
+    CHECK_THROWS_WITH(
+        loadAnyScene(folder.write("a.urdf", "<robot name=\"r\"><link name=\"l\"/></robot>"), {.unit = 0.1}),
+        Catch::EndsWith("a.urdf: a unit is for scenes of SOFA (.scn): URDF and MJCF are in metres"));
 }
 
 TEST_CASE("a scene of SOFA with gravity along z is turned to have y up, and holds the same nodes")

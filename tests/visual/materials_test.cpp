@@ -3,6 +3,7 @@
 #include "organs.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/geometry/texture_seams.h"
 #include "filasofia/visual/material_package.h"
 #include "filasofia/visual/null_backend.h"
 #include "filasofia/visual/scene.h"
@@ -163,6 +164,43 @@ TEST_CASE("a body has the uv of its mesh, subdivided like its vertices")
         CHECK(geometry.uv[i][1] == Approx(geometry.rest[i].y / 0.1 + 0.5).margin(1e-5));
     }
     CHECK(kept(server.add(sphereDef())).geometry.uv.empty());
+}
+
+TEST_CASE("where its texture has a seam, a body is drawn with a vertex for each side, whatever changes of it")
+{
+    VisualServer server({.backend = Backend::Null});
+    VisualBodyDef def = screenDef(UnlitMaterial{});
+    std::vector<std::array<double, 2>> ofCorners;
+    for (std::size_t t = 0; t < def.mesh.triangles.size(); ++t)
+        for (const int v : def.mesh.triangles[t])
+            ofCorners.push_back({def.mesh.uv[std::size_t(v)][0] + double(t), 0.5});
+    geometry::setUvOfCorners(def.mesh, ofCorners);
+    REQUIRE(geometry::perCorner(def.mesh));
+    VisualBody& body = server.add(def);
+    const auto whole = [&](std::size_t vertices) {
+        const auto& now = kept(body);
+        CHECK(now.geometry.rest.size() == vertices);
+        CHECK(now.geometry.uv.size() == vertices);
+        CHECK(now.geometry.vertices.positions.size() == vertices);
+        CHECK(now.geometry.vertices.frames.size() == vertices);
+        CHECK(now.states.size() == vertices);
+        for (std::size_t i = 0; i < ofCorners.size(); ++i) {
+            const std::uint32_t drawn = now.geometry.indices[i];
+            CHECK(now.geometry.uv[drawn][0] == Approx(ofCorners[i][0]));
+            CHECK(now.geometry.vertices.positions[drawn] ==
+                  toFloat3(body.vertices()[std::size_t(def.mesh.triangles[i / 3][i % 3])]));
+        }
+    };
+    const std::size_t corners = 3 * def.mesh.triangles.size(); // no triangle has a pair of another
+    body.setSurfaceState(std::vector<SurfaceState>(def.mesh.vertices.size(), SurfaceState{.blood = 0.5}));
+    whole(corners);
+    std::vector<Vec3> moved = def.mesh.vertices;
+    for (Vec3& each : moved) each.z += each.x;
+    body.setVertices(moved);
+    whole(corners);
+    body.setMesh({moved, def.mesh.triangles, def.mesh.uv}, def.mesh.vertices);
+    body.setSurfaceState(std::vector<SurfaceState>(def.mesh.vertices.size(), SurfaceState{.burn = 0.5}));
+    whole(corners);
 }
 
 TEST_CASE("a change in the pool changes the bodies that use it, and no other")

@@ -2,6 +2,7 @@
 #include "little_scene.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/geometry/texture_seams.h"
 
 #include <algorithm>
 #include <random>
@@ -114,6 +115,45 @@ TEST_CASE("the border of an open surface stays its border")
     }
     CHECK(left == Approx(0.0).margin(1e-6));
     CHECK(right == Approx(1.0).margin(1e-6));
+}
+
+TEST_CASE("where the texture has a seam, vertices are drawn once for each side, and normals are as without")
+{
+    geometry::TriangleMesh mesh = square(6);
+    std::vector<std::array<double, 2>> ofCorners; // the right half is elsewhere in the image
+    for (const geometry::Triangle& t : mesh.triangles) {
+        double middle = 0.0;
+        for (const int v : t) middle += mesh.vertices[std::size_t(v)].x / 3.0;
+        for (const int v : t) {
+            const Vec3 p = mesh.vertices[std::size_t(v)];
+            ofCorners.push_back({p.x + (middle > 0.5 ? 10.0 : 0.0), p.y});
+        }
+    }
+    const Subdivision plain(mesh, 2, "square");
+    CHECK(plain.uv().empty());
+    CHECK(std::ranges::equal(plain.drawnIndices(), plain.indices()));
+    setUvOfCorners(mesh, ofCorners);
+    REQUIRE(perCorner(mesh));
+    for (int level = 0; level <= 2; ++level) {
+        const Subdivision refined(mesh, level, "square");
+        const std::size_t onSeam = (6u << level) + 1, own = std::size_t(refined.vertexCount());
+        std::vector<Float3> places = refined.refine(toFloats(mesh.vertices));
+        refined.addCopies(places);
+        REQUIRE(places.size() == own + onSeam);
+        REQUIRE(refined.uv().size() == places.size());
+        const auto drawn = refined.drawnIndices(), normal = refined.indices();
+        REQUIRE(drawn.size() == normal.size());
+        for (std::size_t i = 0; i < drawn.size(); i += 3) {
+            const bool right = refined.uv()[drawn[i]][0] > 5.0F;
+            for (std::size_t k = i; k < i + 3; ++k) {
+                const Float3 p = places[drawn[k]];
+                CHECK(p == places[normal[k]]);
+                if (p.x + p.y < 0.4F || p.x + p.y > 1.6F || std::abs(p.x - p.y) > 0.6F) continue; // round corners
+                CHECK(refined.uv()[drawn[k]][0] == Approx(p.x + (right ? 10.0 : 0.0)).margin(1e-5));
+                CHECK(refined.uv()[drawn[k]][1] == Approx(p.y).margin(1e-5));
+            }
+        }
+    }
 }
 
 TEST_CASE("surfaces that cannot be subdivided are errors that name the body")

@@ -180,14 +180,16 @@ def load(
     threads: int | None = None,
     strict: bool = False,
     package: str | _os.PathLike[str] | None = None,
+    unit: float | None = None,
     measures: str | _os.PathLike[str] | None = None,
     physics: _defs.PhysicsDef | None = None,
     look: _defs.LookDef | None = None,
 ) -> Simulation:
     """A simulation of the scene in a file (docs/guide/scenes.md); `bodies` are in the order of the file.
 
-    The file may also be a robot in URDF or a model of MuJoCo (docs/guide/import.md). What is not read of it is told on
-    standard error or, if `strict`, raises Error; `package` is the folder that package:// names.
+    The file may also be a robot in URDF, a model of MuJoCo or a scene of SOFA (docs/guide/import.md). What is not read
+    of it is told on standard error or, if `strict`, raises Error; `package` is the folder that package:// names, and
+    `unit` [m] what a scene of SOFA calls a unit of length, 0.001 for millimetres.
 
     Files that the scene names must be in its folder, unless `any_folder`. `threads` replaces those of the scene, with
     the same bits. `measures` is a .jsonl or .csv file that close() completes: what the scene measures. A task that is
@@ -208,6 +210,7 @@ def load(
         threads=threads,
         strict=strict,
         package=package,
+        unit=unit,
         measures=measures,
     )
     return simulation

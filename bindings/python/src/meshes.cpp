@@ -175,7 +175,8 @@ void bindTriangleMesh(nb::module_& module)
         nb::arg("vertices").none(), nb::arg("triangles").none(), nb::arg("uv") = nb::none(),
         nb::sig("def __init__(self, vertices: numpy.typing.ArrayLike, triangles: numpy.typing.ArrayLike, uv: "
                 "numpy.typing.ArrayLike | None = None) -> None"),
-        "vertices (n, 3) [m]; triangles (m, 3), counter-clockwise seen from outside; uv (n, 2).");
+        "vertices (n, 3) [m]; triangles (m, 3), counter-clockwise seen from outside; uv (n, 2), or (3 m, 2) for the "
+        "corners of the triangles if the texture has seams.");
     triangles.def_prop_ro(
         "vertices", [](nb::handle self) { return rowsOf<double, 3>(nb::cast<Triangles&>(self).mesh->vertices, self); },
         nb::for_getter(nb::sig("def vertices(self) -> numpy.typing.NDArray[numpy.float64]")), "(n, 3) [m], a view");
@@ -185,7 +186,8 @@ void bindTriangleMesh(nb::module_& module)
         "(m, 3) indices of vertices, a view");
     triangles.def_prop_ro(
         "uv", [](nb::handle self) { return rowsOf<double, 2>(nb::cast<Triangles&>(self).mesh->uv, self); },
-        nb::for_getter(nb::sig("def uv(self) -> numpy.typing.NDArray[numpy.float64]")), "(n, 2) or empty, a view");
+        nb::for_getter(nb::sig("def uv(self) -> numpy.typing.NDArray[numpy.float64]")),
+        "(n, 2), (3 m, 2) for the corners of triangles, or empty, a view");
     triangles.def("__repr__", [](const Triangles& self) {
         return text("TriangleMesh(", self.mesh->vertices.size(), " vertices, ", self.mesh->triangles.size(),
                     " triangles)");

@@ -37,7 +37,7 @@ template <class Act> auto ofSceneFile(Act&& act)
 }
 
 void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle file, bool anyFolder,
-          nb::handle threads, bool strict, nb::handle package, nb::handle measures)
+          nb::handle threads, bool strict, nb::handle package, nb::handle unit, nb::handle measures)
 {
     runtime::SimulationDef def;
     scene::SceneDef scene;
@@ -45,6 +45,7 @@ void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle 
         const std::string name = readText(file, {.name = "load: file"});
         scene::ImportOptions options{.anyFolder = anyFolder, .strict = strict};
         if (!package.is_none()) options.packages = {readText(package, {.name = "load: package"})};
+        if (!unit.is_none()) options.unit = readArgument<double>(unit, "load", "unit", positive());
         scene = ofSceneFile([&] { return scene::loadAnyScene(name, options); });
         def = scene::simulationDef(scene);
         if (!threads.is_none())
@@ -346,7 +347,8 @@ void bindSimulation(nb::module_& module)
     nb::class_<HeldSimulation> sim(module, "Simulation", nb::type_slots(slots), nb::is_weak_referenceable());
     sim.def("__init__", &make, nb::arg("physics") = nb::none(), nb::arg("look") = nb::none(),
             nb::arg("scene") = nb::none(), nb::arg("any_folder") = false, nb::arg("threads") = nb::none(),
-            nb::arg("strict") = false, nb::arg("package") = nb::none(), nb::arg("measures") = nb::none());
+            nb::arg("strict") = false, nb::arg("package") = nb::none(), nb::arg("unit") = nb::none(),
+            nb::arg("measures") = nb::none());
     addBodies(sim);
     addSteps(sim);
     addStates(module, sim);

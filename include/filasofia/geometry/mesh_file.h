@@ -24,11 +24,11 @@ TetMesh loadTetMesh(const std::filesystem::path& file, double scale = 1.0, const
 /// precision and in their order; polygons become fans, and a warning counts solids, which are left out. With all
 /// others: all meshes of the file become one, placed by the file's nodes. Vertices at exactly the same position are
 /// merged and numbered in the order in which triangles use them; polygons are triangulated. Coordinates pass through
-/// single precision. If a merged vertex has several texture coordinates, the first one counts, and a part without any
-/// gets (0, 0). Triangles that name a vertex twice after merging are dropped; a warning in the log counts what was
-/// dropped. `scale` [m], > 0, is the length of one unit of the file. A number must be a whole word (.5, +1 and 1e-3
-/// are; 1,5 and 0x10 are not), and a face must name what is there. Throws an Error naming the file, for text the line,
-/// and what is wrong with it.
+/// single precision. If a merged vertex has several texture coordinates, uv has three pairs per triangle; a part
+/// without any gets (0, 0). Triangles that name a vertex twice after merging are dropped; a warning in the log counts
+/// what was dropped. `scale` [m], > 0, is the length of one unit of the file. A number must be a whole word (.5, +1 and
+/// 1e-3 are; 1,5 and 0x10 are not), and a face must name what is there. Throws an Error naming the file, for text the
+/// line, and what is wrong with it.
 TriangleMesh loadTriangleMesh(const std::filesystem::path& file, double scale = 1.0);
 
 } // namespace filasofia::geometry

@@ -67,8 +67,8 @@ MappedSurface mapSheet(const geometry::TriangleMesh& rest, geometry::TriangleMes
 MappedSurface mapTube(std::span<const Vec3> nodes, double radius, bool closed = false);
 
 /// The surface with its vertices duplicated along edges with a dihedral angle of more than `angle` [rad], so that
-/// shading shows them: one vertex for each side of such an edge. Triangles keep their indices; uv are copied with their
-/// vertices.
+/// shading shows them: one vertex for each side of such an edge. Triangles keep their indices; uv of vertices
+/// are copied with them.
 geometry::TriangleMesh withCreases(const geometry::TriangleMesh& surface, double angle);
 
 /// The number of nodes that a body needs for the map: one more than the highest node that it names.

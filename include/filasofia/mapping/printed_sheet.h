@@ -1,5 +1,6 @@
 #pragma once
 
+#include "filasofia/geometry/texture_seams.h"
 #include "filasofia/mapping/map.h"
 
 #include <array>
@@ -11,8 +12,9 @@ namespace filasofia::mapping {
 /// that a cut makes or moves gets those of its place at rest.
 class PrintedSheet {
 public:
-    /// `rest` is the sheet before it is cut, with texture coordinates; its vertices are the body's nodes.
-    explicit PrintedSheet(geometry::TriangleMesh rest) : rest_(std::move(rest)) {}
+    /// `rest` is the sheet before it is cut, with texture coordinates; its vertices are the body's nodes. A seam
+    /// has the texture coordinates of one side.
+    explicit PrintedSheet(geometry::TriangleMesh rest) : rest_(std::move(rest)) { rest_.uv = uvOfVertices(rest_); }
 
     /// Gives texture coordinates to a surface whose vertices are nodes of the body at rest. Nodes that it has seen at
     /// the same place cost nothing.

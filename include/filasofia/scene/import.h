@@ -18,6 +18,9 @@ struct ImportOptions {
     /// Where "package://NAME/..." is looked for: NAME is the folder itself, or one in it. Files in it may be read. If
     /// no folder has it, the nearest folder above the file that is called NAME, or has a folder of that name, is meant.
     std::vector<std::filesystem::path> packages = {};
+    /// [m] What a scene of SOFA calls a unit of length, > 0: 0.001 for one in millimetres. Its units of mass and time
+    /// are kilograms and seconds, so pressures are then in kPa, and forces in mN.
+    double unit = 1.0;
 };
 
 /// A scene, and what the file says that is not in it.
@@ -33,9 +36,9 @@ Imported loadUrdf(const std::filesystem::path& file, const ImportOptions& option
 /// A model of MuJoCo: bodies with joints, geoms, and flexible bodies (flexcomp). Throws an Error as loadUrdf does.
 Imported loadMjcf(const std::filesystem::path& file, const ImportOptions& options = {});
 
-/// A scene of SOFA: tetrahedra and hexahedra with elasticity, rigid bodies, what holds and what collides. What it calls
-/// units of length, mass and time are metres, kilograms and seconds. If its gravity is along z, it is turned to have y
-/// up. Throws an Error as loadUrdf does.
+/// A scene of SOFA: tetrahedra and hexahedra with elasticity, rigid bodies, what holds and what collides, in units of
+/// options.unit, kilograms and seconds. If its gravity is along z, it is turned to have y up. Throws an Error as
+/// loadUrdf does.
 Imported loadScn(const std::filesystem::path& file, const ImportOptions& options = {});
 
 /// Whether a file is a scene by its name: .json, .urdf, .xml, .mjcf or .scn.

@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/log.h"
 #include "filasofia/core/user_file.h"
+#include "filasofia/geometry/texture_seams.h"
 
 #include <assimp/DefaultIOSystem.h>
 #include <assimp/Importer.hpp>
@@ -118,16 +119,15 @@ std::vector<int> firstAtSamePlace(const std::vector<Vec3>& vertices)
     return firsts;
 }
 
-struct Dropped {
-    std::size_t triangles = 0, texture = 0;
-};
-
-// Vertices are numbered as triangles first use them, so vertices that no triangle uses are dropped.
-TriangleMesh joined(const Soup& soup, Dropped& dropped)
+// Vertices are numbered as triangles first use them, so vertices that no triangle uses are dropped. Where corners of
+// one vertex differ in their texture coordinates, all corners keep their own.
+TriangleMesh joined(const Soup& soup, std::size_t& dropped)
 {
     const std::vector<int> firsts = firstAtSamePlace(soup.mesh.vertices);
     std::vector<int> renumbered(firsts.size(), -1);
     TriangleMesh mesh;
+    std::vector<std::array<double, 2>> ofCorners;
+    bool seams = false;
     const auto vertexOf = [&](int corner) {
         const int first = firsts[corner];
         int& vertex = renumbered[first];
@@ -136,17 +136,19 @@ TriangleMesh joined(const Soup& soup, Dropped& dropped)
             mesh.vertices.push_back(soup.mesh.vertices[first]);
             mesh.uv.push_back(soup.mesh.uv[corner]);
         }
-        if (mesh.uv[vertex] != soup.mesh.uv[corner]) ++dropped.texture;
+        ofCorners.push_back(soup.mesh.uv[corner]);
+        seams = seams || mesh.uv[vertex] != ofCorners.back();
         return vertex;
     };
     for (const auto [a, b, c] : soup.mesh.triangles) {
         if (firsts[a] == firsts[b] || firsts[b] == firsts[c] || firsts[c] == firsts[a]) {
-            ++dropped.triangles;
+            ++dropped;
             continue;
         }
         const int i = vertexOf(a), j = vertexOf(b), k = vertexOf(c);
         mesh.triangles.push_back({i, j, k});
     }
+    if (seams) setUvOfCorners(mesh, std::move(ofCorners));
     if (!soup.anyUv) mesh.uv.clear();
     return mesh;
 }
@@ -206,14 +208,11 @@ TriangleMesh readWithAssimp(const std::filesystem::path& file, const std::option
     const std::string name = file.string();
     const Soup soup = readSoup(file, text);
     if (soup.mesh.triangles.empty()) fail(name, ": must have at least 1 triangle, got 0");
-    Dropped dropped;
+    std::size_t dropped = 0;
     TriangleMesh mesh = joined(soup, dropped);
-    if (dropped.triangles > 0)
-        logWarning(name, ": dropped ", dropped.triangles, " triangles with two corners at the same place");
+    if (dropped > 0) logWarning(name, ": dropped ", dropped, " triangles with two corners at the same place");
     if (soup.notTriangles > 0) logWarning(name, ": dropped ", soup.notTriangles, " points and lines");
     if (soup.anyUv && soup.anyWithout) logWarning(name, ": a part without texture coordinates gets (0, 0)");
-    if (dropped.texture > 0)
-        logInfo(name, ": dropped ", dropped.texture, " texture coordinates of vertices that have others already");
     check(mesh, name);
     return mesh;
 }

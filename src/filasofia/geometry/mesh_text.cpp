@@ -1,5 +1,9 @@
 #include "filasofia/geometry/mesh_text.h"
 
+#include "filasofia/core/text.h"
+#include "filasofia/geometry/texture_seams.h"
+#include "filasofia/geometry/vtk_reader.h"
+
 #include <charconv>
 #include <span>
 
@@ -73,6 +77,15 @@ std::string vtkText(const TriangleMesh& mesh)
         out += '\n';
     }
     if (mesh.uv.empty()) return out;
+    if (perCorner(mesh)) { // VTK has no name for that
+        appendLine(out, "CELL_DATA ", mesh.triangles.size());
+        appendLine(out, text("FIELD FieldData 1\n", kUvOfCorners, " 6 "), mesh.triangles.size(), " double");
+        for (std::size_t i = 0; i < mesh.uv.size(); ++i) {
+            append<double>(out, mesh.uv[i]);
+            if (i % 3 == 2) out += '\n';
+        }
+        return out;
+    }
     appendLine(out, "POINT_DATA ", mesh.uv.size());
     out += "TEXTURE_COORDINATES uv 2 double\n";
     for (const auto& each : mesh.uv) {

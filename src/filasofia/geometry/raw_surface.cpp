@@ -1,6 +1,7 @@
 #include "filasofia/geometry/raw_surface.h"
 
 #include "filasofia/core/log.h"
+#include "filasofia/geometry/texture_seams.h"
 
 namespace filasofia::geometry {
 namespace {
@@ -47,6 +48,11 @@ void RawSurface::add(std::span<const std::int64_t> polygon, std::int64_t number,
 TriangleMesh resolve(const RawSurface& raw, const NumberSource& file, std::string_view name)
 {
     TriangleMesh mesh{raw.points, {}, raw.uv};
+    const bool seams = !raw.uvOfCorners.empty();
+    if (seams && (raw.uvOfCorners.size() != raw.corners.size() || raw.corners.size() != 3 * raw.polygons.size()))
+        fail(name, ": texture coordinates of corners must be one pair for each corner of triangles (",
+             raw.corners.size(), "), got ", raw.uvOfCorners.size());
+    std::vector<std::array<double, 2>> ofCorners;
     std::size_t dropped = 0;
     for (const RawSurface::Polygon& polygon : raw.polygons) {
         if (polygon.count < 3)
@@ -55,7 +61,12 @@ TriangleMesh resolve(const RawSurface& raw, const NumberSource& file, std::strin
         const int a = pointOf(raw, polygon, 0, file);
         for (std::size_t k = 1; k + 1 < polygon.count; ++k) {
             const int b = pointOf(raw, polygon, k, file), c = pointOf(raw, polygon, k + 1, file);
-            a == b || b == c || c == a ? static_cast<void>(++dropped) : mesh.triangles.push_back({a, b, c});
+            if (a == b || b == c || c == a) {
+                ++dropped;
+                continue;
+            }
+            mesh.triangles.push_back({a, b, c});
+            for (std::size_t i = 0; seams && i < 3; ++i) ofCorners.push_back(raw.uvOfCorners[polygon.begin + i]);
         }
     }
     if (mesh.triangles.empty())
@@ -66,6 +77,7 @@ TriangleMesh resolve(const RawSurface& raw, const NumberSource& file, std::strin
     if (raw.secondOrder > 0)
         logWarning(name, ": ", raw.secondOrder, " polygons of second order were read with their corners only");
     if (!raw.keepsUnused) mesh = dropUnusedPoints(std::move(mesh), name);
+    if (seams) setUvOfCorners(mesh, std::move(ofCorners));
     check(mesh, name);
     return mesh;
 }

@@ -15,7 +15,8 @@ struct RawSurface {
         std::size_t begin = 0, count = 0;
     };
     std::vector<Vec3> points = {};
-    std::vector<std::array<double, 2>> uv = {}; ///< one per point, or empty
+    std::vector<std::array<double, 2>> uv = {};          ///< one per point, or empty
+    std::vector<std::array<double, 2>> uvOfCorners = {}; ///< in place of `uv`, if all polygons are triangles; or empty
     std::int64_t first = 0;
     std::vector<Polygon> polygons = {};
     std::vector<std::int64_t> corners = {}; ///< all polygons, one after the other

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/geometry/check_points.h"
+#include "filasofia/geometry/texture_seams.h"
 
 namespace filasofia::geometry {
 
@@ -19,11 +20,12 @@ void check(const TriangleMesh& mesh, std::string_view name)
             fail(name, ": triangle ", i, " names a vertex twice: ", t[0], " ", t[1], " ", t[2],
                  "; its three vertices must differ");
     }
-    if (!mesh.uv.empty() && mesh.uv.size() != mesh.vertices.size())
-        fail(name, ": uv must be empty or have one pair for each of ", count, " vertices, got ", mesh.uv.size());
+    if (!mesh.uv.empty() && mesh.uv.size() != mesh.vertices.size() && !perCorner(mesh))
+        fail(name, ": uv must be empty or have one pair for each of ", count, " vertices or of ",
+             3 * mesh.triangles.size(), " corners, got ", mesh.uv.size());
     for (std::size_t i = 0; i < mesh.uv.size(); ++i)
         if (const auto [u, v] = mesh.uv[i]; !std::isfinite(u) || !std::isfinite(v))
-            fail(name, ": uv of vertex ", i, " must be finite, got ", u, " ", v);
+            fail(name, ": uv of ", perCorner(mesh) ? "corner " : "vertex ", i, " must be finite, got ", u, " ", v);
 }
 
 } // namespace filasofia::geometry

@@ -45,7 +45,7 @@ public:
             fail(name_, ": must have a ", polydata_ ? "POLYGONS section with polygons" : "CELLS section with cells",
                  ", found none");
         if (!polydata_ && cells_.types.empty()) fail(name_, ": must have a CELL_TYPES section, found none");
-        RawSurface raw{.uv = uv_, .keepsUnused = polydata_};
+        RawSurface raw{.uv = uv_, .uvOfCorners = uvOfCorners_, .keepsUnused = polydata_};
         for (const RawTetMesh::Node& each : mesh_.nodes) raw.points.push_back(each.position);
         addPolygons(cells_, in_, raw);
         return resolve(raw, in_, name_);
@@ -59,6 +59,7 @@ private:
     void readCells(std::string_view section, VtkCells& cells);
     void readTypes();
     void readTextureCoordinates();
+    void readUv(std::size_t count, const NumberType& of, std::vector<std::array<double, 2>>& out);
     void readAttribute(const std::string& keyword);
     void readArray(std::string_view name, std::int64_t components, std::int64_t tuples, const NumberType& type);
     void passOver(std::size_t count, const NumberType& type);
@@ -80,6 +81,7 @@ private:
     bool surface_ = false;        ///< the polygons are asked for
     bool polydata_ = false;       ///< the cells are its polygons
     std::vector<std::array<double, 2>> uv_;
+    std::vector<std::array<double, 2>> uvOfCorners_;
 };
 
 void VtkReader::readSections()
@@ -283,6 +285,8 @@ void VtkReader::readArray(std::string_view name, std::int64_t components, std::i
     beginRaw();
     if (ofCells_ && !surface_ && components == 1 && count == cells_.types.size())
         readNumbers(name, of);
+    else if (ofCells_ && surface_ && name == kUvOfCorners && components == 6 && of.real)
+        readUv(count / 2, of, uvOfCorners_);
     else
         passOver(count, of);
 }
@@ -329,10 +333,16 @@ void VtkReader::readTextureCoordinates()
     if (attributes_ != static_cast<std::int64_t>(mesh_.nodes.size()))
         in_.failHere("POINT_DATA must have one value per point (", mesh_.nodes.size(), "), got ", attributes_);
     beginRaw();
-    uv_.reserve(mesh_.nodes.size());
-    for (std::int64_t i = 0; i < attributes_; ++i) {
+    readUv(mesh_.nodes.size(), of, uv_);
+}
+
+void VtkReader::readUv(std::size_t count, const NumberType& of, std::vector<std::array<double, 2>>& out)
+{
+    out.clear();
+    out.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
         const double u = in_.real("a texture coordinate", of.bytes);
-        uv_.push_back({u, in_.real("a texture coordinate", of.bytes)});
+        out.push_back({u, in_.real("a texture coordinate", of.bytes)});
     }
 }
 

@@ -3,6 +3,7 @@
 #include "filasofia/core/assert.h"
 #include "filasofia/core/error.h"
 #include "filasofia/geometry/surface.h"
+#include "filasofia/geometry/texture_seams.h"
 
 #include <algorithm>
 #include <cmath>
@@ -97,6 +98,7 @@ geometry::TriangleMesh withCreases(const geometry::TriangleMesh& surface, double
     }
     const double smooth = std::cos(angle);
     geometry::TriangleMesh out = surface;
+    const bool ofVertices = !surface.uv.empty() && !geometry::perCorner(surface);
     const auto around = trianglesAround(surface);
     for (int v = 0; v < static_cast<int>(around.size()); ++v) {
         std::vector<int> left = around[v];
@@ -113,10 +115,11 @@ geometry::TriangleMesh withCreases(const geometry::TriangleMesh& surface, double
             if (first) continue; // this side keeps the vertex
             const int fresh = static_cast<int>(out.vertices.size());
             out.vertices.push_back(surface.vertices[v]);
-            if (!surface.uv.empty()) out.uv.push_back(surface.uv[v]);
+            if (ofVertices) out.uv.push_back(surface.uv[v]);
             for (int t : side) std::replace(out.triangles[t].begin(), out.triangles[t].end(), v, fresh);
         }
     }
+    if (geometry::perCorner(surface)) geometry::setUvOfCorners(out, surface.uv);
     return out;
 }
 

@@ -2,6 +2,7 @@
 
 #include "filasofia/geometry/distance.h"
 #include "filasofia/geometry/surface.h"
+#include "filasofia/geometry/texture_seams.h"
 #include "filasofia/mapping/outside.h"
 
 #include <algorithm>
@@ -68,9 +69,10 @@ class Opening {
 public:
     Opening(const MappedSurface& whole, const geometry::Embedding& embedding, const frame::Boundary& boundary)
         : outside_(boundary), boundary_(boundary), opened_(openedTree(boundary)),
-          whole_(whole.surface), surface_{whole.surface.vertices, {}, whole.surface.uv}, embedding_(embedding),
+          whole_(whole.surface), surface_{whole.surface.vertices, {}, {}}, embedding_(embedding),
           rim_(whole.surface.vertices.size(), 0)
     {
+        if (!geometry::perCorner(whole_)) surface_.uv = whole_.uv; // else they are made at the end
     }
 
     [[nodiscard]] const Outside& outside() const { return outside_; }
@@ -102,10 +104,13 @@ public:
         if (place) embedOn(vertex, place->triangle);
     }
 
-    void divide(const Triangle& triangle)
+    /// A triangle of the whole surface, by its number.
+    void divide(std::size_t number)
     {
+        const Triangle& triangle = whole_.triangles[number];
+        divided_ = number;
         if (std::ranges::none_of(triangle, [&](int vertex) { return touched_.contains(vertex); })) {
-            surface_.triangles.push_back(triangle);
+            push(triangle);
             return;
         }
         std::array<const Division*, 3> across{}; // the division of the edge opposite each corner
@@ -123,6 +128,8 @@ public:
     /// The result, without the vertices that no triangle uses any more.
     MappedSurface finish()
     {
+        const bool seams = geometry::perCorner(whole_), printed = !surface_.uv.empty();
+        std::vector<std::array<double, 2>> ofCorners = seams ? uvOfCorners() : std::vector<std::array<double, 2>>{};
         std::vector<int> fresh(surface_.vertices.size(), -1);
         for (const Triangle& triangle : surface_.triangles)
             for (const int vertex : triangle) fresh[vertex] = 0;
@@ -130,23 +137,55 @@ public:
         for (std::size_t v = 0; v < fresh.size(); ++v) {
             if (fresh[v] < 0) continue;
             surface_.vertices[kept] = surface_.vertices[v];
-            if (!surface_.uv.empty()) surface_.uv[kept] = surface_.uv[v];
+            if (printed) surface_.uv[kept] = surface_.uv[v];
             embedding_.nodes[kept] = embedding_.nodes[v];
             embedding_.weights[kept] = embedding_.weights[v];
             rim_[kept] = rim_[v];
             fresh[v] = kept++;
         }
         surface_.vertices.resize(kept);
-        if (!surface_.uv.empty()) surface_.uv.resize(kept);
+        if (printed) surface_.uv.resize(kept);
         embedding_.nodes.resize(kept);
         embedding_.weights.resize(kept);
         rim_.resize(kept);
         for (Triangle& triangle : surface_.triangles)
             for (int& vertex : triangle) vertex = fresh[vertex];
+        if (seams) geometry::setUvOfCorners(surface_, std::move(ofCorners));
         return {std::move(surface_), BarycentricMap{std::move(embedding_)}, std::move(rim_)};
     }
 
 private:
+    void push(const Triangle& triangle)
+    {
+        surface_.triangles.push_back(triangle);
+        parents_.push_back(divided_);
+    }
+    /// Texture coordinates of all corners, from those of the triangles that were divided.
+    [[nodiscard]] std::vector<std::array<double, 2>> uvOfCorners() const
+    {
+        std::vector<std::array<double, 2>> out;
+        for (std::size_t t = 0; t < parents_.size(); ++t) {
+            const Triangle& parent = whole_.triangles[parents_[t]];
+            const auto uvAt = [&](int vertex) {
+                const auto corner = std::ranges::find(parent, vertex) - parent.begin();
+                return whole_.uv[3 * parents_[t] + static_cast<std::size_t>(corner)];
+            };
+            for (const int vertex : surface_.triangles[t]) {
+                const int fresh = vertex - static_cast<int>(whole_.vertices.size());
+                if (fresh < 0) {
+                    out.push_back(uvAt(vertex));
+                } else {
+                    const auto [from, to, share] = added_[fresh];
+                    out.push_back(between(uvAt(from), uvAt(to), share));
+                }
+            }
+        }
+        return out;
+    }
+    static std::array<double, 2> between(const std::array<double, 2>& a, const std::array<double, 2>& b, double share)
+    {
+        return {a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])};
+    }
     void embedOn(int vertex, int triangle)
     {
         geometry::Embedding one;
@@ -170,10 +209,8 @@ private:
     {
         const int vertex = static_cast<int>(surface_.vertices.size());
         surface_.vertices.push_back(place);
-        if (!whole_.uv.empty()) {
-            const auto &a = whole_.uv[from], &b = whole_.uv[to];
-            surface_.uv.push_back({a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])});
-        }
+        added_.push_back({from, to, share});
+        if (!surface_.uv.empty()) surface_.uv.push_back(between(whole_.uv[from], whole_.uv[to], share));
         embedding_.nodes.emplace_back();
         embedding_.weights.emplace_back();
         rim_.push_back(0);
@@ -244,7 +281,7 @@ private:
     {
         for (const int vertex : triangle)
             if (vertex < 0 || gone(vertex)) return;
-        surface_.triangles.push_back(triangle);
+        push(triangle);
     }
     void addQuad(int a, int b, int c, int d)
     {
@@ -303,7 +340,15 @@ private:
     const geometry::TriangleMesh& whole_;
     geometry::TriangleMesh surface_;
     geometry::Embedding embedding_;
-    std::vector<std::uint8_t> rim_; ///< per vertex, 1 on the rim
+    /// A vertex between two of the whole surface.
+    struct Added {
+        int from, to;
+        double share; ///< [-] as a share of the way
+    };
+    std::vector<Added> added_;
+    std::size_t divided_ = 0;          ///< the triangle of the whole surface that is being divided
+    std::vector<std::size_t> parents_; ///< per triangle: the one that it is a part of
+    std::vector<std::uint8_t> rim_;    ///< per vertex, 1 on the rim
     std::unordered_map<int, OutsidePlace>
         touched_; ///< by vertex of the whole surface; triangle -1 if its piece is gone
     std::map<std::pair<int, int>, std::optional<Division>> divisions_; ///< by edge, the lower vertex first
@@ -344,7 +389,7 @@ std::shared_ptr<const MappedSurface> OpeningSurface::on(const frame::Boundary& b
         all = false;
     }
     if (all) return whole_;
-    for (const Triangle& triangle : whole_->surface.triangles) opening.divide(triangle);
+    for (std::size_t t = 0; t < whole_->surface.triangles.size(); ++t) opening.divide(t);
     return std::make_shared<const MappedSurface>(opening.finish());
 }
 

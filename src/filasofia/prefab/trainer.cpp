@@ -112,7 +112,7 @@ struct TrainingSession::Impl {
     const Training training;
     TrainerProgram& program;
     EndScreen end;
-    std::optional<Debriefing> debriefing; ///< of a person at a window
+    std::optional<Debriefing> debriefing; ///< if a person is at a window
     Guidance* guidance = nullptr;
     bool guided = false; // used by the thread that delivers events
     std::atomic<bool> unwritten = false, keysShown = false, over = false;

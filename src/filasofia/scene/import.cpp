@@ -50,14 +50,16 @@ SceneDef loadAnyScene(const std::filesystem::path& file, const ImportOptions& op
             fail(file.string(), ": strict is for URDF, MJCF and .scn: all that a scene file says is read");
         if (!options.packages.empty())
             fail(file.string(), ": a package is for URDF and .scn, and this is a scene file");
+        if (options.unit != 1.0) fail(file.string(), ": a unit is for scenes of SOFA (.scn), and this is a scene file");
         return loadScene(file, {.anyFolder = options.anyFolder});
     }
     const auto is = [&](const char* own, std::string_view element) {
         return extension == own || (extension == ".xml" && beginsWith(file, element));
     };
-    Imported imported = is(".urdf", "<robot") ? loadUrdf(file, options)
-                        : is(".scn", "<Node") ? loadScn(file, options)
-                                              : loadMjcf(file, options);
+    const bool robot = is(".urdf", "<robot"), sofa = !robot && is(".scn", "<Node");
+    if (options.unit != 1.0 && !sofa)
+        fail(file.string(), ": a unit is for scenes of SOFA (.scn): URDF and MJCF are in metres");
+    Imported imported = robot ? loadUrdf(file, options) : sofa ? loadScn(file, options) : loadMjcf(file, options);
     for (const std::string& note : imported.notes) logWarning(note);
     return std::move(imported.scene);
 }

@@ -344,7 +344,7 @@ private:
         bool used = false;
     };
     std::vector<OpenClass> open_;             ///< the innermost last
-    const physics::Tissue* tissue_ = nullptr; ///< of the material that was read last
+    const physics::Tissue* tissue_ = nullptr; ///< that the material that was read last names
     bool makes_ = false;                      ///< the command that is read makes an attachment
     bool partial_ = false;                    ///< what is read need not be complete
     std::vector<std::string> bodies_;         ///< the names of those that were read, in their order

@@ -17,15 +17,17 @@ namespace {
 using geometry::TetMesh;
 using geometry::TriangleMesh;
 
-constexpr const char* kInMillimetres =
-    ": the scene seems to be in millimetres, and lengths are read as metres; for organs of their own size, write it in "
-    "metres, kilograms and pascals";
+constexpr const char* kInMillimetres = ": the scene seems to be in millimetres, and lengths are read as metres; for "
+                                       "organs of their own size, give the unit "
+                                       "0.001 (--unit 0.001, in Python unit=0.001)";
 
 class ScnLoader {
 public:
     ScnLoader(const std::filesystem::path& file, const ImportOptions& options)
-        : source_(file, options), reader_(source_.reader)
+        : source_(file, options), reader_(source_.reader), tissue_(source_, options.unit), unit_(options.unit)
     {
+        if (!positive().contains(unit_))
+            fail(file.string(), ": unit ", positive().refusal("m", unit_), ", got ", unit_);
     }
 
     Imported load()
@@ -44,7 +46,7 @@ private:
     void readRoot()
     {
         const Attributes root(source_.root());
-        const Vec3 gravity = reader_.vector(root, "gravity", {0, -9.81, 0}, closed(-1e6, 1e6));
+        const Vec3 gravity = unit_ * reader_.vector(root, "gravity", {0, -9.81, 0}, closed(-1e6 / unit_, 1e6 / unit_));
         if (std::abs(gravity.z) > std::abs(gravity.y) && std::abs(gravity.z) > std::abs(gravity.x)) world_ = kFromZUp;
         out_.scene.physics.gravity = rotate(world_.orientation, gravity);
         constexpr double kHeavy = 1000.0; // [m/s^2]; 9810 is usual
@@ -55,7 +57,9 @@ private:
         collides_ = static_cast<bool>(findEverywhere({"CollisionPipeline", "DefaultPipeline"}));
         if (const Element near =
                 findEverywhere({"MinProximityIntersection", "LocalMinDistance", "NewProximityIntersection"}))
-            proximity_ = 0.5 * reader_.number(Attributes(near), "contactDistance", 2 * proximity_, closed(0, 1e3));
+            proximity_ =
+                0.5 * unit_ *
+                reader_.number(Attributes(near), "contactDistance", 2 * proximity_ / unit_, closed(0, 1e3 / unit_));
         tissue_.turn(world_);
         if (const Element response = findEverywhere({"CollisionResponse", "DefaultContactManager"}))
             readFriction(Attributes(response).find("responseParams"));
@@ -192,6 +196,7 @@ private:
         for (Vec3& each : moved.nodes) each = placing(each);
         physics::SoftBodyDef def{.name = nameOf(node), .pose = world_};
         tissue_.read(node, moved, def);
+        for (Vec3& each : moved.nodes) each = unit_ * each;
         std::vector<runtime::ShowDef> show;
         if (collides_ && source_.component(node, kCollision)) collide(node, nullptr, def.collision);
         // What follows a grid is in the grid's coordinates, and what follows a mesh in those of the state.
@@ -254,7 +259,7 @@ private:
         if (!surface || !*surface) return {};
         const ScnSource::Placing own = lying.by ? source_.placingOf(lying.by) : ScnSource::Placing{};
         TriangleMesh moved = **surface;
-        for (Vec3& each : moved.vertices) each = lying.in(own(each));
+        for (Vec3& each : moved.vertices) each = unit_ * lying.in(own(each));
         return std::make_shared<const TriangleMesh>(std::move(moved));
     }
     void addShow(const Element& picture, const ScnSource::Placing& outer, std::vector<runtime::ShowDef>& show)
@@ -320,15 +325,16 @@ private:
     {
         const Attributes says(state);
         physics::RigidBodyDef def{.name = nameOf(node)};
-        const Pose moved = source_.placingOf(state).pose;
+        Pose moved = source_.placingOf(state).pose;
+        moved.position = unit_ * moved.position;
         def.elements = {world_ * moved};
         if (const auto at = says.find("position"); at && !at->words.starts_with('@')) {
             const std::vector<double> v = reader_.numbers(*at, 7, 70'000);
             def.elements.clear();
             for (std::size_t i = 0; i + 7 <= v.size(); i += 7)
-                def.elements.push_back(
-                    world_ * moved *
-                    Pose{{v[i], v[i + 1], v[i + 2]}, normalized(Quat{v[i + 6], v[i + 3], v[i + 4], v[i + 5]})});
+                def.elements.push_back(world_ * moved *
+                                       Pose{unit_ * Vec3{v[i], v[i + 1], v[i + 2]},
+                                            normalized(Quat{v[i + 6], v[i + 3], v[i + 4], v[i + 5]})});
         }
         const Element mass = source_.component(node, kMasses);
         const Element fixed = source_.component(node, kFixed);
@@ -380,32 +386,34 @@ private:
             const auto& source = each.mesh == physics::TriangleMeshSource() ? def.mesh : each.mesh;
             box = merged(box, geometry::boxAround(std::get<std::shared_ptr<const TriangleMesh>>(source)->vertices));
         }
-        physics::GivenInertia inertia{.mass = total, .moments = {total, total, total}};
+        const double standard = total * unit_ * unit_;
+        physics::GivenInertia inertia{.mass = total, .moments = {standard, standard, standard}};
         if (!isEmpty(box)) { // about the frame, which is the centre of mass in SOFA, wherever the mesh is
             const auto mean = [](double low, double high) { return (low * low + low * high + high * high) / 3.0; };
             const double x = mean(box.low.x, box.high.x), y = mean(box.low.y, box.high.y),
                          z = mean(box.low.z, box.high.z);
-            const auto moment = [&](double squares) { return total * std::max(squares, 1e-9); };
+            const auto moment = [&](double squares) { return total * std::max(squares, 1e-9 * unit_ * unit_); };
             inertia.moments = {moment(y + z), moment(z + x), moment(x + y)};
             reader_.note(mass, "inertia", "a rigid body's inertia is that of the box around its collision models");
         } else {
-            reader_.note(
-                mass, "inertia without a mesh",
-                "a rigid body without a collision model has the inertia of SOFA's default: its mass times 1 m^2");
+            reader_.note(mass, "inertia without a mesh",
+                         "a rigid body without a collision model has the inertia of SOFA's default: its mass times a "
+                         "unit squared");
         }
         def.mass = inertia;
     }
 
     ScnSource source_;
     XmlReader& reader_;
-    ScnTissue tissue_{source_};
+    ScnTissue tissue_;
     Imported out_;
     Names names_;
     Pose world_; ///< from the scene's axes to ours, which have y up
     geometry::Box around_;
     std::map<std::string, std::size_t> bodyOfGroup_; ///< the first body of a group of collision models
     bool collides_ = false;
-    bool millimetres_ = false;  ///< as gravity says
+    double unit_;               ///< [m] that the scene calls a unit
+    bool millimetres_ = false;  ///< as gravity says, and no unit
     double proximity_ = 0.5e-3; ///< [m]
     double friction_ = 0.0;     ///< [-]
 };

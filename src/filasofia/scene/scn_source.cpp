@@ -12,7 +12,7 @@
 namespace filasofia::scene {
 namespace {
 
-constexpr double kMostNodes = 300'000; // of a grid
+constexpr double kMostNodes = 300'000; // in a grid
 
 constexpr int kMostBack = 10'000; // components before one that names another so
 

@@ -39,6 +39,7 @@ void ScnTissue::read(const Element& node, const TetMesh& mesh, physics::SoftBody
     tellFurther(node, laws, "elasticity");
     tellFurther(node, kMasses, "mass");
     readMaterial(lawOf(node), def);
+    if (auto* fem = std::get_if<physics::FemMaterial>(&def.material)) fem->youngModulus /= unit_;
     readMass(node, mesh, def);
     readSolver(node, def);
     pin(node, mesh, def);
@@ -185,7 +186,8 @@ void ScnTissue::readMass(const Element& node, const TetMesh& mesh, physics::Soft
     if (says.has("totalMass"))
         beside("totalMass"), def.mass = physics::TotalMass{firstOf(says, "totalMass", 1.0, positive())};
     else if (says.has("massDensity"))
-        beside("massDensity"), def.mass = physics::Density{firstOf(says, "massDensity", 1.0, positive())};
+        beside("massDensity"),
+            def.mass = physics::Density{firstOf(says, "massDensity", 1.0, positive()) / (unit_ * unit_ * unit_)};
     else
         def.mass = oneNode(says.has("vertexMass") ? "vertexMass" : "mass");
 }
@@ -290,7 +292,8 @@ void ScnTissue::readForces(const Element& node, const TetMesh& mesh, physics::So
         const std::vector<double> v = reader_.numbers(*given, 3, 3'000'000);
         for (std::size_t i = 0; i < nodes.size(); ++i) {
             const std::size_t k = total || given->name == "force" ? 0 : std::min(3 * i, 3 * (v.size() / 3 - 1));
-            const Vec3 force = 1.0 / (total ? static_cast<double>(nodes.size()) : 1.0) * Vec3{v[k], v[k + 1], v[k + 2]};
+            const Vec3 force =
+                unit_ / (total ? static_cast<double>(nodes.size()) : 1.0) * Vec3{v[k], v[k + 1], v[k + 2]};
             def.forces.push_back({nodes[i], rotate(world_.orientation, force)});
         }
     }

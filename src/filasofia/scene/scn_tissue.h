@@ -17,7 +17,8 @@ extern const std::vector<std::string_view> kFixed;
 
 class ScnTissue {
 public:
-    explicit ScnTissue(ScnSource& source) : source_(source), reader_(source.reader) {}
+    /// `unit` [m] of the scene's lengths.
+    ScnTissue(ScnSource& source, double unit) : source_(source), reader_(source.reader), unit_(unit) {}
 
     /// From the scene's axes to ours.
     void turn(const Pose& world) { world_ = world; }
@@ -52,6 +53,7 @@ private:
     ScnSource& source_;
     XmlReader& reader_;
     Pose world_;
+    double unit_;
 };
 
 } // namespace filasofia::scene

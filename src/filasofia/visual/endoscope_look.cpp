@@ -47,7 +47,7 @@ Light& addLamp(VisualServer& server, Transform& rig, double away)
 
 /// From where the look sees a box.
 struct Aim {
-    double radius = 0.0, away = 0.0; ///< [m]: of the box, and of its middle from the lens
+    double radius = 0.0, away = 0.0; ///< [m]: the box's, and from its middle to the lens
     Pose pose = {};
 };
 Aim aimed(const geometry::Box& around, Vec3 direction, const char* who)

@@ -16,7 +16,7 @@ struct ReadyMaterial {
     Material material;                                            ///< never a NamedMaterial
     std::map<std::string, std::shared_ptr<const Image>> pictures; ///< by file
     std::vector<std::string> views;                               ///< whose pictures it shows
-    std::shared_ptr<const MaterialPackage> package;               ///< of a CustomMaterial
+    std::shared_ptr<const MaterialPackage> package;               ///< if it is a CustomMaterial
     std::string needsUv;                                          ///< the field that needs uv; empty if none does
     bool needsTangents = false;                                   ///< tangent frames along the uv
 };

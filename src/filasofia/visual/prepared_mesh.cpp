@@ -10,7 +10,7 @@ PreparedMesh::Impl prepare(geometry::TriangleMesh rest, int level, std::string_v
 {
     checkPositions(rest.vertices, rest.vertices.size(), name);
     Subdivision subdivision(rest, level, text("body '", name, "'"));
-    BodyGeometry geometry = bodyGeometry(subdivision, rest.vertices, rest);
+    BodyGeometry geometry = bodyGeometry(subdivision, rest.vertices, rest.vertices);
     return {std::move(rest), std::move(subdivision), std::move(geometry)};
 }
 

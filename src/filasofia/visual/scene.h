@@ -36,9 +36,8 @@ struct VisualBody::Impl {
     Slot slot;
     VisualBodyDef def; ///< its mesh has the positions given last
     Subdivision subdivision;
-    std::vector<std::array<float, 2>> uv; ///< after subdivision
-    bool tangents = false;                ///< the material needs frames along the uv
-    std::vector<Float3> control = {};     ///< kept from frame to frame: what setVertices() computes with
+    bool tangents = false;            ///< the material needs frames along the uv
+    std::vector<Float3> control = {}; ///< kept from frame to frame: what setVertices() computes with
     std::vector<Float3> normals = {};
     std::vector<TangentSum> tangentSums = {};
     std::vector<PackedState> states = {}; ///< after subdivision; empty: none was set since the last new triangles
@@ -105,7 +104,6 @@ void changeMaterial(Scene& scene, const std::string& name, const Material& mater
 void removeMaterial(Scene& scene, const std::string& name);
 
 /// The surface given by `rest` and `now`, both before subdivision.
-BodyGeometry bodyGeometry(const Subdivision& subdivision, std::span<const Vec3> rest,
-                          const geometry::TriangleMesh& now);
+BodyGeometry bodyGeometry(const Subdivision& subdivision, std::span<const Vec3> rest, std::span<const Vec3> now);
 
 } // namespace filasofia::visual

@@ -85,17 +85,18 @@ void refreshViewPictures(Scene& scene)
     }
 }
 
-BodyGeometry bodyGeometry(const Subdivision& subdivision, std::span<const Vec3> rest, const geometry::TriangleMesh& now)
+BodyGeometry bodyGeometry(const Subdivision& subdivision, std::span<const Vec3> rest, std::span<const Vec3> now)
 {
     BodyGeometry geometry;
     geometry.rest = subdivision.refine(toFloats(rest));
-    geometry.indices.assign(subdivision.indices().begin(), subdivision.indices().end());
+    subdivision.addCopies(geometry.rest);
+    const std::span<const std::uint32_t> drawn = subdivision.drawnIndices();
+    geometry.indices.assign(drawn.begin(), drawn.end());
+    geometry.uv = subdivision.uv();
     std::vector<Float3> normals;
-    geometry.vertices = vertexData(subdivision.refine(toFloats(now.vertices)), geometry.indices, normals);
-    std::vector<Float3> uv(now.uv.size());
-    for (std::size_t i = 0; i < uv.size(); ++i) uv[i] = toFloat3({now.uv[i][0], now.uv[i][1], 0.0});
-    if (!uv.empty())
-        for (const Float3& refined : subdivision.refine(uv)) geometry.uv.push_back({refined.x, refined.y});
+    geometry.vertices = vertexData(subdivision.refine(toFloats(now)), subdivision.indices(), normals);
+    subdivision.addCopies(geometry.vertices.positions);
+    subdivision.addCopies(geometry.vertices.frames);
     return geometry;
 }
 
@@ -139,7 +140,6 @@ void VisualBody::adopt(PreparedMesh prepared, std::span<const Vec3> now)
     checkPositions(now, ready.rest.vertices.size(), name());
     if (ready.rest.uv.empty()) readyMaterial(impl_->scene, impl_->def.material, ready.rest, name());
     impl_->subdivision = std::move(ready.subdivision);
-    impl_->uv = ready.geometry.uv;
     impl_->states.clear();
     impl_->def.mesh = std::move(ready.rest);
     ready.geometry.vertices = impl_->deform(now);
@@ -156,7 +156,12 @@ VertexData VisualBody::Impl::deform(std::span<const Vec3> positions)
     std::vector<Float3> refined = subdivision.refine(control);
     scene.watch.lap(&VisualStages::subdivision);
     VertexData data = vertexData(std::move(refined), subdivision.indices(), normals);
-    if (tangents && !uv.empty()) alignFrames(data, subdivision.indices(), uv, normals, tangentSums);
+    subdivision.addCopies(data.positions);
+    subdivision.addCopies(data.frames);
+    if (tangents && !subdivision.uv().empty()) {
+        subdivision.addCopies(normals);
+        alignFrames(data, subdivision.drawnIndices(), subdivision.uv(), normals, tangentSums);
+    }
     scene.watch.lap(&VisualStages::normals);
     return data;
 }
@@ -217,7 +222,9 @@ void VisualBody::Impl::putStates(std::span<const Float3> shares, std::size_t fir
         const std::array values{refined[i].x, refined[i].y, refined[i].z};
         for (std::size_t k = 0; k < count; ++k) states[i][first + k] = pack(values[k]);
     }
-    scene.backend->setSurfaceState(slot, states);
+    std::vector<PackedState> drawn = states;
+    subdivision.addCopies(drawn);
+    scene.backend->setSurfaceState(slot, std::move(drawn));
 }
 
 void VisualBody::setMaterial(const Material& material)

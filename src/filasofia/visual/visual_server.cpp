@@ -103,10 +103,10 @@ VisualBody& VisualServer::add(const VisualBodyDef& def)
         fail("body '", def.name, "': a server has at most ", kMaxBodies, " bodies at a time");
     Subdivision subdivision(def.mesh, def.subdivision, text("body '", def.name, "'"));
     const ReadyMaterial material = readyMaterial(impl_->scene, def.material, def.mesh, def.name);
-    BodyGeometry geometry = bodyGeometry(subdivision, def.mesh.vertices, def.mesh);
+    BodyGeometry geometry = bodyGeometry(subdivision, def.mesh.vertices, def.mesh.vertices);
     const Slot slot = ++impl_->lastSlot;
     auto body = std::unique_ptr<VisualBody::Impl>(
-        new VisualBody::Impl{impl_->scene, slot, def, std::move(subdivision), geometry.uv, material.needsTangents});
+        new VisualBody::Impl{impl_->scene, slot, def, std::move(subdivision), material.needsTangents});
     impl_->scene.watch.start();
     if (material.needsTangents) geometry.vertices = body->deform(def.mesh.vertices);
     impl_->scene.backend->addBody(slot, material,
