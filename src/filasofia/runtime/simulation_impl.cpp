@@ -274,6 +274,7 @@ void Simulation::Impl::dressScene(visual::VisualServer& visual, Framed framed)
 {
     smoke.showAgain();
     distension.showAgain();
+    unseen.lookAgain();
     for (const visual::GuiDef& gui : picture.guis) visual.add(gui);
     for (const auto& dress : picture.dresses) dress(visual);
     if (!picture.dresses.empty()) return;
@@ -307,6 +308,7 @@ void Simulation::Impl::mapNewestFrame(visual::VisualServer& visual)
     distension.draw(visual);
     if (const frame::FrameRef frame = physics.latest())
         bindings.update(picture.drawn ? picture.drawn(*frame) : *frame, physics, visual);
+    unseen.look(visual);
     journal.observe(visual, now.step());
 }
 

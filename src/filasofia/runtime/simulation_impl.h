@@ -22,6 +22,7 @@
 #include "filasofia/runtime/step_callbacks.h"
 #include "filasofia/runtime/step_feed.h"
 #include "filasofia/runtime/surface_layers.h"
+#include "filasofia/runtime/unseen_bodies.h"
 #include "filasofia/runtime/written_files.h"
 
 #include <mutex>
@@ -53,6 +54,7 @@ struct Simulation::Impl {
     DistendedCavity distension;
     PictureSetup picture;
     CameraSteering steering;
+    UnseenBodies unseen;
     StepCallbacks everyStep;
     MemoryList memories;
     ContactWatch contacts;
