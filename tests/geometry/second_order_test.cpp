@@ -62,6 +62,23 @@ TEST_CASE("the warning tells how far edges of second order were bent")
                                    "straight there now"));
 }
 
+TEST_CASE("a tetrahedron of second order in two physical groups is read once")
+{
+    const LogTrap log;
+    // Between its two groups and one more tetrahedron, whose nodes in the middle must be known as its own.
+    const std::string two = replaced(replaced(gmshFile(), "Nodes\n11\n", "Nodes\n14\n"), "11 9 9 9\n",
+                                     "11 1 1 1\n12 1 .5 .5\n13 .5 1 .5\n14 .5 .5 1\n");
+    const TetMesh mesh = parseGmsh(replaced(two, "1\n7 11 2 0 1 1 2 3 4 5 6 7 8 10 9\n",
+                                            "3\n7 11 2 9 1 1 2 3 4 5 6 7 8 10 9\n8 11 2 11 1 1 2 3 4 5 6 7 8 10 9\n"
+                                            "9 11 2 11 1 2 3 4 11 6 10 9 12 14 13\n"),
+                                   "a.msh");
+    CHECK(mesh.tetrahedra == std::vector<Tetrahedron>{{0, 1, 2, 3}, {1, 2, 3, 4}});
+    CHECK(mesh.labels == std::vector{9, 11});
+    CHECK_THAT(log.lines, Contains("labelled by the first one, and not by 11"));
+    CHECK_THAT(log.lines, Contains("2 tetrahedra of second order were read with their corners only: 9 nodes in the "
+                                   "middle of edges were left out\n"));
+}
+
 TEST_CASE("nodes in the middle of edges are checked as others are")
 {
     const LogTrap log; // damaged files may be bent

@@ -216,7 +216,7 @@ void GmshReader::readEntities()
 void GmshReader::dropRepeated()
 {
     const bool one = std::ranges::all_of(groups_, [&](int each) { return each == groups_.front(); });
-    if (one || !mesh_.middles.empty()) return; // these know their element by its index
+    if (one) return;
     std::vector<std::pair<std::array<std::int64_t, 4>, std::size_t>> sorted;
     sorted.reserve(mesh_.elements.size());
     for (std::size_t i = 0; i < mesh_.elements.size(); ++i) {
@@ -232,12 +232,15 @@ void GmshReader::dropRepeated()
         repeated[sorted[i].second] = true;
         further_.insert(group);
     }
+    std::erase_if(mesh_.middles, [&](const RawTetMesh::Middle& each) { return repeated[each.element]; });
     std::size_t kept = 0;
+    std::vector<std::size_t> now(repeated.size()); // the places of those that stay
     for (std::size_t i = 0; i < repeated.size(); ++i) {
         if (repeated[i]) continue;
         mesh_.elements[kept] = mesh_.elements[i], groups_[kept] = groups_[i], entities_[kept] = entities_[i];
-        ++kept;
+        now[i] = kept++;
     }
+    for (RawTetMesh::Middle& each : mesh_.middles) each.element = now[each.element];
     mesh_.elements.resize(kept), groups_.resize(kept), entities_.resize(kept);
 }
 
