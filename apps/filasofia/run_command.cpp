@@ -27,7 +27,7 @@ struct RunCommandOptions {
     bool anyFolder = false, strict = false, failOnWarnings = false;
     std::string package;
     double unit = 1.0;
-    std::string measures;
+    std::string measures, sensors;
     RunDef run;
 };
 
@@ -154,6 +154,14 @@ std::string knotLine(const scene::SceneKnotProgress& knot)
                 std::round(100.0 * knot.largestForce) / 100.0, " N\n");
 }
 
+/// Says what the table of the sensors has.
+std::string sensorsLine(const prefab::Sensors& sensors, const std::string& file)
+{
+    return text("wrote ", file, ": ", sensors.lines(), sensors.lines() == 1 ? " line" : " lines", " of ",
+                sensors.read().size(), sensors.read().size() == 1 ? " sensor" : " sensors",
+                sensors.failed() ? ", and not to the end" : "", "\n");
+}
+
 /// Says which commands of the scene a run of a given number of steps has ended before; empty if none.
 std::string lateCommandsLine(const std::vector<scene::TimedCommand>& commands, const RunReport& report)
 {
@@ -177,6 +185,7 @@ void checkOutputs(const RunCommandOptions& options, std::vector<std::filesystem:
     if (!run.motion.empty()) read.emplace_back(run.motion);
     std::error_code none;
     for (const auto& [option, file] : {std::pair{"--measures", options.measures},
+                                       {"--sensors", options.sensors},
                                        {"--log", run.log},
                                        {"--record-motion", run.recordMotion},
                                        {"--picture", run.picture}})
@@ -199,17 +208,20 @@ int runFile(const RunCommandOptions& options)
         SimulationDef simulation = scene::simulationDef(scene.def);
         simulation.engine = options.engine;
         scene.simulation = std::make_unique<runtime::Simulation>(simulation);
-        scene.added = scene::addScene(*scene.simulation, scene.def,
-                                      {.file = options.measures, .session = {.trainee = options.run.trainee}});
+        scene.added =
+            scene::addScene(*scene.simulation, scene.def,
+                            {.file = options.measures, .session = {.trainee = options.run.trainee}}, options.sensors);
         return scene;
     };
     LoadedScene scene = load();
-    const bool watched = options.measures.empty() && isWatched(options.run);
+    const bool watched = options.measures.empty() && options.sensors.empty() && isWatched(options.run);
     const RunReport report = watched ? runReloading(scene, options, load) : scene.simulation->run(options.run);
     if (scene.added.task) scene.added.task->leave();
     if (scene.added.tracker) scene.added.tracker->close();
+    if (scene.added.sensors) scene.added.sensors->close();
     const int code = print(report, options);
     if (scene.added.task) std::cout << unfinishedLine(*scene.added.task);
+    if (!options.sensors.empty()) std::cout << sensorsLine(*scene.added.sensors, options.sensors);
     for (const auto& progress : scene.added.knots) std::cout << knotLine(progress());
     if (options.run.steps > 0) std::cout << lateCommandsLine(scene.def.commands, report);
     return code;
@@ -227,6 +239,7 @@ int runScene(RunCommandOptions& options)
                            : !options.package.empty()  ? "--package"
                            : options.unit != 1.0       ? "--unit"
                            : !options.measures.empty() ? "--measures"
+                           : !options.sensors.empty()  ? "--sensors"
                                                        : nullptr;
     if (fileOnly) fail("run: ", fileOnly, " applies to scene files, not to '", scene.name, "'");
     if (options.scene != "bunny" && options.bunny.tets != BunnyDef{}.tets)
@@ -295,6 +308,7 @@ std::vector<Option> optionsOf(RunCommandOptions& o)
         {"--fail-on-warnings", &o.failOnWarnings,
          "Exit code 1 if a step went wrong: a solver at its limit, elements inside out, bodies in each other, unrest "
          "..."},
+        {"--sensors", &o.sensors, "Write what the sensors of a scene file read over time (.csv)", "FILE"},
         {"--package", &o.package,
          "URDF: the folder of package://NAME, or one that has it; .scn: one that has its files", "FOLDER"},
         {"--unit", &o.unit, ".scn: its unit of length in metres, 0.001 for a scene in millimetres", "METRES"},

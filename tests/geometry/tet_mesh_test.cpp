@@ -156,7 +156,7 @@ TEST_CASE("the check of a triangle mesh names what is wrong")
     {
         mesh.uv.resize(3);
         CHECK_THAT(message(),
-                   Contains("skin: uv must be empty or have one pair for each of 4 vertices or of 12 corners, got 3"));
+                   Contains("skin: uv must be empty or have one pair for each of 4 vertices or of 6 corners, got 3"));
         mesh.uv.resize(4);
         mesh.uv[2][1] = std::numeric_limits<double>::infinity();
         CHECK_THAT(message(), Contains("skin: uv of vertex 2 must be finite"));

@@ -386,7 +386,11 @@ TEST_CASE("a scene of SOFA in millimetres, kilograms and seconds is the same as 
     const Imported metres = scn(inUnits(1.0)),
                    small = scn(inUnits(1e-3), R"(gravity="0 -9810 0" dt="0.02")", {.unit = 1e-3});
     CHECK(small.scene.physics.gravity.y == Approx(-9.81));
-    CHECK(small.notes == metres.notes);
+    REQUIRE(small.notes.size() == metres.notes.size());
+    for (std::size_t i = 0; i < small.notes.size(); ++i) { // apart from where it stands
+        const std::string &one = metres.notes[i], &other = small.notes[i];
+        CHECK(one.substr(one.find(": ")) == other.substr(other.find(": ")));
+    }
     const SoftBodyDef &one = softOf(metres), &two = softOf(small);
     const TetMesh &mesh = meshOf(one), &other = meshOf(two);
     REQUIRE(other.nodes.size() == mesh.nodes.size());

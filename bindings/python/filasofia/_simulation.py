@@ -182,6 +182,7 @@ def load(
     package: str | _os.PathLike[str] | None = None,
     unit: float | None = None,
     measures: str | _os.PathLike[str] | None = None,
+    sensors: str | _os.PathLike[str] | None = None,
     physics: _defs.PhysicsDef | None = None,
     look: _defs.LookDef | None = None,
 ) -> Simulation:
@@ -192,9 +193,10 @@ def load(
     `unit` [m] what a scene of SOFA calls a unit of length, 0.001 for millimetres.
 
     Files that the scene names must be in its folder, unless `any_folder`. `threads` replaces those of the scene, with
-    the same bits. `measures` is a .jsonl or .csv file that close() completes: what the scene measures. A task that is
-    over does not stop step(). `physics` and `look` replace those of the scene as a whole; `threads` is then that of
-    `physics`. Raises Error "FILE:LINE:COLUMN: ...".
+    the same bits. `measures` is a .jsonl or .csv file that close() completes: what the scene measures; `sensors` a
+    .csv file with what its sensors read over time. A task that is over does not stop step(). `physics` and `look`
+    replace those of the scene as a whole; `threads` is then that of `physics`.
+    Raises Error "FILE:LINE:COLUMN: ...".
     """
     if file is None:
         raise TypeError("load: file must be a text, got None")
@@ -212,6 +214,7 @@ def load(
         package=package,
         unit=unit,
         measures=measures,
+        sensors=sensors,
     )
     return simulation
 

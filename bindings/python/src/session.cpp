@@ -153,9 +153,9 @@ runtime::RunReport Session::report()
 
 std::uint64_t Session::hash() { return closed() ? final_.hash : physics().hash(); }
 
-void Session::add(const scene::SceneDef& scene, const prefab::MetricTrackerDef& tracker)
+void Session::add(const scene::SceneDef& scene, const prefab::MetricTrackerDef& tracker, const std::string& sensorsFile)
 {
-    scene_ = scene::addScene(simulation_, scene, tracker);
+    scene_ = scene::addScene(simulation_, scene, tracker, sensorsFile);
     if (scene_.tracker) trackers_.push_back(scene_.tracker);
 }
 
@@ -188,6 +188,7 @@ void Session::close()
         const std::scoped_lock lock(trackersMutex_);
         if (scene_.task) scene_.task->leave();
         for (const auto& each : trackers_) each->close();
+        if (scene_.sensors) scene_.sensors->close();
     }
     final_ = report();
     if (run_)

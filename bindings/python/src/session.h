@@ -55,14 +55,16 @@ public:
         Session& session_;
     };
 
-    /// Adds a scene before the first step; its measures are written until close().
-    void add(const scene::SceneDef& scene, const prefab::MetricTrackerDef& tracker);
+    /// Adds a scene before the first step; its measures, and the table of its sensors, are written until close().
+    void add(const scene::SceneDef& scene, const prefab::MetricTrackerDef& tracker, const std::string& sensorsFile);
     /// Whether it has begun to run, with a step, a picture or a recording.
     [[nodiscard]] bool begun() const { return run_.has_value(); }
     /// What that scene left to others to draw.
     [[nodiscard]] const std::map<BodyId, runtime::ShownId>& drawn() const { return scene_.drawn; }
     /// That of the scene; null if it has none.
     [[nodiscard]] const prefab::Task* task() const { return scene_.task.get(); }
+    /// Those of the scene; null if it has none.
+    [[nodiscard]] const prefab::Sensors* sensors() const { return scene_.sensors.get(); }
     /// Begins to measure, before the first step; the file is whole after close().
     void measure(prefab::MetricTrackerDef def);
     /// The part of the simulation lives as long as the session: steps may use it when Python has let it go.

@@ -37,7 +37,7 @@ template <class Act> auto ofSceneFile(Act&& act)
 }
 
 void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle file, bool anyFolder,
-          nb::handle threads, bool strict, nb::handle package, nb::handle unit, nb::handle measures)
+          nb::handle threads, bool strict, nb::handle package, nb::handle unit, nb::handle measures, nb::handle sensors)
 {
     runtime::SimulationDef def;
     scene::SceneDef scene;
@@ -57,11 +57,13 @@ void make(HeldSimulation* self, nb::handle physics, nb::handle look, nb::handle 
     if (!look.is_none()) def.look = readDef<runtime::LookDef>(look, text(call, ": look"));
     const std::string written = measures.is_none() ? "" : readText(measures, {.name = "load: measures"});
     if (!measures.is_none() && written.empty()) fail("load: measures must name a .jsonl or .csv file, got ''");
+    const std::string table = sensors.is_none() ? "" : readText(sensors, {.name = "load: sensors"});
+    if (!sensors.is_none() && table.empty()) fail("load: sensors must name a .csv file, got ''");
     std::shared_ptr<Session> session;
     {
         const nb::gil_scoped_release free;
         session = Session::make(def);
-        ofSceneFile([&] { session->add(scene, {.file = written}); });
+        ofSceneFile([&] { session->add(scene, {.file = written}, table); });
     }
     new (self) HeldSimulation{.session = std::move(session)};
     self->shownByScene = self->session->drawn();
@@ -348,12 +350,13 @@ void bindSimulation(nb::module_& module)
     sim.def("__init__", &make, nb::arg("physics") = nb::none(), nb::arg("look") = nb::none(),
             nb::arg("scene") = nb::none(), nb::arg("any_folder") = false, nb::arg("threads") = nb::none(),
             nb::arg("strict") = false, nb::arg("package") = nb::none(), nb::arg("unit") = nb::none(),
-            nb::arg("measures") = nb::none());
+            nb::arg("measures") = nb::none(), nb::arg("sensors") = nb::none());
     addBodies(sim);
     addSteps(sim);
     addStates(module, sim);
     addMeasures(module, sim);
     addTasks(module, sim);
+    addSensors(sim);
     addRecords(sim);
     addCallbacks(sim);
     addPictures(sim);

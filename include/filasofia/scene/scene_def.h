@@ -207,8 +207,10 @@ struct SceneDef {
     std::vector<ScenePedal> pedals = {};            ///< how a person activates electrodes and suction
     std::optional<SceneTask> task = {};             ///< what a trainee has to do
     std::vector<prefab::TrackedBody> measured = {}; ///< what is observed if a session is written, at most 64
-    Places places = {};                             ///< where the members of its lists stand, "cameras[0].on"
-    std::vector<std::filesystem::path> files = {};  ///< which it was read from, and which it names; no field of a file
+    std::vector<prefab::SensorDef> sensors = {};    ///< what is read over time if a table is written, at most 1000
+    double sensorRate = 100.0; ///< [Hz], in [0.001, 100000], lines of that table per second of simulated time
+    Places places = {};        ///< where the members of its lists stand, "cameras[0].on"
+    std::vector<std::filesystem::path> files = {}; ///< which it was read from, and which it names; no field of a file
 };
 constexpr auto fields(const SceneDef*)
 {
@@ -228,7 +230,9 @@ constexpr auto fields(const SceneDef*)
                     field("haptics", &T::haptics, "haptic interfaces"),
                     field("pedals", &T::pedals, "how a person activates electrodes and suction"),
                     field("task", &T::task, "what a trainee has to do"),
-                    field("measured", &T::measured, "what is observed if a session is written"));
+                    field("measured", &T::measured, "what is observed if a session is written"),
+                    field("sensors", &T::sensors, "what is read over time if a table is written"),
+                    field("sensorRate", &T::sensorRate, "Hz", closed(1e-3, 1e5), "lines of that table per second"));
 }
 
 /// The Def of a simulation for this scene.
@@ -248,6 +252,8 @@ struct [[nodiscard]] AddedScene {
     std::shared_ptr<const prefab::Task> task = {}; ///< null if the scene has none
     /// Null if no session is written. Let it go when the run has ended, and before the simulation.
     std::shared_ptr<prefab::MetricTracker> tracker = {};
+    /// Null if the scene has none. The same holds for them.
+    std::shared_ptr<prefab::Sensors> sensors = {};
     /// How far each knot is, in the order of SceneDef::knots; they end before the simulation.
     std::vector<std::function<SceneKnotProgress()>> knots = {};
     std::map<BodyId, runtime::ShownId> drawn = {}; ///< bodies that are drawn because the scene shows none
@@ -255,8 +261,10 @@ struct [[nodiscard]] AddedScene {
 
 /// Adds the scene's bodies, pictures, motions, commands, cameras, lights, instruments, knots, haptics and task to a
 /// simulation that is not running. `tracker` says what becomes of its measures, if it names a file or keeps them; what
-/// is observed, and the names of task and steps, are the scene's. Throws an Error that begins with the place of what is
+/// is observed, and the names of task and steps, are the scene's. The table of its sensors is `sensorsFile`, if that is
+/// not empty. Throws an Error that begins with the place of what is
 /// wrong, or with its path; what came before it stays added.
-AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, prefab::MetricTrackerDef tracker = {});
+AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, prefab::MetricTrackerDef tracker = {},
+                    std::string sensorsFile = {});
 
 } // namespace filasofia::scene

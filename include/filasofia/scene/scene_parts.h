@@ -8,6 +8,7 @@
 #include "filasofia/prefab/laparoscope.h"
 #include "filasofia/prefab/laparoscopic_instrument.h"
 #include "filasofia/prefab/metric_tracker.h"
+#include "filasofia/prefab/sensors.h"
 #include "filasofia/prefab/specimen_bag.h"
 #include "filasofia/prefab/suction_irrigator.h"
 #include "filasofia/prefab/task.h"

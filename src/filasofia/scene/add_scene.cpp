@@ -37,6 +37,25 @@ BodyId addBody(runtime::Simulation& simulation, const SceneBody& body, const std
     return id;
 }
 
+std::shared_ptr<prefab::Sensors> addSensors(runtime::Simulation& simulation, const SceneDef& scene,
+                                            const std::vector<BodyId>& ids, std::string file)
+{
+    if (scene.sensors.empty()) {
+        if (!file.empty()) fail("sensors: there must be a sensor: without one there is nothing to write");
+        return {};
+    }
+    prefab::SensorsDef def{.sensors = scene.sensors, .rate = scene.sensorRate, .file = std::move(file)};
+    for (prefab::SensorDef& each : def.sensors) SceneNumbers(ids).replaceIn(each);
+    try {
+        return std::make_shared<prefab::Sensors>(simulation, std::move(def));
+    } catch (const Error& error) {
+        std::string_view words = error.what();
+        if (constexpr std::string_view kObject = "sensors: "; words.starts_with(kObject))
+            words.remove_prefix(kObject.size()); // the path begins as the object is called
+        failAtPlace(scene.places, words);
+    }
+}
+
 /// The path of what an Error of a body speaks of: "soft body 'liver': attachments[0].box: high must ..."
 std::string pathIn(const SceneBody& body, std::string_view error)
 {
@@ -75,7 +94,8 @@ runtime::SimulationDef simulationDef(const SceneDef& scene)
     return {.physics = scene.physics, .window = scene.window, .look = scene.look};
 }
 
-AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, prefab::MetricTrackerDef tracker)
+AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, prefab::MetricTrackerDef tracker,
+                    std::string sensorsFile)
 {
     AddedScene added;
     std::vector<BodyId>& ids = added.bodies;
@@ -127,6 +147,7 @@ AddedScene addScene(runtime::Simulation& simulation, const SceneDef& scene, pref
             words.replace(0, kBodies.size(), "measured["); // as the file calls them
         failAtPlace(scene.places, words);
     }
+    added.sensors = addSensors(simulation, scene, ids, std::move(sensorsFile));
     return added;
 }
 

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/word.h"
+#include "filasofia/prefab/body_points.h"
 #include "filasofia/prefab/overlays.h"
 #include "filasofia/scene/has_come.h"
 #include "filasofia/scene/remember_past.h"
@@ -15,17 +16,6 @@ namespace filasofia::scene {
 namespace {
 
 using frame::Frame;
-
-/// The middle of a body: the mean of a soft one's nodes, the origin of a rigid one's first element.
-std::optional<Vec3> middleOf(const Frame& frame, BodyId id)
-{
-    if (const auto* rigid = frame.rigidBody(id)) return rigid->poses.front().position;
-    const auto* soft = frame.softBody(id);
-    if (!soft || soft->positions.empty()) return {};
-    Vec3 sum;
-    for (const Vec3& each : soft->positions) sum += each;
-    return sum / static_cast<double>(soft->positions.size());
-}
 
 /// The groups in which a body touches others. With a soft body's cutting models nothing collides.
 std::set<int> groupsOf(const physics::BodyDef& def)
@@ -41,14 +31,6 @@ std::set<int> groupsOf(const physics::BodyDef& def)
             groups.insert(each.group);
     }
     return groups;
-}
-
-/// How many nodes a soft body or a rod is made of.
-std::size_t nodesOf(const physics::BodyDef& def)
-{
-    if (const auto* rod = std::get_if<physics::RodBodyDef>(&def)) return physics::centreLine(*rod).size();
-    const auto& soft = std::get<physics::SoftBodyDef>(def);
-    return physics::isShell(soft) ? physics::worldShell(soft).vertices.size() : physics::worldMesh(soft).nodes.size();
 }
 
 /// What cuts and tears have opened since the run began, or the last reset. Written by the events' thread, read by the
@@ -127,11 +109,11 @@ public:
     [[nodiscard]] std::optional<Vec3> target(const Frame& frame) const
     {
         if (const auto* reached = std::get_if<Reached>(&condition_))
-            return reached->place ? reached->place : middleOf(frame, reached->target);
-        if (const auto* touched = std::get_if<Touched>(&condition_)) return middleOf(frame, touched->second);
-        if (const auto* held = std::get_if<Held>(&condition_)) return middleOf(frame, held->body);
-        if (const auto* parted = std::get_if<Parted>(&condition_)) return middleOf(frame, parted->body);
-        if (const auto* pierced = std::get_if<Pierced>(&condition_)) return middleOf(frame, pierced->body);
+            return reached->place ? reached->place : prefab::middleOf(frame, reached->target);
+        if (const auto* touched = std::get_if<Touched>(&condition_)) return prefab::middleOf(frame, touched->second);
+        if (const auto* held = std::get_if<Held>(&condition_)) return prefab::middleOf(frame, held->body);
+        if (const auto* parted = std::get_if<Parted>(&condition_)) return prefab::middleOf(frame, parted->body);
+        if (const auto* pierced = std::get_if<Pierced>(&condition_)) return prefab::middleOf(frame, pierced->body);
         return {};
     }
 
@@ -148,13 +130,13 @@ private:
             const auto* soft = frame.softBody(of.body);
             return soft ? std::optional(soft->positions[static_cast<std::size_t>(*of.node)]) : std::nullopt;
         }
-        if (!rigid) return middleOf(frame, of.body);
+        if (!rigid) return prefab::middleOf(frame, of.body);
         return element < rigid->poses.size() ? std::optional(transform(rigid->poses[element], of.tip)) : std::nullopt;
     }
     static bool holds(const Frame& frame, const Reached& reached)
     {
         const auto from = pointOf(frame, reached);
-        const auto to = reached.place ? reached.place : middleOf(frame, reached.target);
+        const auto to = reached.place ? reached.place : prefab::middleOf(frame, reached.target);
         return from && to && distance(*from, *to) <= reached.within;
     }
     static bool holds(const Frame& frame, const Touched& touched)
@@ -212,7 +194,7 @@ public:
             fail(path_, ".element must be in [0, ", elements, "), got ", c.element);
         if (!c.node) return;
         if (rigid) fail(path_, ".node must not be given for a rigid body: it has a tip");
-        const std::size_t nodes = nodesOf(*server_.def(c.body));
+        const std::size_t nodes = prefab::nodeCount(*server_.def(c.body));
         if (static_cast<std::size_t>(*c.node) >= nodes) fail(path_, ".node must be in [0, ", nodes, "), got ", *c.node);
     }
     void operator()(const Touched& c) const
