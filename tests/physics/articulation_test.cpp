@@ -85,6 +85,47 @@ TEST_CASE("joints that make no tree, or that cannot be built, are refused with t
                            j.mass = GivenInertia{.moments = {1, 1, 3}};
                        }),
                  {first + ".mass.moments", "sum of the other two"});
+    const auto mimic = [&](JointMimic mimics, auto change) {
+        return joint(1, [=](JointDef& j) { j.mimic = mimics, change(j); });
+    };
+    const auto no = [](JointDef&) {};
+    checkRefused(mimic({.joint = 2}, no), {second + ".mimic.joint", "[0, 2)", "got 2"});
+    checkRefused(mimic({.joint = 1}, no), {second + ".mimic.joint", "another joint", "got 1"});
+    checkRefused(mimic({.multiplier = kNan}, no), {"joints[1].mimic.multiplier", "got nan"});
+    checkRefused(mimic({.multiplier = 2.0}, [](JointDef& j) { j.start = 0.5; }),
+                 {second + ".start", "must be 0 m with a mimic", "at 1 m", "got 0.5"});
+    checkRefused(mimic({}, [](JointDef& j) { j.command = JointForce{}; }), {second + ".command", "with a mimic"});
+    checkRefused(mimic({}, [](JointDef& j) { j.velocity = 1.0; }),
+                 {second + ".velocity", "must be 0 m/s with a mimic"});
+    checkRefused(mimic({.multiplier = -2.0}, [](JointDef& j) { j.lower = -0.6; }),
+                 {first + ".start", "those of the joints that mimic it, [-1, 0.3] rad", "got 0.5"});
+    checkRefused(mimic({}, [](JointDef& j) { j.lower = 2.0, j.upper = 3.0; }), {first + ".start", "[2, 1] rad"});
+    checkRefused(
+        [](RigidBodyDef& def, PhysicsServer&) {
+            def.articulation.joints[0].start = 0.0;
+            def.articulation.joints[0].mimic = JointMimic{.joint = 1};
+            def.articulation.joints[1].mimic = JointMimic{.joint = 0};
+        },
+        {first + ".mimic.joint", "without a mimic", "got 1"});
+}
+
+TEST_CASE("a joint with a mimic starts where the other one lets it, and takes no command")
+{
+    EngineCalls calls;
+    PhysicsServer server = fakeServer(calls);
+    RigidBodyDef def = tool();
+    def.articulation.joints[1].mimic = JointMimic{.joint = 0, .multiplier = 2.0, .offset = -0.4};
+    def.articulation.joints[1].axis = {1, 0, 0};
+    const BodyId id = server.add(def);
+    const auto& added = std::get<RigidBodyDef>(*server.def(id));
+    CHECK(distance(added.elements[2].position, added.elements[1].position) == Approx(0.6));
+    CHECK(server.add(added)); // as a recording stores it
+    checkError([&] { server.setJoint(id, 1, JointPosition{0.1}); },
+               {"rigid body 'forceps': joint 1", "takes no command", "mimics joint 0"});
+    CHECK_NOTHROW(server.setJoint(id, 0, JointPosition{0.1}));
+    def.articulation.joints[1].upper = 1.2;
+    checkError([&] { server.setJoint(server.add(def), 0, JointPosition{0.9}); },
+               {"joint 0: position", "[-1, 0.8] rad", "got 0.9"});
 }
 
 TEST_CASE("an articulated body's elements, base and carrier are refused if they are invalid")

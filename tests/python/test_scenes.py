@@ -128,6 +128,7 @@ def test_a_scene_of_sofa_is_in_the_unit_that_is_given(tmp_path):
     simulation = filasofia.load(beam, unit=0.001)
     (body,) = simulation.bodies
     assert simulation.definition(body).material.young_modulus == pytest.approx(20e3)
+    simulation.step()
     assert simulation.frame[body].positions.max() == pytest.approx(0.4)
     with pytest.raises(filasofia.Error, match="unit"):
         filasofia.load(beam, unit=0)
@@ -144,3 +145,55 @@ def test_scenes_and_instruments_find_their_files_in_the_package(tmp_path):
     for folder in ("meshes", "motions", "scenes"):
         files = [each.relative_to(assets) for each in (assets / folder).rglob("*") if each.is_file()]
         assert files and all((data / each).is_file() for each in files)
+
+
+BALL = """{
+  "bodies": [
+    {"type": "RigidBodyDef", "name": "floor", "elements": ["0 -50 0 mm"],
+     "mesh": {"type": "box", "size": "1 0.1 1"}, "collision": [{}]},
+    {"type": "RigidBodyDef", "name": "ball", "elements": ["0 20.5 0 mm"], "dynamic": true,
+     "mass": {"type": "TotalMass", "value": "200 g"}, "mesh": {"type": "sphere", "radius": "20 mm"}, "collision": [{}]}
+  ],
+  "sensorRate": "10 Hz",
+  "sensors": [
+    {"name": "ball", "body": "ball"},
+    {"name": "weight", "type": "ContactForceSensor", "body": "ball", "with": "floor"}
+  ]
+}"""
+
+
+def test_the_sensors_of_a_scene_are_read_and_written(tmp_path):
+    scene, table = tmp_path / "ball.json", tmp_path / "ball.csv"
+    scene.write_text(BALL)
+    with filasofia.load(scene, sensors=table) as sim:
+        assert sim.sensor_columns["weight"] == ["x [N]", "y [N]", "z [N]", "normal [N]"]
+        assert np.isnan(sim.sensors["ball"]).all()
+        sim.step(1000)
+        now = sim.sensors
+        assert now["ball"].shape == (3,) and abs(now["ball"][1] - 0.02) < 1e-3
+        assert abs(now["weight"][3] - 0.2 * 9.81) < 2e-3
+        with pytest.raises(filasofia.Error, match="where time only goes on"):
+            sim.restore(sim.save())
+    assert np.array_equal(sim.sensors["ball"], now["ball"])  # also after close()
+    rows = np.genfromtxt(table, delimiter=",", skip_header=1)
+    assert rows.shape == (11, 8) and np.allclose(rows[-1, 1:4], now["ball"])
+    with filasofia.load(scene) as again:  # without a table
+        again.step(1000)
+        again.restore(again.save())
+        assert np.array_equal(again.sensors["weight"], now["weight"])
+
+
+def test_wrong_sensors_are_errors(tmp_path):
+    scene = tmp_path / "ball.json"
+    scene.write_text(BALL)
+    for name, why in (("", "must name a .csv file"), (tmp_path / "a.txt", "must end in .csv"), ("no/a.csv", "no/a.csv")):
+        with pytest.raises(filasofia.Error, match=why):
+            filasofia.load(scene, sensors=name)
+    scene.write_text(BALL.replace('"with": "floor"', '"with": "ball"'))
+    with pytest.raises(filasofia.Error, match=r"ball.json:11:[0-9]+: sensors\[1\].with must differ from body"):
+        filasofia.load(scene)
+    with pytest.raises(filasofia.Error, match="there must be a sensor"):
+        scene.write_text('{"bodies": []}')
+        filasofia.load(scene, sensors=tmp_path / "a.csv")
+    with filasofia.Simulation() as sim:
+        assert sim.sensors == {} and sim.sensor_columns == {}

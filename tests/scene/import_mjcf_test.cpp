@@ -200,6 +200,41 @@ TEST_CASE("MJCF: actuators drive joints, cameras and lights are the picture's, c
     CHECK(sim.run({.headless = true, .steps = 5}).complete());
 }
 
+TEST_CASE("MJCF: an equality of joints lets one follow the other from where both are in the file")
+{
+    const auto model = [](const std::string& equality) {
+        return R"(<worldbody><body><geom size="0.1"/>
+<body><joint name="a" type="slide" axis="1 0 0" ref="0.1"/><geom size="0.1"/></body>
+<body><joint name="b" type="slide" axis="1 0 0" ref="0.3"/><geom size="0.1"/></body></body></worldbody>
+<actuator><position joint="a"/></actuator><equality>)" +
+               equality + "</equality>";
+    };
+    const Imported imported = mjcf(model(R"(<joint joint1="b" joint2="a" polycoef="0.05 -2 0 0 0"/>)"));
+    Simulation sim(simulationDef(imported.scene));
+    const BodyId body = addScene(sim, imported.scene).bodies.at(0);
+    sim.physics().setJoint(body, 0, JointPosition{0.2});
+    static_cast<void>(sim.run({.headless = true, .steps = 300}));
+    const auto& joints = sim.physics().latest()->rigidBody(body)->joints;
+    CHECK(joints.at(0).position == Approx(0.2));
+    CHECK(joints.at(1).position == Approx(0.3 + 0.05 - 2 * (0.2 - 0.1)));
+
+    // MuJoCo has 0 1 0 0 0 where polycoef says nothing.
+    CHECK(rigid(mjcf(model(R"(<joint joint1="b" joint2="a" polycoef="0.05"/>)")), 0)
+              .articulation.joints[1]
+              .mimic->multiplier == 1.0);
+    CHECK_THAT(told(mjcf(model(R"(<joint joint1="a" joint2="b"/>)"))).back(),
+               Catch::EndsWith("<position> of a joint1 of <equality> is not read: joint2 moves it"));
+    const auto alone = mjcf(model(R"(<joint joint1="b" polycoef="0.05"/>)"));
+    CHECK(std::get<JointPosition>(*rigid(alone, 0).articulation.joints[1].command).value == Approx(0.35));
+    CHECK_FALSE(rigid(mjcf(model(R"(<joint joint1="b" joint2="a" active="false"/>)")), 0).articulation.joints[1].mimic);
+    CHECK_THAT(told(mjcf(model(R"(<weld body1="x"/>)"))).back(), Catch::EndsWith("<weld> of <equality> is not read"));
+    const auto wrong = [&](const std::string& equality) { return errorOf(model(equality)); };
+    CHECK_THAT(wrong(R"(<joint joint2="a"/>)"), Catch::Contains("must say its joint1"));
+    CHECK_THAT(wrong(R"(<joint joint1="b" joint2="b"/>)"), Catch::Contains("must be another joint of the same body"));
+    CHECK_THAT(wrong(R"(<joint joint1="b" joint2="a"/><joint joint1="a" joint2="b"/>)"),
+               Catch::Contains("a joint follows one that follows none"));
+}
+
 TEST_CASE("MJCF: what is not read is told once per kind with its place, and is an error if strict")
 {
     const std::string model = R"(<option integrator="Euler"/><tendon/>

@@ -168,12 +168,51 @@ TEST_CASE("URDF: the needle driver runs, and its tip goes where its joints say")
     CHECK(wrist.z == Approx(-0.14 * std::sin(30_deg)));
 }
 
+TEST_CASE("URDF: a joint mimics another one, which may stand behind it and mimic a third")
+{
+    const auto finger = [](const char* name, const char* mimic) {
+        return text("<link name=\"", name,
+                    "\"><inertial><mass value=\"0.1\"/><inertia ixx=\"1\" iyy=\"1\" "
+                    "izz=\"1\"/></inertial></link><joint name=\"",
+                    name, "\" type=\"prismatic\"><parent link=\"hand\"/><child link=\"", name,
+                    "\"/><axis xyz=\"0 1 0\"/><limit lower=\"-0.05\" upper=\"0.05\" effort=\"1\" velocity=\"0.1\"/>",
+                    mimic, "</joint>");
+    };
+    const std::string robot = R"(<link name="hand"/>)" + finger("left", R"(<mimic joint="right" multiplier="-1"/>)") +
+                              finger("third", R"(<mimic joint="left" multiplier="2" offset="0.01"/>)") +
+                              finger("right", "");
+    const Imported imported = urdf(robot);
+    CHECK(imported.joints.at(0) == std::vector<std::string>{"left", "third", "right"});
+    Simulation sim(simulationDef(imported.scene));
+    const BodyId gripper = addScene(sim, imported.scene).bodies.at(0);
+    const auto at = [&](std::size_t joint) {
+        return sim.physics().latest()->rigidBody(gripper)->joints.at(joint).position;
+    };
+    sim.physics().setJoint(gripper, 2, JointPosition{0.02});
+    static_cast<void>(sim.run({.headless = true, .steps = 100}));
+    CHECK(at(2) == Approx(0.01).epsilon(1e-6)); // on its way
+    CHECK(at(0) == Approx(-0.01).epsilon(1e-6));
+    CHECK(at(1) == Approx(-0.01).epsilon(1e-6)); // 2 * -0.01 + 0.01
+    static_cast<void>(sim.run({.headless = true, .steps = 300}));
+    CHECK(at(0) == Approx(-0.02).epsilon(1e-6));
+    CHECK(at(1) == Approx(-0.03).epsilon(1e-6));
+    CHECK_THROWS_WITH(sim.physics().setJoint(gripper, 0, JointPosition{0.0}),
+                      Catch::Contains("joint 0: takes no command: it mimics joint 2"));
+
+    const auto wrong = [&](const std::string& mimic) {
+        return errorOf(R"(<link name="hand"/>)" + finger("a", mimic.c_str()) + finger("b", R"(<mimic joint="a"/>)"));
+    };
+    CHECK_THAT(wrong("<mimic/>"), Catch::Contains("joint 'a'/mimic must say its joint"));
+    CHECK_THAT(wrong(R"(<mimic joint="c"/>)"), Catch::Contains("mimic.joint must be the name of a joint, got 'c'"));
+    CHECK_THAT(wrong(R"(<mimic joint="b"/>)"), Catch::Contains("must not lead back to itself"));
+}
+
 TEST_CASE("URDF: what is not read is told once per kind with its place, and is an error if strict")
 {
     const std::string robot = R"(
 <link name="a"><sensor/><visual><geometry><sphere radius="0.1"/></geometry></visual></link>
 <link name="b"><sensor/></link>
-<joint name="j" type="continuous"><parent link="a"/><child link="b"/><mimic joint="k"/><axis xzy="1 0 0"/>
+<joint name="j" type="continuous"><parent link="a"/><child link="b"/><calibration up="0"/><axis xzy="1 0 0"/>
   <limit effort="1"/></joint>
 <transmission name="t"/><gazebo/><gazebo/>)";
     std::vector<std::string> told;
@@ -181,9 +220,8 @@ TEST_CASE("URDF: what is not read is told once per kind with its place, and is a
     CHECK(told ==
           std::vector<std::string>{
               "robot.urdf:7:2: <transmission> is not read", "robot.urdf:7:26: <gazebo> is not read",
-              "robot.urdf:3:17: <sensor> is not read",
-              "robot.urdf:5:71: <mimic> is not read: the joint moves by itself",
-              "robot.urdf:5:89: <axis> xzy is not read (did you mean 'xyz'?)",
+              "robot.urdf:3:17: <sensor> is not read", "robot.urdf:5:71: <calibration> is not read",
+              "robot.urdf:5:92: <axis> xzy is not read (did you mean 'xyz'?)",
               "robot.urdf:6:4: <limit> effort bounds no force: the joint goes where it is told, whatever is in its "
               "way"});
     CHECK(errorOf(robot, {.strict = true}) ==

@@ -3,7 +3,11 @@
 
 #include <catch2/catch.hpp>
 
-namespace filasofia::scene {
+namespace sensors_test {
+
+using namespace filasofia;
+using namespace filasofia::scene;
+
 namespace {
 
 using Catch::Matchers::Contains;
@@ -13,8 +17,8 @@ const std::string kScene = R"({
   "bodies": [
     {"type": "RigidBodyDef", "name": "floor", "elements": ["0 -50 0 mm"],
      "mesh": {"type": "box", "size": "1 0.1 1"}, "collision": [{}]},
-    {"type": "RigidBodyDef", "name": "ball", "elements": ["0 20.5 0 mm"], "dynamic": true, "mass": {"type": "TotalMass", "value": "200 g"},
-     "mesh": {"type": "sphere", "radius": "20 mm"}, "collision": [{}]}
+    {"type": "RigidBodyDef", "name": "ball", "elements": ["0 20.5 0 mm"], "dynamic": true,
+     "mass": {"type": "TotalMass", "value": "200 g"}, "mesh": {"type": "sphere", "radius": "20 mm"}, "collision": [{}]}
   ],
   "sensorRate": "100 Hz",
   "sensors": [
@@ -91,12 +95,19 @@ TEST_CASE("scenes: a wrong sensor is refused where it stands", "[sensors]")
         static_cast<void>(addScene(sim, scene));
     };
     CHECK_THROWS_WITH(added(R"("body": "ball"})", R"("body": "ball", "node": 3})"),
-                      Contains("scene.json:12:5: sensors[0].node must not be given for a rigid body"));
+                      Contains("scene.json:11:") && Contains(": sensors[0].node must not be given for a rigid body"));
     CHECK_THROWS_WITH(added(R"("weight", "type")", R"("ball", "type")"),
-                      Contains("scene.json:13:5: sensors[1].name must differ from those before it, got 'ball'"));
+                      Contains("scene.json:12:14: sensors[1].name must differ from those before it, got 'ball'"));
     std::string none = kScene;
     none.replace(none.find(R"("with": "floor")"), 15, R"("with": "flour")");
-    CHECK_THAT(folder.errorOf(none), Contains("scene.json:13:") && Contains("flour"));
+    CHECK_THAT(folder.errorOf(none), Contains("scene.json:12:") && Contains("flour"));
+    none = kScene;
+    none.replace(none.find(R"(, "body": "ball"})"), 16, "");
+    CHECK_THAT(folder.errorOf(none),
+               Contains("scene.json:11:5: sensors[0] must have the member 'body' (PositionSensor)"));
+    none = kScene;
+    none.replace(none.find("100 Hz"), 6, "0 Hz");
+    CHECK_THAT(folder.errorOf(none), Contains("scene.json:9:17: sensorRate must be in [0.001, 100000]"));
     Simulation sim;
     CHECK_THROWS_WITH(addScene(sim, SceneDef{}, {}, folder.file("a.csv")),
                       "sensors: there must be a sensor: without one there is nothing to write");
@@ -124,12 +135,15 @@ TEST_CASE("scenes: sensors read cavities and fluids", "[sensors]")
 
 TEST_CASE("scenes: a duct's sensor reads its flow", "[sensors]")
 {
+    std::string points;
+    for (int x = -15; x <= 15; ++x) points += text(points.empty() ? "" : ", ", "\"", x, " 0 0 mm\"");
     const SceneFolder folder;
     const SceneDef scene = folder.load(R"({
       "physics": {"gravity": "0 0 0"},
       "bodies": [{
-        "name": "artery", "mesh": {"type": "vessel", "points": ["-15 0 0 mm", "0 0 0 mm", "15 0 0 mm"], "radius": "1 mm",
-        "wall": "0.8 mm", "cells": [8, 1]},
+        "name": "artery",
+        "mesh": {"type": "vessel", "points": [)" +
+                                       points + R"(], "radius": "1 mm", "wall": "0.8 mm", "cells": [8, 1]},
         "ducts": [{"path": ["-15 0 0 mm", "15 0 0 mm"], "viscosity": 3.5e-3, "inletPressure": "12 kPa"}]
       }],
       "sensors": [{"name": "flow", "type": "DuctSensor", "body": "artery"}]
@@ -142,4 +156,4 @@ TEST_CASE("scenes: a duct's sensor reads its flow", "[sensors]")
     CHECK(flow[0].values[3] == Approx(1.0).epsilon(0.1));
 }
 
-} // namespace filasofia::scene
+} // namespace sensors_test

@@ -32,6 +32,15 @@ struct JointForce {
 };
 using JointCommand = std::variant<JointPosition, JointForce>;
 
+/// One joint goes with another one, as by gears: with q the other's position, it is at multiplier * q + offset. What
+/// pushes on it pushes the other one, whose limits are narrowed to keep it within its own, and its damping, friction
+/// and inertia resist both. Its `speed` does not count.
+struct JointMimic {
+    int joint = 0;           ///< [-], in [0, joints): the other one, which has no mimic itself
+    double multiplier = 1.0; ///< [-] or rad/m or m/rad, in [-1e6, 1e6]
+    double offset = 0.0;     ///< [rad] or [m], in [-1e6, 1e6]
+};
+
 /// One link of the tree is connected to another and has one degree of freedom relative to it. With q the joint's
 /// position,
 ///
@@ -47,7 +56,8 @@ struct JointDef {
     Pose childOffset = {};                                   ///< the joint's frame, in the child's coordinates
     double lower = -std::numeric_limits<double>::infinity(); ///< [rad] or [m], may be infinite: lower limit
     double upper = std::numeric_limits<double>::infinity();  ///< [rad] or [m], >= lower: upper limit
-    double start = 0.0;                                      ///< [rad] or [m], within the limits: initial position
+    /// [rad] or [m], within the limits: initial position; 0 with a mimic, whose start is that of the other joint
+    double start = 0.0;
     double velocity = 0.0; ///< [rad/s] or [m/s], initial, of a joint under a force command
     std::optional<JointCommand> command =
         {};                ///< valid until changed by a command; none: the joint keeps its initial position
@@ -56,6 +66,7 @@ struct JointDef {
     double friction = 0.0; ///< [N m] or [N], >= 0, dry friction, for a joint under a force command
     double inertia = 0.0;  ///< [kg m^2] or [kg], >= 0, of the drive, in addition to the links that it moves
     std::optional<GivenInertia> mass = {}; ///< mass of the child; none: that of every element of the body
+    std::optional<JointMimic> mimic = {};  ///< in place of a command: the joint that it follows
 };
 
 /// A tree of links that moves the elements of one rigid body. Element i is link i. Element 0, the base, is kinematic
@@ -78,6 +89,13 @@ constexpr auto fields(const JointForce*)
     return describe("JointForce",
                     field("value", &JointForce::value, "N m or N", finite(), "force or torque of the drive"));
 }
+constexpr auto fields(const JointMimic*)
+{
+    using T = JointMimic;
+    return describe("JointMimic", field("joint", &T::joint, "-", nonNegative(), "the joint that it follows"),
+                    field("multiplier", &T::multiplier, "-", closed(-1e6, 1e6), "its way per way of the other"),
+                    field("offset", &T::offset, "rad or m", closed(-1e6, 1e6), "where it is if the other is at 0"));
+}
 constexpr auto fields(const JointDef*)
 {
     using T = JointDef;
@@ -98,7 +116,8 @@ constexpr auto fields(const JointDef*)
         field("damping", &T::damping, "N m s or N s/m", nonNegative(), "viscous damping"),
         field("friction", &T::friction, "N m or N", nonNegative(), "dry friction"),
         field("inertia", &T::inertia, "kg m^2 or kg", nonNegative(), "inertia of the drive"),
-        field("mass", &T::mass, "mass of the child; none: that of every element"));
+        field("mass", &T::mass, "mass of the child; none: that of every element"),
+        field("mimic", &T::mimic, "the joint that it follows, in place of a command"));
 }
 constexpr auto fields(const ArticulationDef*)
 {

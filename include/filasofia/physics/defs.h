@@ -172,6 +172,13 @@ RigidBodyDef loaded(RigidBodyDef def);
 
 /// The number of its elements: those listed, or the base and one link per joint.
 std::size_t elementCount(const RigidBodyDef& def);
+/// [rad] or [m] Where a joint starts; with a mimic, where the other joint takes it.
+double startOf(const std::vector<JointDef>& joints, std::size_t joint);
+struct JointLimits {
+    double lower = 0.0, upper = 0.0; ///< [rad] or [m]; upper < lower: nothing is left
+};
+/// The limits of a joint, within which those that mimic it are within theirs.
+JointLimits limitsOf(const std::vector<JointDef>& joints, std::size_t joint);
 
 /// The initial poses of its elements: the poses listed, and for links the poses that follow from their joints.
 std::vector<Pose> elementPoses(const RigidBodyDef& def);

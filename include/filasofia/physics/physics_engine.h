@@ -19,6 +19,7 @@ struct EngineInfo {
     bool deadline = false;    ///< its solvers stop at the deadline of a step
     bool cuts = false;        ///< blades cut its bodies, and stress tears them
     bool joints = false;      ///< its rigid bodies may have joints
+    bool energies = false;    ///< it tells the mechanical energy of its bodies
 };
 
 /// The input of a step.

@@ -175,8 +175,9 @@ struct SensorReading {
 /// Reads a simulation over time into a table: a line at the first state, and then at the first one of each period of
 /// the rate. In a cell, NaN is empty.
 ///
-/// The states are read on the stepping thread, which waits for no other; a thread of its own writes. If writing fails,
-/// that is one line in the log and a FileFailedEvent, and the simulation goes on. While physics is paused nothing is
+/// The states are read on the stepping thread, and written by a thread of its own; only if 16 MB wait for the disk does
+/// the stepping thread write them. If writing fails, that is one line in the log and a FileFailedEvent, and the
+/// simulation goes on. While physics is paused nothing is
 /// read. With a file, a saved state cannot be restored (Error): in a table, time only goes on.
 class Sensors {
 public:
@@ -190,9 +191,9 @@ public:
     /// What they read in the newest state; NaN before the first step. On the stepping thread, or while no step is
     /// computed.
     [[nodiscard]] std::vector<SensorReading> read() const;
-    /// Reads the last state and writes all that waits. Not from inside the simulation's callbacks.
+    /// Reads the last state, if a line is due, and writes all that waits. Not from inside the simulation's callbacks.
     void close();
-    [[nodiscard]] std::uint64_t lines() const; ///< [-], of numbers in the table
+    [[nodiscard]] std::uint64_t lines() const; ///< [-], of numbers that were written
     [[nodiscard]] bool failed() const;         ///< writing ended early
 
 private:

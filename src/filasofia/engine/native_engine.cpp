@@ -21,7 +21,8 @@ physics::EngineInfo World::info() const
             .repeatable = true,
             .deadline = true,
             .cuts = true,
-            .joints = true};
+            .joints = true,
+            .energies = true};
 }
 
 } // namespace filasofia::engine

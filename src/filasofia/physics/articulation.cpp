@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace filasofia::physics {
 namespace {
@@ -36,15 +37,19 @@ std::vector<std::size_t> parentsFirst(const std::vector<JointDef>& joints)
     return order;
 }
 
-void checkPosition(const JointDef& joint, double value, const std::string& field)
+void checkPosition(const std::vector<JointDef>& joints, std::size_t j, double value, const std::string& field)
 {
-    if (!(value >= joint.lower && value <= joint.upper))
-        fail(field, " must be within its limits [", joint.lower, ", ", joint.upper, "]", unitOf(joint), ", got ",
-             value);
+    const JointLimits limits = limitsOf(joints, j);
+    if (value >= limits.lower && value <= limits.upper) return;
+    const bool others = limits.lower != joints[j].lower || limits.upper != joints[j].upper;
+    fail(field, " must be within its limits ", others ? "and those of the joints that mimic it, " : "", "[",
+         limits.lower, ", ", limits.upper, "]", unitOf(joints[j]), ", got ", value);
 }
 
-void checkJoint(const JointDef& joint, std::size_t links, const std::string& field)
+void checkJoint(const std::vector<JointDef>& joints, std::size_t j, const std::string& field)
 {
+    const JointDef& joint = joints[j];
+    const std::size_t links = joints.size() + 1;
     if (!(length(joint.axis) > 1e-6)) fail(field, ".axis must have a length > 1e-06, got ", length(joint.axis));
     checkElement(joint.parent, links, field + ".parent");
     checkElement(joint.child, links, field + ".child");
@@ -52,7 +57,7 @@ void checkJoint(const JointDef& joint, std::size_t links, const std::string& fie
     static_cast<void>(unitPose(joint.parentOffset, field + ".parentOffset"));
     static_cast<void>(unitPose(joint.childOffset, field + ".childOffset"));
     if (!(joint.upper >= joint.lower)) fail(field, ".upper must be >= lower (", joint.lower, "), got ", joint.upper);
-    checkPosition(joint, joint.start, field + ".start");
+    if (!joint.mimic) checkPosition(joints, j, joint.start, field + ".start");
     if (!(std::abs(joint.velocity) < kFarthest))
         fail(field, ".velocity must be in (", -kFarthest, ", ", kFarthest, ")", unitOf(joint), "/s, got ",
              joint.velocity);
@@ -61,7 +66,23 @@ void checkJoint(const JointDef& joint, std::size_t links, const std::string& fie
              "/s unless the joint's command is a JointForce (0 lets it move freely), got ", joint.velocity);
     if (!joint.command) return;
     if (const auto* position = std::get_if<JointPosition>(&*joint.command))
-        checkPosition(joint, position->value, field + ".command");
+        checkPosition(joints, j, position->value, field + ".command");
+}
+
+void checkMimic(const std::vector<JointDef>& joints, std::size_t j, const std::string& field)
+{
+    const JointDef& joint = joints[j];
+    if (!joint.mimic) return;
+    checkElement(joint.mimic->joint, joints.size(), field + ".mimic.joint");
+    const auto other = static_cast<std::size_t>(joint.mimic->joint);
+    if (other == j) fail(field, ".mimic.joint must be another joint, got ", j);
+    if (joints[other].mimic) fail(field, ".mimic.joint must be a joint without a mimic, got ", other);
+    if (joint.command) fail(field, ".command must not be given with a mimic");
+    if (joint.velocity != 0.0)
+        fail(field, ".velocity must be 0", unitOf(joint), "/s with a mimic, got ", joint.velocity);
+    if (joint.start != 0.0)
+        fail(field, ".start must be 0", unitOf(joint), " with a mimic: it starts where joints[", other,
+             "] takes it, at ", startOf(joints, j), unitOf(joint), "; got ", joint.start);
 }
 
 void checkTree(const std::vector<JointDef>& joints, const std::string& object)
@@ -96,6 +117,27 @@ void checkLinks(const RigidBodyDef& def, const std::string& object)
 
 } // namespace
 
+double startOf(const std::vector<JointDef>& joints, std::size_t j)
+{
+    const std::optional<JointMimic>& mimic = joints[j].mimic;
+    if (!mimic) return joints[j].start;
+    return mimic->multiplier * joints[static_cast<std::size_t>(mimic->joint)].start + mimic->offset;
+}
+
+JointLimits limitsOf(const std::vector<JointDef>& joints, std::size_t j)
+{
+    JointLimits limits{joints[j].lower, joints[j].upper};
+    for (const JointDef& each : joints) {
+        if (!each.mimic || static_cast<std::size_t>(each.mimic->joint) != j || each.mimic->multiplier == 0.0) continue;
+        double low = (each.lower - each.mimic->offset) / each.mimic->multiplier;
+        double high = (each.upper - each.mimic->offset) / each.mimic->multiplier;
+        if (each.mimic->multiplier < 0.0) std::swap(low, high);
+        limits.lower = std::max(limits.lower, low);
+        limits.upper = std::min(limits.upper, high);
+    }
+    return limits;
+}
+
 std::size_t elementCount(const RigidBodyDef& def)
 {
     return def.articulation.joints.empty() ? def.elements.size() : def.articulation.joints.size() + 1;
@@ -110,7 +152,8 @@ std::vector<Pose> elementPoses(const RigidBodyDef& def)
         const JointDef& joint = joints[j];
         const Pose to = unitPose(joint.parentOffset, "parentOffset"), from = unitPose(joint.childOffset, "childOffset");
         Pose& child = poses[static_cast<std::size_t>(joint.child)];
-        child = poses[static_cast<std::size_t>(joint.parent)] * to * motionOf(joint, joint.start) * inverse(from);
+        child =
+            poses[static_cast<std::size_t>(joint.parent)] * to * motionOf(joint, startOf(joints, j)) * inverse(from);
         child.orientation = normalized(child.orientation);
     }
     return poses;
@@ -131,9 +174,10 @@ void checkArticulation(const RigidBodyDef& def, const std::string& object)
     static_cast<void>(unitPose(def.articulation.offset, field + ".offset"));
     if (!def.articulation.to && def.articulation.toElement != 0)
         fail(field, ".toElement must be 0 if the base follows no body, got ", def.articulation.toElement);
+    for (std::size_t j = 0; j < joints.size(); ++j) checkMimic(joints, j, text(field, ".joints[", j, "]"));
     for (std::size_t j = 0; j < joints.size(); ++j) {
         const std::string joint = text(field, ".joints[", j, "]");
-        checkJoint(joints[j], joints.size() + 1, joint);
+        checkJoint(joints, j, joint);
         if (joints[j].mass) check(*joints[j].mass, joint + ".mass");
     }
     checkTree(joints, field);
@@ -209,8 +253,9 @@ void checkCommand(const RigidBodyDef& def, const std::vector<bool>& takesForce, 
     const auto place = static_cast<std::size_t>(set.joint);
     const std::string field = text(object, ": joint ", set.joint);
     validate(set, field);
+    if (joints[place].mimic) fail(field, ": takes no command: it mimics joint ", joints[place].mimic->joint);
     if (const auto* position = std::get_if<JointPosition>(&set.command))
-        checkPosition(joints[place], position->value, field + ": position");
+        checkPosition(joints, place, position->value, field + ": position");
     else if (!takesForce[place])
         fail(field, ": a force needs something that resists: give the joint a mass or an inertia, or the body a mass");
 }

@@ -1,6 +1,5 @@
 #include "filasofia/prefab/sensors.h"
 
-#include "filasofia/core/background.h"
 #include "filasofia/core/guarded_call.h"
 #include "filasofia/core/log.h"
 #include "filasofia/core/output_file.h"
@@ -8,14 +7,19 @@
 #include "filasofia/core/validate.h"
 #include "filasofia/core/word.h"
 #include "filasofia/metric/csv.h"
+#include "filasofia/physics/physics_engine.h"
 #include "filasofia/prefab/body_points.h"
 #include "filasofia/runtime/file_failed_event.h"
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <limits>
 #include <mutex>
 #include <set>
+#include <thread>
 #include <utility>
 
 namespace filasofia::prefab {
@@ -25,6 +29,7 @@ using frame::Frame;
 
 constexpr std::size_t kMaxSensors = 1000;
 constexpr std::size_t kSensorChunk = 1 << 16; ///< [bytes] written at once
+constexpr std::chrono::milliseconds kRestOfWriter(100);
 constexpr double kLongestWait = 0.25;         ///< [s], simulated, after which less is written
 constexpr std::size_t kMostWaiting = 1 << 24; ///< [bytes] that may wait for the disk; then the stepping thread writes
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
@@ -44,12 +49,15 @@ public:
 
     Columns operator()(const PositionSensor& of) const
     {
-        checkPoint(of.body, of.element, of.node);
+        const auto def = checkPoint(of.body, of.element, of.node);
+        if (!std::holds_alternative<physics::RigidBodyDef>(*def) && of.tip != Vec3{})
+            refuse("tip must not be given for ", physics::describeBody(*def),
+                   ": only elements of rigid bodies have one");
         return {std::begin(kPlace), std::end(kPlace)};
     }
     Columns operator()(const VelocitySensor& of) const
     {
-        checkPoint(of.body, of.element, of.node);
+        static_cast<void>(checkPoint(of.body, of.element, of.node));
         return {std::begin(kSpeed), std::end(kSpeed)};
     }
     Columns operator()(const ContactForceSensor& of) const
@@ -114,6 +122,9 @@ public:
     Columns operator()(const EnergySensor& of) const
     {
         static_cast<void>(defOf(of.body));
+        if (!simulation_.physics().engine().info().energies)
+            refuse("body must be one of an engine that tells energies, got '",
+                   simulation_.physics().engine().info().name, "'");
         return {"kinetic [J]", "elastic [J]", "gravitational [J]"};
     }
     Columns operator()(const FluidSensor&) const
@@ -142,14 +153,12 @@ private:
         if (index < 0 || static_cast<std::size_t>(index) >= end)
             refuse(field, " must be in [0, ", end, "), got ", index);
     }
-    void checkPoint(BodyId body, int element, const std::optional<int>& node) const
+    [[nodiscard]] std::shared_ptr<const physics::BodyDef> checkPoint(BodyId body, int element,
+                                                                     const std::optional<int>& node) const
     {
         const auto def = defOf(body);
-        const auto* rigid = std::get_if<physics::RigidBodyDef>(def.get());
-        checkIndex("element", element, rigid ? physics::elementCount(*rigid) : 1);
-        if (!node) return;
-        if (rigid) refuse("node must not be given for a rigid body, got ", physics::describeBody(*def));
-        checkIndex("node", *node, nodeCount(*def));
+        checkBodyPoint(*def, element, node, path_);
+        return def;
     }
     void differ(BodyId body, BodyId other, const char* field) const
     {
@@ -173,12 +182,7 @@ public:
 
     void operator()(const PositionSensor& of) const
     {
-        if (const auto* rigid = frame_.rigidBody(of.body)) {
-            const auto element = static_cast<std::size_t>(of.element);
-            if (element < rigid->poses.size()) add(transform(rigid->poses[element], of.tip), values_);
-        } else if (const auto* soft = frame_.softBody(of.body)) {
-            add(of.node ? soft->positions[static_cast<std::size_t>(*of.node)] : *middleOf(frame_, of.body), values_);
-        }
+        if (const auto place = pointOf(frame_, of.body, of.element, of.tip, of.node)) add(*place, values_);
     }
     void operator()(const VelocitySensor& of) const
     {
@@ -309,16 +313,22 @@ struct Sensors::Impl {
             for (const std::string& column : columns[i])
                 waiting += ',' + metric::csvCell(text(def.sensors[i].name, ' ', column));
         waiting += '\n';
+        writer = std::thread([this] { run(); });
     }
+    ~Impl() { close(); }
 
     /// What each sensor reads in a frame, one after the other.
     [[nodiscard]] Values valuesIn(const Frame* frame) const
     {
         Values values;
         for (std::size_t i = 0; i < columns.size(); ++i) {
-            const std::size_t end = values.size() + columns[i].size();
-            if (frame) std::visit(SensorReader(simulation, *frame, values), def.sensors[i].kind);
-            values.resize(end, kUnknown);
+            const std::size_t begin = values.size();
+            try {
+                if (frame) std::visit(SensorReader(simulation, *frame, values), def.sensors[i].kind);
+            } catch (const Error&) { // the body was removed since that state
+                values.resize(begin);
+            }
+            values.resize(begin + columns[i].size(), kUnknown);
         }
         return values;
     }
@@ -339,13 +349,13 @@ struct Sensors::Impl {
         const double period = std::floor(seen * def.rate + 1e-6);
         if (period <= lastPeriod) return;
         lastPeriod = period;
+        const Values values = valuesIn(&*frame);
         waiting += text(seen);
-        for (const double value : valuesIn(&*frame)) {
+        for (const double value : values) {
             waiting += ',';
             if (std::isfinite(value)) waiting += text(value);
         }
         waiting += '\n';
-        lines.fetch_add(1, std::memory_order_relaxed);
         if (waiting.size() > kSensorChunk || seen - handedOver >= kLongestWait) handOver();
     }
     /// Passes the lines on to be written; if the other thread takes some just now, with the next line.
@@ -356,10 +366,22 @@ struct Sensors::Impl {
             if (!lock) return;
             passed += std::exchange(waiting, {});
             handedOver = seen;
-            if (passed.size() <= kMostWaiting)
-                return writer.submit(std::make_shared<BackgroundJob>([this] { write(); }));
+            if (passed.size() <= kMostWaiting) return;
         }
         write();
+    }
+
+    // The writing thread, which is not woken: that would be a system call on the stepping one.
+
+    void run()
+    {
+        for (bool last = false; !last;) {
+            {
+                std::unique_lock lock(resting);
+                last = ending.wait_for(lock, kRestOfWriter, [this] { return stopping; });
+            }
+            write();
+        }
     }
 
     // Any thread.
@@ -372,7 +394,11 @@ struct Sensors::Impl {
             const std::lock_guard taking(passing);
             chunk = std::exchange(passed, {});
         }
-        if (!chunk.empty()) attempt([&] { file->write(chunk), file->flush(); });
+        if (chunk.empty()) return;
+        attempt([&] {
+            file->write(chunk), file->flush();
+            written += static_cast<std::uint64_t>(std::ranges::count(chunk, '\n'));
+        });
     }
     /// After a failure nothing more is written.
     void attempt(const std::function<void()>& write)
@@ -393,25 +419,31 @@ struct Sensors::Impl {
     {
         const std::lock_guard lock(sampling);
         if (std::exchange(closed, true) || !file) return;
-        take();
+        if (const auto problem = guardedCall([this] { take(); }))
+            logWarning("sensors: the last state is not in the table: ", *problem);
         {
             const std::lock_guard passOn(passing);
             passed += std::exchange(waiting, {});
         }
-        write();
+        {
+            const std::lock_guard end(resting);
+            stopping = true;
+        }
+        ending.notify_one();
+        writer.join(); // it has written all
         attempt([this] { file->close(); });
     }
 
     runtime::Simulation& simulation;
     const SensorsDef def;
-    std::vector<Columns> columns; ///< of each sensor
-    std::atomic<std::uint64_t> lines = 0;
+    std::vector<Columns> columns;           ///< one list per sensor
+    std::atomic<std::uint64_t> written = 0; ///< [-], lines, the head among them
     std::atomic<bool> failed = false;
 
     std::mutex
         sampling; ///< held while a state is read: by the stepping thread, which never waits for it, or by close()
     bool closed = false;
-    double seen = -1.0, lastPeriod = -1.0; ///< [s], of the newest state; [-]
+    double seen = -1.0, lastPeriod = -1.0; ///< [s], the newest state; [-]
     std::string waiting;                   ///< lines that are not handed over
     double handedOver = 0.0;               ///< [s], simulated
 
@@ -419,7 +451,11 @@ struct Sensors::Impl {
     std::string passed; ///< lines to be written
     std::mutex writing; ///< held by who writes; before `passing`
     std::optional<OutputFile> file;
-    BackgroundThread writer; // last, because it uses all members above
+
+    std::mutex resting;
+    std::condition_variable ending;
+    bool stopping = false;
+    std::thread writer; // last, because it uses all members above
 };
 
 Sensors::Sensors(runtime::Simulation& simulation, SensorsDef def)
@@ -431,11 +467,18 @@ Sensors::Sensors(runtime::Simulation& simulation, SensorsDef def)
         if (const auto impl = weak.lock()) impl->observe();
     });
     simulation.remember({.of = "sensors",
-                         .save = [] { return std::any(); },
+                         .save =
+                             [weak] {
+                                 const auto impl = weak.lock();
+                                 return impl ? std::any(true) : std::any(); // there is a table
+                             },
                          .restore = [](const std::any&) {},
                          .check =
                              [weak](const std::any&) {
-                                 if (const auto impl = weak.lock(); impl && !impl->closed)
+                                 const auto impl = weak.lock();
+                                 if (!impl) return;
+                                 const std::lock_guard lock(impl->sampling);
+                                 if (!impl->closed)
                                      fail("restore: sensors are written to '", shortened(impl->def.file),
                                           "', where time only goes on");
                              }});
@@ -458,7 +501,11 @@ std::vector<SensorReading> Sensors::read() const
 }
 
 void Sensors::close() { impl_->close(); }
-std::uint64_t Sensors::lines() const { return impl_->lines.load(); }
+std::uint64_t Sensors::lines() const
+{
+    const std::uint64_t written = impl_->written.load();
+    return written > 0 ? written - 1 : 0;
+}
 bool Sensors::failed() const { return impl_->failed.load(); }
 
 } // namespace filasofia::prefab

@@ -44,12 +44,11 @@ void UnseenBodies::look(const visual::VisualServer& server)
             all.add(reach.farthest);
             return reach.farthest >= lens.near && reach.nearest <= lens.far;
         });
-        if (seen) continue;
-        std::string line = text("camera '", lens.name, "' shows no body: it shows what is ", lens.near, " (near) to ",
-                                lens.far, " m (far) ahead, and the bodies are at ", all.nearest, " to ", all.farthest,
-                                " m", all.farthest < 0.0 ? ", behind it" : "");
-        if (line != told_) logWarning(line);
-        told_ = std::move(line);
+        const std::string camera = text("camera '", lens.name, "' shows no body: it shows what is ", lens.near,
+                                        " (near) to ", lens.far, " m (far) ahead");
+        if (!seen && told_.insert(camera).second)
+            logWarning(camera, ", and the bodies are at ", all.nearest, " to ", all.farthest, " m",
+                       all.farthest < 0.0 ? ", behind it" : "");
     }
 }
 

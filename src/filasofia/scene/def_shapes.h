@@ -41,6 +41,7 @@ template <> inline constexpr bool kFlat<SceneView> = true;
 template <> inline constexpr bool kFlat<SceneFollow> = true;
 template <> inline constexpr bool kFlat<SceneInstrument> = true;
 template <> inline constexpr bool kFlat<SceneKnot> = true;
+template <> inline constexpr bool kFlat<prefab::SensorDef> = true;
 template <> inline constexpr bool kFlat<SceneBody> = true; ///< its first field's members stand beside its others
 
 /// Objects that may also be written as a list of their numbers.
@@ -72,8 +73,13 @@ template <class T> std::vector<std::string_view> required()
     else if constexpr (std::is_same_v<T, TimedCommand>)
         return {"time", "type"};
     else if constexpr (IsAnyOf<T, physics::Attach, physics::AttachRigid, SceneFollow, Reached, Held, Parted, Pierced,
-                               prefab::TrackedBody>)
+                               prefab::TrackedBody, prefab::PositionSensor, prefab::VelocitySensor,
+                               prefab::ContactForceSensor, prefab::AttachmentForceSensor, prefab::JointSensor,
+                               prefab::CavitySensor, prefab::DuctSensor, prefab::BloodSensor, prefab::HeatSensor,
+                               prefab::ElectrodeSensor, prefab::EnergySensor>)
         return {"body"};
+    else if constexpr (std::is_same_v<T, physics::JointMimic>)
+        return {"joint"};
     else if constexpr (std::is_same_v<T, Touched>)
         return {"first", "second"};
     else if constexpr (std::is_same_v<T, SceneTaskStep>)

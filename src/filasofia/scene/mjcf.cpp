@@ -27,6 +27,7 @@ public:
         readOption();
         readBodies();
         readActuators();
+        readEqualities();
         std::vector<SceneBody> soft;
         for (const MjcfPending& each : bodies_.flexes)
             if (auto body = flexes_.read(each)) soft.push_back(std::move(*body));
@@ -43,7 +44,7 @@ private:
     void checkSections()
     {
         const std::vector<std::string> known = {"compiler",  "option",   "default",  "asset",
-                                                "worldbody", "actuator", "statistic"};
+                                                "worldbody", "actuator", "equality", "statistic"};
         for (const Element& each : source_.childrenOf(source_.root()))
             if (std::ranges::find(known, each.tag()) == known.end())
                 reader_.tell(each, text("<", each.tag()),
@@ -88,21 +89,75 @@ private:
                 drive(*joint, goes);
             }
     }
-    void drive(const Attribute& name, bool goes)
+    /// The number of a joint's body, and its number there.
+    [[nodiscard]] std::pair<std::size_t, std::size_t> jointNamed(const Attribute& name) const
     {
         const auto found = bodies_.joints.find(name.words);
-        if (found == bodies_.joints.end()) {
-            std::vector<std::string> known;
-            for (const auto& each : bodies_.joints) known.push_back(each.first);
-            reader_.refuse(name, "must be the name of a hinge or a slide", didYouMean(name.words, known));
-        }
-        const auto [tree, joint] = found->second;
+        if (found != bodies_.joints.end()) return found->second;
+        std::vector<std::string> known;
+        for (const auto& each : bodies_.joints) known.push_back(each.first);
+        reader_.refuse(name, "must be the name of a hinge or a slide", didYouMean(name.words, known));
+    }
+    void drive(const Attribute& name, bool goes)
+    {
+        const auto [tree, joint] = jointNamed(name);
         physics::JointDef& def = bodies_.trees[tree].def.articulation.joints[joint];
         if (!goes) return; // a force, 0 until one is commanded: as without a motor
         reader_.note(name.at, "position actuator",
                      "<position> is read as a joint that goes to 0 and to what it is told, "
                      "whatever is in its way");
         def.command = physics::JointPosition{std::clamp(0.0, def.lower, def.upper)};
+    }
+
+    void readEqualities()
+    {
+        for (const Element& section : source_.sections("equality"))
+            for (const Element& each : source_.childrenOf(section)) {
+                if (each.tag() == "joint")
+                    follow(each);
+                else
+                    reader_.tell(each, text("equality ", each.tag()),
+                                 text("<", text(each.tag()).substr(0, 80), "> of <equality> is not read"));
+            }
+    }
+    /// A joint that is a polynomial of another one, or of nothing: y - y0 = a0 + a1 (x - x0), from where both are in
+    /// the file.
+    void follow(const Element& equality)
+    {
+        reader_.tellUnread(equality, {"name", "class", "joint1", "joint2", "polycoef", "active", "solref", "solimp"});
+        const Attributes says(equality);
+        if (!reader_.flag(says, "active", true)) return;
+        const auto first = says.find("joint1"), second = says.find("joint2"), polynomial = says.find("polycoef");
+        if (!first) reader_.refuse(equality, "must say its joint1");
+        std::vector<double> a = {0.0, 1.0, 0.0, 0.0, 0.0};
+        if (polynomial) std::ranges::copy(reader_.numbers(*polynomial, 1, 5, closed(-1e6, 1e6)), a.begin());
+        const auto [tree, joint] = jointNamed(*first);
+        const auto other = second ? jointNamed(*second) : std::pair(tree, joint);
+        if (other.first != tree || (second && other.second == joint))
+            reader_.refuse(*second, "must be another joint of the same body");
+        std::vector<physics::JointDef>& joints = bodies_.trees[tree].def.articulation.joints;
+        physics::JointDef& def = joints[joint];
+        if (a[2] != 0.0 || a[3] != 0.0 || a[4] != 0.0)
+            reader_.tell(equality, "polycoef",
+                         "<joint> of <equality> follows in proportion: higher powers are not read");
+        const bool followed = std::ranges::any_of(joints, [joint = joint](const physics::JointDef& each) {
+            return each.mimic && each.mimic->joint == static_cast<int>(joint);
+        });
+        if (def.mimic || (second && (followed || joints[other.second].mimic)))
+            reader_.refuse(equality, "must not join what another one joins: a joint follows one that follows none");
+        if (def.command && std::holds_alternative<physics::JointPosition>(*def.command))
+            reader_.tell(equality, "actuator of joint1",
+                         "<position> of a joint1 of <equality> is not read: joint2 moves it");
+        const double from = bodies_.references.at({tree, joint});
+        if (!second) {
+            def.command = physics::JointPosition{std::clamp(from + a[0], def.lower, def.upper)};
+            return;
+        }
+        def.mimic = physics::JointMimic{.joint = static_cast<int>(other.second),
+                                        .multiplier = a[1],
+                                        .offset = from + a[0] - a[1] * bodies_.references.at(other)};
+        def.command.reset();
+        def.start = 0.0;
     }
 
     void addTrees()

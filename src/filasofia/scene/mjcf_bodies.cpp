@@ -178,6 +178,7 @@ MjcfPlace MjcfBodies::addJoint(const Attributes& says, const Pose& frame, const 
     def.friction = reader_.number(says, "frictionloss", 0.0, closed(0, 1e12));
     def.inertia = reader_.number(says, "armature", 0.0, closed(0, 1e12));
     RigidTree& tree = trees[place.tree];
+    references[{place.tree, tree.def.articulation.joints.size()}] = turns ? source_.angle(ref) : ref;
     const std::string jointName = reader_.word(says, "name");
     const int element = tree.add(def, jointName, link);
     if (!jointName.empty() && !joints.emplace(jointName, std::pair{place.tree, tree.links() - 2}).second)

@@ -32,6 +32,7 @@ public:
     std::vector<MjcfPending> flexes, cameras, lights;
     /// The tree and the joint of a name.
     std::map<std::string, std::pair<std::size_t, std::size_t>, std::less<>> joints;
+    std::map<std::pair<std::size_t, std::size_t>, double> references; ///< [rad] or [m], where joints are in the file
 
     /// The pose in our world, as it is at the start; when all bodies have been read.
     [[nodiscard]] Pose worldPose(const MjcfPlace& place);

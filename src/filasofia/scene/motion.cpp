@@ -132,6 +132,8 @@ void checkMotions(const SceneBody& body)
         if (joints == 0) fail(name, " needs a body with an articulation");
         if (motion.joint < 0 || static_cast<std::size_t>(motion.joint) >= joints)
             fail(name, ".joint must be in [0, ", joints, "), got ", motion.joint);
+        if (const auto& mimic = rigid->articulation.joints[static_cast<std::size_t>(motion.joint)].mimic)
+            fail(name, ".joint must take commands, got ", motion.joint, ", which mimics joint ", mimic->joint);
         checkOnce(body.jointMotions, i, &JointMotion::joint, name);
         checkKeys(motion, name);
     }

@@ -48,7 +48,7 @@ public:
             else if constexpr (kIsVector<Member>)
                 readList(each.name, member, scene.places);
             else
-                readMembers(each.name, member, scene.places);
+                readMembers(each.name, {each.range, each.unit}, member, scene.places);
         });
         checkDefaults();
         scene.files = {files_.back()->path}; // itself comes last
@@ -144,18 +144,19 @@ private:
         return types;
     }
 
-    template <class T> void readMembers(std::string_view name, T& out, Places& places)
+    template <class T> void readMembers(std::string_view name, const Bound& bound, T& out, Places& places)
     {
         Layers layers;
         for (auto file = files_.rbegin(); file != files_.rend(); ++file)
             if (const auto found = (*file)->root.find(name); found != (*file)->root.end()) layers.push_back({&*found});
         const Place place{nullptr, name};
-        for (const Layer& each : layers)
-            if (!each.json->is_object()) reader_.refuse(*each.json, place, "must be an object");
+        if constexpr (!std::is_arithmetic_v<T>)
+            for (const Layer& each : layers)
+                if (!each.json->is_object()) reader_.refuse(*each.json, place, "must be an object");
         if (layers.empty())
             reader_.fill(place, out);
         else
-            reader_.readMember(layers, place, places, out);
+            reader_.readMember(layers, place, places, out, bound); // a number is that of the last file
     }
     /// The members of all files together.
     template <class T> void readList(std::string_view name, std::vector<T>& out, Places& places)

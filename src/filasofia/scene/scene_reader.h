@@ -42,12 +42,13 @@ public:
     /// From now on all bodies have been read, and what is read may name any.
     void endBodies() { allRead_ = true; }
     /// Reads a member of the scene, and notes where it and what is in it stand.
-    template <class T> void readMember(const Layers& from, const Place& place, Places& places, T& out)
+    template <class T>
+    void readMember(const Layers& from, const Place& place, Places& places, T& out, const Bound& bound = {})
     {
         places_ = &places;
         pathStart_ = 0;
         note(place, *from.front().json);
-        read(from, place, {}, out);
+        read(from, place, bound, out);
         places_ = nullptr;
     }
     /// The next body of the scene; returns its Def, with the place in its file.

@@ -227,6 +227,17 @@ template <class Flat, HasFields Def> Schema flatSchema(const Def*)
     return out;
 }
 
+/// The Def whose fields stand beside those of a flat type.
+template <class T> struct Beside {
+    using Def = decltype(T::def);
+};
+template <> struct Beside<TimedCommand> {
+    using Def = SceneCommand;
+};
+template <> struct Beside<prefab::SensorDef> {
+    using Def = prefab::SensorKind;
+};
+
 } // namespace
 
 std::string sceneSchema()
@@ -234,10 +245,8 @@ std::string sceneSchema()
     Schema defs, partial;
     std::set<std::string> seen;
     auto add = [&]<class T>() {
-        if constexpr (std::is_same_v<T, TimedCommand>)
-            defs[std::string(typeName<T>())] = flatSchema<T>(static_cast<const SceneCommand*>(nullptr));
-        else if constexpr (kFlat<T>)
-            defs[std::string(typeName<T>())] = flatSchema<T>(static_cast<const decltype(T::def)*>(nullptr));
+        if constexpr (kFlat<T>)
+            defs[std::string(typeName<T>())] = flatSchema<T>(static_cast<const typename Beside<T>::Def*>(nullptr));
         else
             defs[std::string(typeName<T>())] = wholeObject<T>();
         const bool partly = kFlat<T> || !required<T>().empty();

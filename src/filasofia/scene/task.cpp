@@ -122,20 +122,9 @@ public:
     void goBack(std::optional<double> since) { since_ = since; }
 
 private:
-    static std::optional<Vec3> pointOf(const Frame& frame, const Reached& of)
-    {
-        const auto* rigid = frame.rigidBody(of.body);
-        const auto element = static_cast<std::size_t>(of.element);
-        if (!rigid && of.node) {
-            const auto* soft = frame.softBody(of.body);
-            return soft ? std::optional(soft->positions[static_cast<std::size_t>(*of.node)]) : std::nullopt;
-        }
-        if (!rigid) return prefab::middleOf(frame, of.body);
-        return element < rigid->poses.size() ? std::optional(transform(rigid->poses[element], of.tip)) : std::nullopt;
-    }
     static bool holds(const Frame& frame, const Reached& reached)
     {
-        const auto from = pointOf(frame, reached);
+        const auto from = prefab::pointOf(frame, reached.body, reached.element, reached.tip, reached.node);
         const auto to = reached.place ? reached.place : prefab::middleOf(frame, reached.target);
         return from && to && distance(*from, *to) <= reached.within;
     }
@@ -188,14 +177,7 @@ public:
         if (c.place.has_value() == static_cast<bool>(c.target))
             fail(path_, " must have a place or a target, and not both");
         differ(c.body, c.target);
-        const auto* rigid = std::get_if<physics::RigidBodyDef>(&*server_.def(c.body));
-        const std::size_t elements = rigid ? physics::elementCount(*rigid) : 1;
-        if (static_cast<std::size_t>(c.element) >= elements)
-            fail(path_, ".element must be in [0, ", elements, "), got ", c.element);
-        if (!c.node) return;
-        if (rigid) fail(path_, ".node must not be given for a rigid body: it has a tip");
-        const std::size_t nodes = prefab::nodeCount(*server_.def(c.body));
-        if (static_cast<std::size_t>(*c.node) >= nodes) fail(path_, ".node must be in [0, ", nodes, "), got ", *c.node);
+        prefab::checkBodyPoint(*server_.def(c.body), c.element, c.node, path_ + ".");
     }
     void operator()(const Touched& c) const
     {

@@ -21,6 +21,7 @@ struct UrdfLink {
 struct UrdfJoint {
     Element element;
     int child = 0;
+    int place = -1; ///< among the joints of the body; -1: it is fixed
 };
 
 class UrdfLoader {
@@ -39,6 +40,8 @@ public:
         readParts();
         connect();
         build(rootLink());
+        for (const UrdfJoint& each : joints_)
+            if (each.place >= 0 && childOf(each.element, "mimic")) follow(each);
         Imported out;
         SceneBody body = tree_.finish(reader_);
         out.scene.bodies.push_back(std::move(body));
@@ -164,7 +167,7 @@ private:
         return true;
     }
 
-    Place enter(const UrdfJoint& joint, const Place& from)
+    Place enter(UrdfJoint& joint, const Place& from)
     {
         static const std::vector<std::string> kinds = {"fixed",     "revolute", "continuous",
                                                        "prismatic", "floating", "planar"};
@@ -190,7 +193,43 @@ private:
                               .parentOffset = frame};
         readJoint(element, kind == 2, def);
         const std::string child = links_[joint.child].element.node.attribute("name").value();
+        joint.place = static_cast<int>(tree_.def.articulation.joints.size());
         return {joint.child, tree_.add(def, reader_.word(says, "name"), child), {}};
+    }
+
+    /// Lets a joint follow another one, which may follow a third.
+    void follow(const UrdfJoint& joint)
+    {
+        physics::JointMimic way{.multiplier = 1.0, .offset = 0.0};
+        const UrdfJoint* at = &joint;
+        Element mimic = childOf(joint.element, "mimic");
+        for (std::size_t steps = 0; mimic; ++steps, mimic = childOf(at->element, "mimic")) {
+            if (steps > joints_.size()) reader_.refuse(childOf(joint.element, "mimic"), "must not lead back to itself");
+            const Attributes says(mimic);
+            way.offset += way.multiplier * reader_.number(says, "offset", 0.0, closed(-1e6, 1e6));
+            way.multiplier *= reader_.number(says, "multiplier", 1.0, closed(-1e6, 1e6));
+            at = &jointOf(mimic);
+        }
+        if (at->place < 0)
+            reader_.refuse(childOf(joint.element, "mimic"), "must lead to a joint that moves, and not to a fixed one");
+        way.joint = at->place;
+        physics::JointDef& def = tree_.def.articulation.joints[static_cast<std::size_t>(joint.place)];
+        def.mimic = way;
+        def.command.reset();
+        def.start = 0.0;
+    }
+    /// The joint that a <mimic> names.
+    [[nodiscard]] const UrdfJoint& jointOf(const Element& mimic) const
+    {
+        const auto name = Attributes(mimic).find("joint");
+        if (!name) reader_.refuse(mimic, "must say its joint");
+        const auto found = jointNames_.find(std::string(name->words));
+        if (found == jointNames_.end()) {
+            std::vector<std::string> known;
+            for (const auto& each : jointNames_) known.push_back(each.first);
+            reader_.refuse(*name, "must be the name of a joint", didYouMean(name->words, known));
+        }
+        return joints_[static_cast<std::size_t>(found->second)];
     }
 
     void readJoint(const Element& element, bool endless, physics::JointDef& def)
@@ -210,7 +249,7 @@ private:
                 def.damping = reader_.number(says, "damping", 0.0, closed(0, 1e12));
                 def.friction = reader_.number(says, "friction", 0.0, closed(0, 1e12));
             } else if (inner.tag() == "mimic") {
-                reader_.tell(inner, "<mimic>", "<mimic> is not read: the joint moves by itself");
+                reader_.tellUnread(inner, {"joint", "multiplier", "offset"});
             } else if (inner.tag() != "origin" && inner.tag() != "parent" && inner.tag() != "child") {
                 reader_.tellUnread(inner);
             }

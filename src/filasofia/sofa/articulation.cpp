@@ -170,7 +170,7 @@ std::vector<double> Articulation::changeBy(std::span<const Part> impulses) const
     for (const auto& [link, impulse] : impulses)
         for (std::size_t f = 0; f < plan_.free.size(); ++f)
             if (engine::moves(tree_, plan_.free[f], link))
-                pushes[f] += engine::forceOn(tree_, plan_.axes, plan_.free[f], poses_[at(link)].position,
+                pushes[f] += engine::forceOn(tree_, plan_.axes, plan_.free[f], link, poses_[at(link)].position,
                                              fromSofa(getVCenter(impulse)), fromSofa(getVOrientation(impulse)));
     if (!plan_.free.empty()) engine::multiply(plan_.step.inverse, pushes, change);
     return change;
@@ -228,7 +228,8 @@ void Articulation::load(std::span<const PointForce> forces, std::span<const doub
         joint.load = joint.stop = 0.0;
         for (const PointForce& each : forces)
             if (engine::moves(tree_, static_cast<int>(j), each.element))
-                joint.load += engine::forceOn(tree_, plan_.axes, static_cast<int>(j), each.point, each.force, {});
+                joint.load +=
+                    engine::forceOn(tree_, plan_.axes, static_cast<int>(j), each.element, each.point, each.force, {});
         const auto* given = std::get_if<physics::JointForce>(&state_.commands[j]);
         joint.force = given ? given->value : -joint.load; // what its motion takes
     }

@@ -104,6 +104,77 @@ TEST_CASE("a joint moves to its commanded position at its speed and then stays t
     CHECK(body.angularVelocities[1].z == Approx(10.0));
 }
 
+TEST_CASE("a joint with a mimic is where the other one is, in proportion, and keeps it within its own limits")
+{
+    physics::RigidBodyDef def = jawBody(JointPosition{0.3});
+    def.articulation.joints[0].start = 0.2;
+    physics::JointDef slide{.kind = physics::JointKind::Prismatic, .axis = {1, 0, 0}, .child = 2, .upper = 0.05};
+    slide.mimic = physics::JointMimic{.joint = 0, .multiplier = -0.1, .offset = 0.06};
+    def.articulation.joints.push_back(slide);
+    Stage stage;
+    stage.add(def);
+    stage.step(0.0);
+    const auto place = [&] { return stage.world.scene().rigid[0].state.poses[2].position.x; };
+    CHECK(place() == Approx(0.04).epsilon(1e-14)); // -0.1 * 0.2 + 0.06
+    double before = joint(stage, 0, 1).now.position;
+    for (int i = 0; i < 400; ++i) {
+        if (i == 150) stage.post(SetJoint{{1}, 0, JointPosition{-0.2}});
+        stage.step(1e-3);
+        const frame::Joint own = joint(stage, 0, 0).now, other = joint(stage, 0, 1).now;
+        CHECK(other.position == Approx(-0.1 * own.position + 0.06).epsilon(1e-14));
+        CHECK(other.velocity == Approx((other.position - before) / 1e-3).margin(1e-12));
+        before = other.position;
+    }
+    CHECK(joint(stage).now.position == Approx(0.1)); // where the other one is at its limit
+    CHECK(place() == Approx(0.05));
+    stage.post(SetJoint{{1}, 0, JointPosition{0.3}});
+    stage.run(100, 1e-3);
+    CHECK(place() == Approx(0.03));
+    stage.post(physics::Reset{});
+    stage.step(1e-3);
+    CHECK(place() == Approx(0.04).margin(0.1 * 3.0 * 1e-3)); // a step from its start
+}
+
+TEST_CASE("two jaws of which one mimics the other swing as one, and a torque on either moves both")
+{
+    physics::RigidBodyDef def = jawBody(JointForce{});
+    def.gravity = true;
+    def.articulation.joints[0].damping = 2e-5;
+    physics::JointDef second = def.articulation.joints[0];
+    second.command.reset();
+    second.child = 2;
+    second.mimic = physics::JointMimic{.joint = 0};
+    Stage one, both;
+    one.add(def);
+    def.articulation.joints.push_back(second);
+    both.add(def);
+    for (Stage* each : {&one, &both}) each->post(physics::SetGravity{{0, -kGravity, 0}});
+    for (int i = 0; i < 300; ++i) {
+        one.step(1e-3), both.step(1e-3);
+        CHECK(joint(both).now.position == Approx(joint(one).now.position).margin(1e-9));
+        CHECK(joint(both, 0, 1).now.position == joint(both).now.position);
+    }
+    CHECK(std::abs(joint(both).now.position) > 0.5);
+    CHECK(both.world.energyOf({1}).kinetic == Approx(2.0 * one.world.energyOf({1}).kinetic));
+
+    def.gravity = false; // one jaw against the other, with a drive that has an inertia of its own
+    def.articulation.joints[0].damping = def.articulation.joints[1].damping = 0.0;
+    def.articulation.joints[1].mimic->multiplier = -2.0;
+    def.articulation.joints[1].inertia = 3e-6;
+    for (const int link : {1, 2}) {
+        Stage stage;
+        stage.add(def);
+        stage.post(physics::SetWrench{.id = {1}, .element = link, .torque = {0, 0, 1e-3}});
+        stage.step(1e-3);
+        const double inertia = kHingeInertia + 4.0 * (kHingeInertia + 3e-6);
+        const double velocity = (link == 1 ? 1.0 : -2.0) * 1e-6 / inertia;
+        CHECK(joint(stage).now.velocity == Approx(velocity).epsilon(1e-4));
+        CHECK(joint(stage, 0, 1).now.velocity == -2.0 * joint(stage).now.velocity);
+        const RigidState& body = stage.world.scene().rigid[0].state;
+        CHECK(body.angularVelocities[2].z == Approx(-2.0 * velocity).epsilon(1e-4));
+    }
+}
+
 TEST_CASE("a joint comes to rest at its stop, whose reaction balances the force and the weight")
 {
     for (const bool upper : {false, true}) {

@@ -128,21 +128,26 @@ TEST_CASE("the columns of the Jacobian and the velocities of links match finite 
     const auto way = [&](const Pose& before, const Pose& after, Vec3 at) {
         return (0.5 / h) * (transform(after, at) - transform(before, at));
     };
-    for (int j = 0; j < 6; ++j) {
-        std::vector<double> less = kQ, more = kQ;
-        less[static_cast<std::size_t>(j)] -= h;
-        more[static_cast<std::size_t>(j)] += h;
-        const Links before(tree, base, less), after(tree, base, more);
-        for (int link = 1; link < 7; ++link) {
-            const auto l = static_cast<std::size_t>(link);
-            const Vec3 there = transform(links.poses[l], point);
-            const LinkMotion column = columnAt(tree, links.axes, j, there);
-            const bool moved = moves(tree, j, link);
-            CHECK(length(way(before.poses[l], after.poses[l], point) - (moved ? column.linear : Vec3{})) < 1e-8);
-            const Quat turn = after.poses[l].orientation * conjugate(before.poses[l].orientation);
-            CHECK(length((0.5 / h) * rotationVector(turn) - (moved ? column.angular : Vec3{})) < 1e-8);
+    std::vector<LinkJoint> coupled = tree.joints;
+    coupled[4].mimics = 0, coupled[4].multiplier = -0.7; // further out on the same path
+    coupled[5].mimics = 3, coupled[5].multiplier = 1.3;  // on another one
+    for (const LinkTree& each : {tree, linkTree(coupled)})
+        for (int j = 0; j < 6; ++j) {
+            if (each.joints[static_cast<std::size_t>(j)].mimics >= 0) continue;
+            std::vector<double> less = kQ, more = kQ;
+            addVelocities(each, std::array{j}, std::array{-h}, less);
+            addVelocities(each, std::array{j}, std::array{h}, more);
+            const Links before(each, base, less), after(each, base, more);
+            for (int link = 1; link < 7; ++link) {
+                const auto l = static_cast<std::size_t>(link);
+                const Vec3 there = transform(links.poses[l], point);
+                const LinkMotion column = columnAt(each, links.axes, j, link, there);
+                const bool moved = moves(each, j, link);
+                CHECK(length(way(before.poses[l], after.poses[l], point) - (moved ? column.linear : Vec3{})) < 1e-8);
+                const Quat turn = after.poses[l].orientation * conjugate(before.poses[l].orientation);
+                CHECK(length((0.5 / h) * rotationVector(turn) - (moved ? column.angular : Vec3{})) < 1e-8);
+            }
         }
-    }
 
     const LinkMotion of{{0.3, 0.1, -0.5}, {0.7, -1.1, 0.2}}; // the base's motion
     std::vector<LinkMotion> motion(7, of);
@@ -229,7 +234,7 @@ TEST_CASE("inverse dynamics matches the Newton-Euler equations of every link")
         const Vec3 torque = (1.0 / h) * (spin(now, after) - spin(before, now));
         for (int j = 0; j < 6; ++j) {
             if (!moves(tree, j, static_cast<int>(l))) continue;
-            const LinkMotion column = columnAt(tree, now.axes, j, centre(now));
+            const LinkMotion column = columnAt(tree, now.axes, j, static_cast<int>(l), centre(now));
             expected[static_cast<std::size_t>(j)] += dot(column.linear, force) + dot(column.angular, torque);
         }
     }

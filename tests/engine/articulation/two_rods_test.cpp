@@ -73,7 +73,51 @@ std::array<double, 2> doublePendulum(std::array<double, 2> angles, double time)
     return {y[0], y[1]};
 }
 
+/// [rad] The angle of the upper rod after `time` [s] from rest if the elbow's is `ratio` times it (Runge-Kutta).
+double coupledPendulum(double angle, double ratio, double time)
+{
+    const double k = 1.0 + ratio, carried = kRodMass * kRod * kRod, weight = kRodMass * kGravity * kRod;
+    const double own = kRodInertia + 0.25 * carried;
+    const auto gain = [&](double q, double w) {
+        const double inertia = own + carried + k * k * own + k * carried * std::cos((1.0 - k) * q);
+        const double slope = -k * carried * (1.0 - k) * std::sin((1.0 - k) * q);
+        return (-0.5 * slope * w * w - 1.5 * weight * std::sin(q) - 0.5 * k * weight * std::sin(k * q)) / inertia;
+    };
+    double w = 0.0;
+    constexpr double h = 1e-5;
+    for (int i = 0; i < std::lround(time / h); ++i) {
+        const double k1 = gain(angle, w), k2 = gain(angle + 0.5 * h * w, w + 0.5 * h * k1),
+                     k3 = gain(angle + 0.5 * h * (w + 0.5 * h * k1), w + 0.5 * h * k2),
+                     k4 = gain(angle + h * (w + 0.5 * h * k2), w + h * k3);
+        angle += h * w + h * h / 6.0 * (k1 + k2 + k3);
+        w += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
+    }
+    return angle;
+}
+
 } // namespace
+
+TEST_CASE("a finger whose outer joint mimics the inner one swings as one degree of freedom does, and keeps its energy")
+{
+    for (const double ratio : {1.0, 0.5, 3.0, -2.0}) {
+        INFO(ratio);
+        physics::RigidBodyDef def = twoRods({0.6, 0.0});
+        def.articulation.joints[1].command.reset();
+        def.articulation.joints[1].mimic = physics::JointMimic{.joint = 0, .multiplier = ratio};
+        Stage stage;
+        stage.post(physics::SetGravity{{0, -kGravity, 0}});
+        stage.add(def);
+        stage.step(1e-4); // so that velocities and places are known
+        const double before = rodsMotion(stage, kGravity).energy;
+        double worst = 0.0;
+        for (int i = 1; i < 20000; ++i) {
+            stage.step(1e-4);
+            worst = std::max(worst, std::abs(rodsMotion(stage, kGravity).energy - before));
+            if (i == 2999) CHECK(joint(stage).now.position == Approx(coupledPendulum(0.6, ratio, 0.3)).margin(3e-3));
+        }
+        CHECK(worst < 0.02 * kRodMass * kGravity * kRod);
+    }
+}
 
 TEST_CASE("a double pendulum follows its equations of motion and does not drift in energy")
 {

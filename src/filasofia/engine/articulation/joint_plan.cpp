@@ -31,9 +31,33 @@ double givenForce(const JointedBody& body, const LinkLoads& loads, const std::ve
     for (std::size_t link = 0; link < masses.size(); ++link) {
         const Wrench& wrench = loads.wrenches[link];
         if (wrench == Wrench{} || !moves(body.tree, joint, static_cast<int>(link))) continue;
-        force += forceOn(body.tree, plan.axes, joint, masses[link].centre, wrench.force, wrench.torque);
+        force += forceOn(body.tree, plan.axes, joint, static_cast<int>(link), masses[link].centre, wrench.force,
+                         wrench.torque);
     }
     return force;
+}
+
+/// Whether joint j mimics a free joint.
+bool followsFree(const LinkTree& tree, const JointPlan& plan, std::size_t j)
+{
+    const int other = tree.joints[j].mimics;
+    return other >= 0 && plan.place[static_cast<std::size_t>(other)] >= 0;
+}
+
+/// Moves the joints that follow others: those of a free joint are at their start, as that one is.
+void planMimics(const JointedBody& body, double dt, JointPlan& plan)
+{
+    for (std::size_t j = 0; j < body.joints.size(); ++j) {
+        const LinkJoint& joint = body.tree.joints[j];
+        if (joint.mimics < 0) continue;
+        const auto other = static_cast<std::size_t>(joint.mimics);
+        if (followsFree(body.tree, plan, j)) {
+            plan.velocities[j] = joint.multiplier * plan.velocities[other];
+        } else {
+            plan.ends[j] = joint.multiplier * plan.ends[other] + joint.offset;
+            plan.velocities[j] = dt > 0.0 ? (plan.ends[j] - body.joints[j].now.position) / dt : 0.0;
+        }
+    }
 }
 
 } // namespace
@@ -46,7 +70,9 @@ JointPlan planMotion(const JointedBody& body, double dt)
     out.place.assign(body.joints.size(), -1);
     for (std::size_t j = 0; j < body.joints.size(); ++j) {
         const DrivenJoint& joint = body.joints[j];
-        if (std::holds_alternative<JointForce>(joint.command)) {
+        if (body.tree.joints[j].mimics >= 0) {
+            out.velocities.push_back(0.0); // planMimics() finds it
+        } else if (std::holds_alternative<JointForce>(joint.command)) {
             out.place[j] = static_cast<int>(out.free.size());
             out.free.push_back(static_cast<int>(j));
             out.velocities.push_back(joint.now.velocity);
@@ -56,6 +82,7 @@ JointPlan planMotion(const JointedBody& body, double dt)
             out.velocities.push_back(dt > 0.0 ? (out.ends[j] - joint.now.position) / dt : 0.0);
         }
     }
+    planMimics(body, dt, out);
     out.freeBase = body.freeBase;
     if (!out.freeBase) return out;
     for (int k = 0; k < kBaseJoints; ++k) out.free.push_back(static_cast<int>(body.joints.size()) + k);
@@ -69,7 +96,8 @@ void planFree(const JointedBody& body, const LinkLoads& loads, const LinkMotion&
     const std::vector<LinkMass> masses = massesOf(loads.inertias, body.poses);
     std::vector<double> accelerations(body.joints.size());
     for (std::size_t j = 0; j < accelerations.size(); ++j)
-        if (plan.place[j] < 0) accelerations[j] = (plan.velocities[j] - body.joints[j].now.velocity) / dt;
+        if (plan.place[j] < 0 && !followsFree(body.tree, plan, j))
+            accelerations[j] = (plan.velocities[j] - body.joints[j].now.velocity) / dt;
     const LinkMotion gaining{1.0 / dt * (base.linear - body.base.linear), // zero if the base is free
                              1.0 / dt * (base.angular - body.base.angular)};
     std::vector<double> forces;
@@ -89,12 +117,18 @@ bool moveJoints(const LinkTree& tree, const JointPlan& plan, std::span<const dou
 {
     for (std::size_t j = 0; j < joints.size(); ++j) {
         if (plan.place[j] < 0) {
-            joints[j].now = {plan.ends[j], plan.velocities[j]};
+            if (!followsFree(tree, plan, j)) joints[j].now = {plan.ends[j], plan.velocities[j]};
             continue;
         }
         const double velocity = plan.velocities[j] + change[static_cast<std::size_t>(plan.place[j])];
         if (!(std::abs(velocity) < physics::kFarthest)) return false;
         joints[j].now = moved(tree.joints[j], joints[j].now.position, velocity, dt);
+        for (const int each : tree.followers[j]) {
+            const LinkJoint& follower = tree.joints[static_cast<std::size_t>(each)];
+            joints[static_cast<std::size_t>(each)].now = {follower.multiplier * joints[j].now.position +
+                                                              follower.offset,
+                                                          follower.multiplier * joints[j].now.velocity};
+        }
     }
     return true;
 }

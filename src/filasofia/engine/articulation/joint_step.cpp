@@ -46,7 +46,7 @@ std::vector<double> changeAt(const MovingTree& moving, const JointDrive& drive, 
                              const JointMatrix& inverse, std::span<const double> change, double dt)
 {
     std::vector<double> velocities(moving.velocities.begin(), moving.velocities.end());
-    for (std::size_t f = 0; f < change.size(); ++f) velocities[static_cast<std::size_t>(drive.free[f])] += change[f];
+    addVelocities(moving.tree, drive.free.first(change.size()), change, velocities);
     MovingTree then = moving;
     then.velocities = velocities;
     if (drive.freeBase) {
@@ -105,9 +105,10 @@ JointStep planJoints(const MovingTree& moving, const JointDrive& drive, double d
     return out;
 }
 
-double forceOn(const LinkTree& tree, std::span<const JointAxis> axes, int joint, Vec3 point, Vec3 force, Vec3 torque)
+double forceOn(const LinkTree& tree, std::span<const JointAxis> axes, int joint, int link, Vec3 point, Vec3 force,
+               Vec3 torque)
 {
-    const LinkMotion column = columnAt(tree, axes, joint, point);
+    const LinkMotion column = columnAt(tree, axes, joint, link, point);
     return dot(column.linear, force) + dot(column.angular, torque);
 }
 
@@ -133,7 +134,7 @@ std::vector<LinkMotion> linkChanges(const LinkTree& tree, std::span<const JointA
                                     std::span<const int> free, std::span<const double> change)
 {
     std::vector<double> all(tree.joints.size() + kBaseJoints);
-    for (std::size_t f = 0; f < free.size(); ++f) all[static_cast<std::size_t>(free[f])] = change[f];
+    addVelocities(tree, free, change, all);
     const std::span<const double> base = std::span(all).subspan(tree.joints.size());
     std::vector<LinkMotion> motion(tree.jointOf.size());
     motion[0] = {{base[0], base[1], base[2]}, {base[3], base[4], base[5]}};

@@ -41,7 +41,8 @@ JointStep planJoints(const MovingTree& moving, const JointDrive& drive, double d
 inline constexpr double kMostAtStop = 1000.0;
 
 /// The generalised force of a force and a torque at a link's point on a joint that moves it.
-double forceOn(const LinkTree& tree, std::span<const JointAxis> axes, int joint, Vec3 point, Vec3 force, Vec3 torque);
+double forceOn(const LinkTree& tree, std::span<const JointAxis> axes, int joint, int link, Vec3 point, Vec3 force,
+               Vec3 torque);
 
 struct JointMotion {
     double position = 0.0; ///< [rad] or [m]

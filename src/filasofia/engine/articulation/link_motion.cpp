@@ -43,6 +43,22 @@ LinkMotion childAcceleration(const MovingTree& all, int number, const LinkMotion
     return {atAxis + carried(turning, w + moving, to - axis.origin), turning.angular};
 }
 
+/// Whether a joint lies on the path from the base to a link.
+bool carries(const LinkTree& tree, int joint, int link)
+{
+    for (int j = tree.jointOf[at(link)]; j >= 0; j = tree.jointOf[at(tree.joints[at(j)].parent)])
+        if (j == joint) return true;
+    return false;
+}
+
+/// The velocity of a point on a part that the joint carries, if its own velocity is 1.
+LinkMotion ownColumn(const LinkTree& tree, std::span<const JointAxis> axes, int joint, Vec3 point)
+{
+    const JointAxis& axis = axes[at(joint)];
+    if (slides(tree, joint)) return {axis.direction, {}};
+    return {cross(axis.direction, point - axis.origin), axis.direction};
+}
+
 } // namespace
 
 bool isOfBase(const LinkTree& tree, int joint) { return at(joint) >= tree.joints.size(); }
@@ -76,17 +92,33 @@ std::vector<JointAxis> jointAxes(const LinkTree& tree, std::span<const Pose> pos
 
 bool moves(const LinkTree& tree, int joint, int link)
 {
-    if (isOfBase(tree, joint)) return true;
-    for (int j = tree.jointOf[at(link)]; j >= 0; j = tree.jointOf[at(tree.joints[at(j)].parent)])
-        if (j == joint) return true;
-    return false;
+    if (isOfBase(tree, joint) || carries(tree, joint, link)) return true;
+    return std::ranges::any_of(tree.followers[at(joint)], [&](int each) { return carries(tree, each, link); });
 }
 
-LinkMotion columnAt(const LinkTree& tree, std::span<const JointAxis> axes, int joint, Vec3 point)
+LinkMotion columnAt(const LinkTree& tree, std::span<const JointAxis> axes, int joint, int link, Vec3 point)
 {
-    const JointAxis& axis = axes[at(joint)];
-    if (slides(tree, joint)) return {axis.direction, {}};
-    return {cross(axis.direction, point - axis.origin), axis.direction};
+    if (isOfBase(tree, joint) || tree.followers[at(joint)].empty()) return ownColumn(tree, axes, joint, point);
+    LinkMotion sum;
+    if (carries(tree, joint, link)) sum = ownColumn(tree, axes, joint, point);
+    for (const int each : tree.followers[at(joint)]) {
+        if (!carries(tree, each, link)) continue;
+        const LinkMotion column = ownColumn(tree, axes, each, point);
+        sum.linear += tree.joints[at(each)].multiplier * column.linear;
+        sum.angular += tree.joints[at(each)].multiplier * column.angular;
+    }
+    return sum;
+}
+
+void addVelocities(const LinkTree& tree, std::span<const int> free, std::span<const double> change,
+                   std::span<double> velocities)
+{
+    for (std::size_t f = 0; f < free.size(); ++f) {
+        velocities[at(free[f])] += change[f];
+        if (isOfBase(tree, free[f])) continue;
+        for (const int each : tree.followers[at(free[f])])
+            velocities[at(each)] += tree.joints[at(each)].multiplier * change[f];
+    }
 }
 
 void moveLinks(const LinkTree& tree, std::span<const JointAxis> axes, std::span<const Pose> poses,
@@ -143,10 +175,10 @@ JointMatrix massMatrix(const LinkTree& tree, std::span<const JointAxis> axes, st
         if (body.mass == 0.0 && body.inertia == Mat3{}) continue;
         for (std::size_t r = 0; r < joints.size(); ++r) {
             if (!moves(tree, joints[r], static_cast<int>(link))) continue;
-            const LinkMotion row = columnAt(tree, axes, joints[r], body.centre);
+            const LinkMotion row = columnAt(tree, axes, joints[r], static_cast<int>(link), body.centre);
             for (std::size_t c = 0; c <= r; ++c) {
                 if (!moves(tree, joints[c], static_cast<int>(link))) continue;
-                const LinkMotion column = columnAt(tree, axes, joints[c], body.centre);
+                const LinkMotion column = columnAt(tree, axes, joints[c], static_cast<int>(link), body.centre);
                 matrix(r, c) +=
                     body.mass * dot(row.linear, column.linear) + dot(row.angular, body.inertia * column.angular);
             }
@@ -184,7 +216,7 @@ std::vector<double> inverseDynamics(const MovingTree& moving, Vec3 gravity, std:
         const Vec3 torque = body.inertia * a + cross(w, body.inertia * w);
         for (std::size_t r = 0; r < joints.size(); ++r) {
             if (!moves(tree, joints[r], static_cast<int>(link))) continue;
-            const LinkMotion column = columnAt(tree, moving.axes, joints[r], body.centre);
+            const LinkMotion column = columnAt(tree, moving.axes, joints[r], static_cast<int>(link), body.centre);
             forces[r] += dot(column.linear, force) + dot(column.angular, torque);
         }
     }

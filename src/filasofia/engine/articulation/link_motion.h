@@ -49,12 +49,17 @@ bool slides(const LinkTree& tree, int joint); ///< false if it rotates
 /// The axes of the joints from the poses of the links, followed by those of the base.
 std::vector<JointAxis> jointAxes(const LinkTree& tree, std::span<const Pose> poses);
 
-/// Returns whether a joint moves a link, that is, whether it lies on the path from the base to the link.
+/// Returns whether a joint moves a link, that is, whether it, or a joint that mimics it, lies on the path from the base
+/// to the link.
 bool moves(const LinkTree& tree, int joint, int link);
 
-/// A column of the Jacobian: the velocity of a point [m] on a part that the joint moves, if the joint's velocity is 1
+/// A column of the Jacobian: the velocity of a point [m] on a link that the joint moves, if the joint's velocity is 1
 /// rad/s or 1 m/s.
-LinkMotion columnAt(const LinkTree& tree, std::span<const JointAxis> axes, int joint, Vec3 point);
+LinkMotion columnAt(const LinkTree& tree, std::span<const JointAxis> axes, int joint, int link, Vec3 point);
+
+/// Adds changes of the free joints' velocities to the velocities of all, also to those of the joints that mimic them.
+void addVelocities(const LinkTree& tree, std::span<const int> free, std::span<const double> change,
+                   std::span<double> velocities);
 
 /// Computes the velocities of all links from that of the base, motion[0], and those of the joints.
 void moveLinks(const LinkTree& tree, std::span<const JointAxis> axes, std::span<const Pose> poses,

@@ -26,6 +26,10 @@ LinkTree linkTree(std::vector<LinkJoint> joints)
             tree.order.push_back(static_cast<int>(j));
         }
     }
+    tree.followers.resize(tree.joints.size());
+    for (std::size_t j = 0; j < tree.joints.size(); ++j)
+        if (const int other = tree.joints[j].mimics; other >= 0)
+            tree.followers[static_cast<std::size_t>(other)].push_back(static_cast<int>(j));
     return tree;
 }
 

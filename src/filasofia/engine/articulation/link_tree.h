@@ -23,13 +23,17 @@ struct LinkJoint {
     double damping = 0.0;       ///< [N m s] or [N s/m]
     double friction = 0.0;      ///< [N m] or [N]
     double inertia = 0.0;       ///< [kg m^2] or [kg] inertia of the drive
+    int mimics = -1;            ///< the joint whose position q it follows, to multiplier * q + offset; -1: none
+    double multiplier = 0.0;
+    double offset = 0.0; ///< [rad] or [m]
 };
 
 /// A tree of links. Link 0 is the base.
 struct LinkTree {
     std::vector<LinkJoint> joints;
-    std::vector<int> order;   ///< joints, parents first
-    std::vector<int> jointOf; ///< per link: the joint that moves it; -1 for the base
+    std::vector<int> order;                  ///< joints, parents first
+    std::vector<int> jointOf;                ///< per link: the joint that moves it; -1 for the base
+    std::vector<std::vector<int>> followers; ///< per joint: those that mimic it, ascending
 };
 
 /// Builds the tree of these joints. Joints that link 0 does not reach are left out of `order`.

@@ -60,9 +60,10 @@ void addLoad(const Coupling& coupling, const BodyPoint& point, Vec3 force, Scene
     const RigidPlanElement& link = coupling.rigid[point.body];
     const ArticulationPlan& plan = coupling.articulations[static_cast<std::size_t>(link.articulation)];
     const LinkTree& tree = scene.rigid[plan.body].model.articulation.tree;
-    for (int j = tree.jointOf[link.element]; j >= 0;
-         j = tree.jointOf[static_cast<std::size_t>(tree.joints[static_cast<std::size_t>(j)].parent)]) {
-        const LinkMotion column = columnAt(tree, plan.joints.axes, j, point.position);
+    const int element = static_cast<int>(link.element);
+    for (int j = 0; static_cast<std::size_t>(j) < tree.joints.size(); ++j) {
+        if (!moves(tree, j, element)) continue;
+        const LinkMotion column = columnAt(tree, plan.joints.axes, j, element, point.position);
         scene.rigid[plan.body].state.joints[static_cast<std::size_t>(j)].now.load +=
             turning ? dot(column.angular, force.x * point.axis) : dot(column.linear, force);
     }

@@ -23,7 +23,7 @@ double ArticulationOperator::begin(std::span<const ContactPoint> points)
             if (point.joint)
                 columns_.push_back(joint == *point.joint ? Vec3{plan_.joints.step.arms[f], 0.0, 0.0} : Vec3{});
             else if (moves(tree_, joint, point.link)) {
-                const LinkMotion column = columnAt(tree_, plan_.joints.axes, joint,
+                const LinkMotion column = columnAt(tree_, plan_.joints.axes, joint, point.link,
                                                    origins_[static_cast<std::size_t>(point.link)] + point.arm);
                 columns_.push_back(point.axis ? Vec3{filasofia::dot(column.angular, *point.axis), 0.0, 0.0}
                                               : column.linear);

@@ -49,8 +49,13 @@ physics::MechanicalEnergy mechanicalEnergy(const SoftBody& body, Vec3 gravity)
 
 namespace {
 
-/// Whether a joint moves under forces.
-bool isFree(const JointState& joint) { return std::holds_alternative<physics::JointForce>(joint.command); }
+/// Whether a joint, or the one that it mimics, moves under forces.
+bool isFree(const RigidBody& body, std::size_t joint)
+{
+    const int other = body.model.articulation.tree.joints[joint].mimics;
+    const JointState& state = body.state.joints[other < 0 ? joint : static_cast<std::size_t>(other)];
+    return std::holds_alternative<physics::JointForce>(state.command);
+}
 
 /// Whether nothing but commands moves a link.
 bool isTold(const RigidBody& body, std::size_t link)
@@ -59,7 +64,7 @@ bool isTold(const RigidBody& body, std::size_t link)
     if (tree.joints.empty() || body.model.dynamic) return false;
     for (int joint = tree.jointOf[link]; joint >= 0;) { // up to the base
         const auto at = static_cast<std::size_t>(joint);
-        if (isFree(body.state.joints[at])) return false;
+        if (isFree(body, at)) return false;
         joint = tree.jointOf[static_cast<std::size_t>(tree.joints[at].parent)];
     }
     return true;
@@ -85,7 +90,7 @@ physics::MechanicalEnergy mechanicalEnergy(const RigidBody& body, Vec3 gravity)
         if (model.gravity) out.gravitational -= inertia.mass * dot(gravity, centre);
     }
     for (std::size_t j = 0; j < tree.joints.size(); ++j)
-        if (isFree(state.joints[j]))
+        if (tree.joints[j].mimics < 0 && isFree(body, j)) // the inertia of what mimics it is in it
             out.kinetic += 0.5 * tree.joints[j].inertia * state.joints[j].now.velocity * state.joints[j].now.velocity;
     return out;
 }
