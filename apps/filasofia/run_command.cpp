@@ -3,6 +3,7 @@
 #include "apps/filasofia/commands.h"
 #include "apps/filasofia/contact_scenes.h"
 #include "apps/filasofia/haptic_scene.h"
+#include "apps/filasofia/import_words.h"
 #include "apps/filasofia/rupture_scenes.h"
 #include "apps/filasofia/scene_reload.h"
 #include "filasofia/core/log.h"
@@ -24,9 +25,8 @@ struct RunCommandOptions {
     double rate = 1000.0;
     int threads = 0;
     std::string engine = runtime::engineNames().front();
-    bool anyFolder = false, strict = false, failOnWarnings = false;
-    std::string package;
-    double unit = 1.0;
+    bool failOnWarnings = false;
+    ImportWords import;
     std::string measures, sensors;
     RunDef run;
 };
@@ -132,13 +132,6 @@ RunReport runReloading(LoadedScene& scene, const RunCommandOptions& options, con
     }
 }
 
-scene::ImportOptions importOptions(const RunCommandOptions& options)
-{
-    scene::ImportOptions import{.anyFolder = options.anyFolder, .strict = options.strict, .unit = options.unit};
-    if (!options.package.empty()) import.packages = {options.package};
-    return import;
-}
-
 /// Says how far a task is that the run has left before its end; empty if it is over.
 std::string unfinishedLine(const prefab::Task& task)
 {
@@ -202,7 +195,7 @@ int runFile(const RunCommandOptions& options)
     checkDefault("--rate", options.rate, standard.rate);
     const auto load = [&] {
         LoadedScene scene{.since = std::filesystem::file_time_type::clock::now()};
-        scene.def = scene::loadAnyScene(options.scene, importOptions(options));
+        scene.def = scene::loadAnyScene(options.scene, options.import.options());
         checkOutputs(options, scene.def.files);
         if (options.threads != 0) scene.def.physics.threads = givenThreads(options.threads);
         SimulationDef simulation = scene::simulationDef(scene.def);
@@ -234,10 +227,7 @@ int runScene(RunCommandOptions& options)
         options.scene = runtime::asset(text("scenes/", options.scene, ".json"));
     if (scene::isSceneFile(options.scene)) return runFile(options);
     const Scene& scene = sceneOf(options);
-    const char* fileOnly = options.anyFolder           ? "--any-folder"
-                           : options.strict            ? "--strict"
-                           : !options.package.empty()  ? "--package"
-                           : options.unit != 1.0       ? "--unit"
+    const char* fileOnly = options.import.given()      ? options.import.given()
                            : !options.measures.empty() ? "--measures"
                            : !options.sensors.empty()  ? "--sensors"
                                                        : nullptr;
@@ -269,7 +259,7 @@ constexpr const char* kSceneMeaning = "a scene file (.json, .urdf, MuJoCo's .xml
 
 std::vector<Option> optionsOf(RunCommandOptions& o)
 {
-    return {
+    std::vector<Option> options = {
         {.name = "SCENE", .target = &o.scene, .meaning = kSceneMeaning, .required = true},
         {.name = "--tets",
          .target = &o.bunny.tets,
@@ -303,16 +293,13 @@ std::vector<Option> optionsOf(RunCommandOptions& o)
          .choices = runtime::engineNames()},
         {"--measures", &o.measures,
          "Write what a scene file measures to this .jsonl file, for report, or to a .csv file", "FILE"},
-        {"--any-folder", &o.anyFolder, "The files that a scene file names may be outside its folder"},
-        {"--strict", &o.strict, "URDF, MJCF and .scn: what is not read is an error"},
         {"--fail-on-warnings", &o.failOnWarnings,
          "Exit code 1 if a step went wrong: a solver at its limit, elements inside out, bodies in each other, unrest "
          "..."},
         {"--sensors", &o.sensors, "Write what the sensors of a scene file read over time (.csv)", "FILE"},
-        {"--package", &o.package,
-         "URDF: the folder of package://NAME, or one that has it; .scn: one that has its files", "FOLDER"},
-        {"--unit", &o.unit, ".scn: its unit of length in metres, 0.001 for a scene in millimetres", "METRES"},
     };
+    addOptions(o.import, options);
+    return options;
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 #include "apps/filasofia/command_line.h"
 #include "apps/filasofia/commands.h"
+#include "apps/filasofia/import_words.h"
 #include "filasofia/core/error.h"
 #include "filasofia/core/hash.h"
 #include "filasofia/runtime/stepped_run.h"
@@ -15,7 +16,8 @@ namespace {
 struct SaveCommandOptions {
     std::string source, scene;
     bool check = false;
-    bool anyFolder = false, force = false;
+    bool force = false;
+    ImportWords import;
 };
 
 /// The first step after which the scene has another hash than the recording; 0: none.
@@ -37,7 +39,8 @@ int save(const SaveCommandOptions& options)
 {
     const bool recording = !scene::isSceneFile(options.source);
     if (options.check && !recording) fail("save: --check compares with a recording, got '", options.source, "'");
-    if (options.anyFolder && recording) fail("save: --any-folder applies to scene files, got '", options.source, "'");
+    if (const char* word = options.import.given(); word && recording)
+        fail("save: ", word, " applies to scene files, got '", options.source, "'");
     std::error_code none;
     if (std::filesystem::equivalent(options.source, options.scene, none))
         fail("save: SCENE must be another file than '", options.source, "'");
@@ -48,7 +51,7 @@ int save(const SaveCommandOptions& options)
     if (recording)
         made = scene::sceneOf(options.source);
     else
-        made.scene = scene::loadAnyScene(options.source, {.anyFolder = options.anyFolder});
+        made.scene = scene::loadAnyScene(options.source, options.import.options());
     if (const auto read = std::ranges::find_if(made.scene.files, isScene); read != made.scene.files.end())
         fail("save: SCENE must be another file than '", read->string(), "', which SOURCE is made from");
     scene::saveScene(made.scene, options.scene, {.overwrite = options.force});
@@ -69,27 +72,29 @@ Command saveCommand()
 {
     // Static: there is one command line, and its targets must outlive this function.
     static SaveCommandOptions options;
-    return {
-        .name = "save",
-        .meaning = "Write what a program did as a scene file, from its recording",
-        .options = {{"SOURCE",
-                     &options.source,
-                     "A recording (--record FILE of any program), a robot (.urdf), a model of MuJoCo (.xml), or a "
-                     "scene file, which becomes one without include, defaults and classes",
-                     "FILE",
-                     {},
-                     true},
-                    {"SCENE",
-                     &options.scene,
-                     "The scene file to write (.json); meshes come into a folder beside it",
-                     "FILE",
-                     {},
-                     true},
-                    {"--check", &options.check,
-                     "Run the scene, and compare every step with the recording; exit code 1 if one differs"},
-                    {"--any-folder", &options.anyFolder, "The files that a scene file names may be outside its folder"},
-                    {"--force", &options.force, "Meshes replace files of their names in the folder beside SCENE"}},
-        .run = [] { return save(options); }};
+    std::vector<Option> all = {
+        {"SOURCE",
+         &options.source,
+         "A recording (--record FILE of any program), a robot (.urdf), a model of MuJoCo (.xml), a scene of SOFA "
+         "(.scn), or "
+         "a scene file, which becomes one without include, defaults and classes",
+         "FILE",
+         {},
+         true},
+        {"SCENE",
+         &options.scene,
+         "The scene file to write (.json); meshes come into a folder beside it",
+         "FILE",
+         {},
+         true},
+        {"--check", &options.check,
+         "Run the scene, and compare every step with the recording; exit code 1 if one differs"},
+        {"--force", &options.force, "Meshes replace files of their names in the folder beside SCENE"}};
+    addOptions(options.import, all);
+    return {.name = "save",
+            .meaning = "Write what a program did as a scene file, from its recording",
+            .options = std::move(all),
+            .run = [] { return save(options); }};
 }
 
 } // namespace filasofia::app

@@ -755,6 +755,21 @@ class Save(Program):
         self.assertIn('"trainee":"A. B."', Path(session).read_text().splitlines()[0])
         self.refused("run", "bunny", "--headless", "--measures", session, says=["--measures applies to scene files"])
 
+    def test_the_sensors_of_a_scene_write_a_table(self):
+        pull = str(Path(__file__).parents[2] / "examples/scenes/pull.json")
+        table = self.at("pull.csv")
+        said = self.output("run", pull, "--headless", "--steps", "400", "--sensors", table)
+        self.assertIn(f"wrote {table}: 41 lines of 3 sensors\n", said)
+        rows = Path(table).read_text().splitlines()
+        self.assertEqual(len(rows), 42)
+        self.assertEqual(rows[0].split(",")[:3], ["time [s]", '"grip x [N]"', '"grip y [N]"'])
+        self.assertAlmostEqual(float(rows[-1].split(",")[-2]), 0.019)  # where the forceps are told to be
+        self.refused("run", "bunny", "--headless", "--sensors", table, says=["--sensors applies to scene files"])
+        self.refused("run", pull, "--headless", "--sensors", self.at("pull.txt"), says=["sensors: file must end in .csv"])
+        self.refused("run", pull, "--headless", "--sensors", table, "--log", table, says=[table, "already being written"])
+        cut = str(Path(__file__).parents[2] / "examples/scenes/cut.json")
+        self.refused("run", cut, "--headless", "--sensors", table, says=["sensors: there must be a sensor"])
+
     def test_how_far_a_knot_is_is_told(self):
         tie = str(Path(__file__).parents[2] / "examples/scenes/tie.json")
         said = self.output("run", tie, "--headless", "--steps", "50")
@@ -780,6 +795,8 @@ class Save(Program):
         self.assertIn("qw", hand.read_text())
         self.refused(*words, "--strict", says=["a.json", "strict is for URDF, MJCF and .scn"])
         self.refused(*words, "--package", ".", says=["a.json", "a package is for URDF"])
+        self.refused(*words, "--unit", "0.001", says=["a.json", "a unit is for scenes of SOFA"])
+        self.refused("save", str(scene), self.at("b.json"), "--unit", "0.001", says=["a.json", "a unit is for scenes of SOFA"])
 
     def test_files_of_meshes_are_overwritten_only_by_force(self):
         source = str(Path(__file__).parents[2] / "examples/scenes/flex.xml")

@@ -50,8 +50,8 @@ std::shared_ptr<prefab::Sensors> addSensors(runtime::Simulation& simulation, con
         return std::make_shared<prefab::Sensors>(simulation, std::move(def));
     } catch (const Error& error) {
         std::string_view words = error.what();
-        if (constexpr std::string_view kObject = "sensors: "; words.starts_with(kObject))
-            words.remove_prefix(kObject.size()); // the path begins as the object is called
+        if (words.starts_with("sensors: sensors["))
+            words.remove_prefix(std::string_view("sensors: ").size()); // it begins with the member's path
         failAtPlace(scene.places, words);
     }
 }
