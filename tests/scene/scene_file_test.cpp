@@ -340,6 +340,27 @@ TEST_CASE("scene files: damaged files are refused or read, and nothing else", "[
     }
 }
 
+TEST_CASE("scene files: a texture is the name of its file, or an object with a type")
+{
+    const SceneFolder folder;
+    folder.write("skin.png", "a picture");
+    const auto shown = [&](const std::string& texture) {
+        return R"({"bodies": [{"type": "RigidBodyDef", "name": "a", "show": [{"material":
+{"type": "MucosaMaterial", "baseColorTexture": )" +
+               texture + "}}]}]}";
+    };
+    const auto textureOf = [](const SceneDef& scene) {
+        const auto& material = std::get<visual::MucosaMaterial>(scene.bodies.at(0).show.at(0).material);
+        return std::get<visual::TextureFile>(material.baseColorTexture).file;
+    };
+    const std::string file = textureOf(folder.load(shown(R"({"type": "TextureFile", "file": "skin.png"})")));
+    CHECK_THAT(file, Catch::EndsWith("skin.png"));
+    CHECK(textureOf(folder.load(shown(R"("skin.png")"))) == file);
+    CHECK_THAT(folder.errorOf(shown(R"("skim.png")")),
+               Catch::Contains("scene.json:2:48: ") && Catch::Contains("skim.png"));
+    CHECK_THAT(folder.errorOf(shown(R"("skin")")), Catch::Contains("must be one of NoTexture, TextureFile"));
+}
+
 TEST_CASE("scene files: the defaults in the schema are those of a reader")
 {
     const auto defs = nlohmann::json::parse(sceneSchema()).at("$defs");

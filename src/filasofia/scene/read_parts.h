@@ -56,6 +56,8 @@ struct ReadAlternative {
                               void* variant) = nullptr;
     void (*makeDefault)(void* variant) = nullptr;
     bool (*takes)(const Json& json) = nullptr; ///< null: none is a plain value of this type
+    /// Null, but for a TextureFile, which may be the name of its file.
+    void (SceneReader::*readFile)(const Json& json, const Place& place, void* variant) = nullptr;
     void (SceneReader::*readPlain)(const Layers& from, const Place& place, const Bound& bound, void* variant) = nullptr;
 };
 using ReadAlternatives = std::vector<ReadAlternative>;

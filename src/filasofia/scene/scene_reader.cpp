@@ -202,6 +202,11 @@ bool SceneReader::readOneOf(const ReadAlternatives& all, const Layers& from, con
     if (json.is_string()) {
         const std::string given = word(json);
         const ReadAlternative* found = ofType(given);
+        const auto file = std::ranges::find_if(all, [](const ReadAlternative& each) { return each.readFile; });
+        if (!found && file != all.end() && given.find('.') != std::string::npos) { // no type has a dot
+            (this->*file->readFile)(json, place, variant);
+            return false;
+        }
         if (!found) {
             const bool takesMaterial = std::ranges::any_of(all, &ReadAlternative::material);
             const bool tissue = std::ranges::count(physics::tissues(), given, &physics::Tissue::name) > 0;

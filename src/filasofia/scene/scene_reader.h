@@ -282,11 +282,22 @@ private:
             return {.type = typeName<T>(),
                     .material = std::is_same_v<T, physics::FemMaterial>,
                     .read = &SceneReader::readAs<T, Variant>,
-                    .makeDefault = [](void* variant) { *static_cast<Variant*>(variant) = T{}; }};
+                    .makeDefault = [](void* variant) { *static_cast<Variant*>(variant) = T{}; },
+                    .readFile = fileReader<T, Variant>()};
         else if constexpr (!kIsVariant<T>)
             return {.takes = &takes<T>, .readPlain = &SceneReader::readPlain<T, Variant>};
         else
             return {};
+    }
+    template <class T, class Variant> static constexpr auto fileReader()
+    {
+        void (SceneReader::*read)(const Json&, const Place&, void*) = nullptr;
+        if constexpr (std::is_same_v<T, visual::TextureFile>) read = &SceneReader::readFile<T, Variant>;
+        return read;
+    }
+    template <class T, class Variant> void readFile(const Json& json, const Place& place, void* variant)
+    {
+        *static_cast<Variant*>(variant) = T{fileNamed(json, place)};
     }
     template <class T, class Variant>
     void readAs(const Layers& from, const Place& place, const std::vector<std::string>& beside, void* variant)

@@ -128,6 +128,7 @@ requires(!IsMesh<std::variant<Each...>> && !IsFile<std::variant<Each...>>) struc
         };
         (add.template operator()<Each>(), ...);
         all.push_back(oneWord(words));
+        if constexpr (IsAnyOf<visual::TextureFile, Each...>) all.push_back(described("string", "a PNG or JPEG file"));
         return anyOf(all);
     }
     static Schema typed() { return anyOf({withType(typeName<Each>())...}); }
