@@ -101,8 +101,8 @@ TEST_CASE("sensors: a table has a line in each period of its rate, with the posi
 TEST_CASE("sensors: the force of a contact is the weight that it carries, and only that between the two", "[sensors]")
 {
     BallOnFloor scene;
-    const BodyId far =
-        scene.sim.add(RigidBodyDef{.name = "far", .elements = {{{9, 0, 0}, {}}}, .mesh = shapes::sphere(0.02)});
+    const BodyId far = scene.sim.add(
+        RigidBodyDef{.name = "far", .elements = {{{9, 0, 0}, {}}}, .mesh = shapes::sphere(0.02), .collision = {{}}});
     const Sensors sensors(scene.sim, {.sensors = {{"all", ContactForceSensor{scene.ball}},
                                                   {"floor", ContactForceSensor{scene.floor, scene.ball}},
                                                   {"far", ContactForceSensor{scene.ball, far}},
@@ -128,21 +128,32 @@ TEST_CASE("sensors: attachments carry the weight of what hangs on them", "[senso
                                               .material = FemMaterial{.youngModulus = 40_kPa},
                                               .rayleigh = {.mass = 20},
                                               .attachments = {{.box = Box{{-1, 0.019, -1}, {1, 1, 1}}}}});
-    const Sensors sensors(sim, {.sensors = {{"support", AttachmentForceSensor{tissue}},
+    const BodyId pull = sim.add(RigidBodyDef{.name = "pull", .elements = {{{0, -0.02, 0}, {}}}});
+    sim.physics().attach(tissue, {.box = Box{{-1, -1, -1}, {1, -0.019, 1}}, .to = pull});
+    const Sensors sensors(sim, {.sensors = {{"both", AttachmentForceSensor{tissue}},
+                                            {"pull", AttachmentForceSensor{tissue, pull}},
+                                            {"pulled", AttachmentForceSensor{pull}},
+                                            {"support", AttachmentForceSensor{.body = tissue, .space = true}},
                                             {"node", PositionSensor{.body = tissue, .node = 0}},
                                             {"middle", PositionSensor{.body = tissue}}}});
+    sim.everyStep([&](double time) { // a millimetre downwards
+        sim.physics().setPose(pull, {{0, -0.02 - std::min(1e-3, 1e-2 * time), 0}, {}});
+    });
     static_cast<void>(sim.run({.headless = true, .steps = 800}));
     const frame::FrameRef frame = sim.physics().latest();
     const std::vector<SensorReading> now = sensors.read();
-    // The nodes that are pinned carry themselves: an eighth of the block with 4 cells in its height.
+    // The nodes that are held carry themselves: an eighth of the block with 4 cells in its height, twice.
     const double weight = 1000.0 * 0.04 * 0.04 * 0.04 * 9.81;
-    CHECK(now[0].values[1] == Approx(weight).epsilon(0.13));
+    CHECK(now[0].values[1] == Approx(weight).epsilon(0.26));
+    CHECK(now[1].values[1] < -0.5); // 40 kPa, by 1 mm of 40
+    CHECK(vectorOf(now[2]) == -vectorOf(now[1]));
+    CHECK(now[3].values[1] == Approx(now[0].values[1] - now[1].values[1]));
     CHECK(std::fabs(now[0].values[0]) < 0.01 * weight);
     const auto& positions = frame->softBody(tissue)->positions;
-    CHECK(vectorOf(now[1]) == positions[0]);
+    CHECK(vectorOf(now[4]) == positions[0]);
     Vec3 sum;
     for (const Vec3& each : positions) sum += each;
-    CHECK(distance(vectorOf(now[2]), sum / static_cast<double>(positions.size())) < 1e-15);
+    CHECK(distance(vectorOf(now[5]), sum / static_cast<double>(positions.size())) < 1e-15);
 }
 
 TEST_CASE("sensors: joints, blood, heat and electrodes are those of the simulation", "[sensors]")
@@ -233,11 +244,18 @@ TEST_CASE("sensors: what can read nothing is refused, by name, field and bound",
     CHECK_THAT(wrong(JointSensor{scene.ball}),
                Catch::Contains("body must be an articulated one, got rigid body 'ball'"));
     CHECK_THAT(wrong(CavitySensor{soft}), Catch::Contains("body must have cavities, got soft body 'soft'"));
-    CHECK_THAT(wrong(DuctSensor{soft}), Catch::StartsWith("sensors: sensors[0].duct: "));
+    CHECK(wrong(DuctSensor{soft}) == "sensors: sensors[0].body must have a duct, got soft body 'soft'");
+    CHECK(wrong(ContactForceSensor{soft}) ==
+          "sensors: sensors[0].body must collide, got soft body 'soft', which has no collision");
+    CHECK_THAT(wrong(ContactForceSensor{scene.ball, soft}), Catch::Contains("with must collide, got soft body 'soft'"));
+    CHECK_THAT(wrong(AttachmentForceSensor{.body = soft, .to = scene.ball, .space = true}),
+               Catch::Contains("to must not be given with space"));
+    CHECK_THAT(errorOf(scene.sim, {.sensors = {{"a\nb", EnergySensor{soft}}}}),
+               Catch::Contains("sensors[0]: name must"));
     CHECK_THAT(wrong(BloodSensor{soft}), Catch::Contains("body must be one that bleeds, got soft body 'soft'"));
     CHECK_THAT(wrong(HeatSensor{soft}), Catch::Contains("body must be one that burns"));
     CHECK_THAT(wrong(ElectrodeSensor{scene.ball}), Catch::Contains("body must have an electrode"));
-    CHECK_THAT(wrong(FluidSensor{}), Catch::StartsWith("sensors: sensors[0]."));
+    CHECK(wrong(FluidSensor{}) == "sensors: sensors[0].type must not be FluidSensor: no fluid distends a cavity");
     CHECK(errorOf(scene.sim, {.sensors = {{"s", PositionSensor{.body = soft}}, {"s", EnergySensor{soft}}}}) ==
           "sensors: sensors[1].name must differ from those before it, got 's'");
     CHECK_THAT(errorOf(scene.sim, {.sensors = {{"s", PositionSensor{.body = soft}}}, .rate = 0}),

@@ -227,12 +227,31 @@ TEST_CASE("MJCF: an equality of joints lets one follow the other from where both
     const auto alone = mjcf(model(R"(<joint joint1="b" polycoef="0.05"/>)"));
     CHECK(std::get<JointPosition>(*rigid(alone, 0).articulation.joints[1].command).value == Approx(0.35));
     CHECK_FALSE(rigid(mjcf(model(R"(<joint joint1="b" joint2="a" active="false"/>)")), 0).articulation.joints[1].mimic);
-    CHECK_THAT(told(mjcf(model(R"(<weld body1="x"/>)"))).back(), Catch::EndsWith("<weld> of <equality> is not read"));
+    const auto tells = [&](const std::string& equality, const std::string& words) {
+        const std::vector<std::string> notes = told(mjcf(model(equality)));
+        return std::any_of(notes.begin(), notes.end(), [&](const std::string& each) { return each.ends_with(words); });
+    };
+    CHECK(tells(R"(<weld body1="x"/>)", "<weld> of <equality> is not read"));
+    CHECK(tells(R"(<joint joint1="b" joint2="a" solref="1 1"/>)", "<joint> solref is not read"));
+    CHECK(tells(R"(<joint joint1="b" joint2="a" polycoef="0 1 1"/>)", "higher powers are not read"));
+    const std::string three =
+        R"(<worldbody><body><geom size="0.1"/><body><joint name="a" type="slide"/><geom size="0.1"/></body>
+<body><joint name="b" type="slide"/><geom size="0.1"/></body><body><joint name="c" type="slide"/><geom size="0.1"/></body>
+</body></worldbody><actuator><motor joint="c"/></actuator>
+<equality><joint joint1="c" joint2="b" polycoef="0.1 2"/><joint joint1="b" joint2="a" polycoef="0.2 -1"/></equality>)";
+    const Imported chain = mjcf(three); // one that follows one that follows
+    const auto& mimic = rigid(chain, 0).articulation.joints[2].mimic;
+    REQUIRE(mimic);
+    CHECK((mimic->joint == 0 && mimic->multiplier == -2.0 && mimic->offset == Approx(0.5)));
+    CHECK(told(chain).size() == 1);
+    CHECK_THAT(told(chain).front(), Catch::EndsWith("<motor> of a joint1 of <equality> is not read: joint2 moves it"));
     const auto wrong = [&](const std::string& equality) { return errorOf(model(equality)); };
     CHECK_THAT(wrong(R"(<joint joint2="a"/>)"), Catch::Contains("must say its joint1"));
     CHECK_THAT(wrong(R"(<joint joint1="b" joint2="b"/>)"), Catch::Contains("must be another joint of the same body"));
     CHECK_THAT(wrong(R"(<joint joint1="b" joint2="a"/><joint joint1="a" joint2="b"/>)"),
-               Catch::Contains("a joint follows one that follows none"));
+               Catch::Contains("must not lead back to its own joint"));
+    CHECK_THAT(wrong(R"(<joint joint1="b" joint2="a"/><joint joint1="b"/>)"),
+               Catch::Contains("must be a joint that no other <equality> has for its joint1"));
 }
 
 TEST_CASE("MJCF: what is not read is told once per kind with its place, and is an error if strict")

@@ -204,7 +204,25 @@ TEST_CASE("URDF: a joint mimics another one, which may stand behind it and mimic
     };
     CHECK_THAT(wrong("<mimic/>"), Catch::Contains("joint 'a'/mimic must say its joint"));
     CHECK_THAT(wrong(R"(<mimic joint="c"/>)"), Catch::Contains("mimic.joint must be the name of a joint, got 'c'"));
-    CHECK_THAT(wrong(R"(<mimic joint="b"/>)"), Catch::Contains("must not lead back to itself"));
+    CHECK_THAT(wrong(R"(<mimic joint="b"/>)"), Catch::Contains("joint 'a'/mimic must not lead back to its own joint"));
+
+    // The other joint starts where its follower is within its limits, if there is such a place.
+    const auto apart = [&](const std::string& mimic) {
+        return R"(<link name="hand"/>)" + finger("a", "") + finger("b", mimic.c_str());
+    };
+    const Imported shifted = urdf(apart(R"(<mimic joint="a" offset="0.08"/>)"));
+    CHECK(std::any_of(shifted.notes.begin(), shifted.notes.end(), [](const std::string& note) {
+        return note.ends_with("<limit> velocity does not count if the joint has a <mimic>: it goes with the other one");
+    }));
+    Simulation moved(simulationDef(shifted.scene));
+    const BodyId hand = addScene(moved, shifted.scene).bodies.at(0);
+    static_cast<void>(moved.run({.headless = true, .steps = 10}));
+    CHECK(moved.physics().latest()->rigidBody(hand)->joints.at(0).position == Approx(-0.03));
+    CHECK(moved.physics().latest()->rigidBody(hand)->joints.at(1).position == Approx(0.05));
+    CHECK_THAT(
+        errorOf(apart(R"(<mimic joint="a" offset="0.2"/>)")),
+        Catch::Contains("joint 'b'/mimic leaves joint 'a' no place: its limits and those of the joints that go with "
+                        "it do not meet"));
 }
 
 TEST_CASE("URDF: what is not read is told once per kind with its place, and is an error if strict")

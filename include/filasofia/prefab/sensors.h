@@ -13,7 +13,7 @@ namespace filasofia::prefab {
 
 // What a sensor reads. A body that was removed, and all that is not known, reads as NaN.
 
-/// x, y, z [m], in the world.
+/// x, y, z [m], in the world. Nodes of a piece that was removed stay where they were, also in the mean.
 struct PositionSensor {
     BodyId body = {};
     int element = 0;              ///< [-], >= 0, index in a rigid body
@@ -29,13 +29,14 @@ struct VelocitySensor {
 };
 /// x, y, z [N], the force of contacts with other bodies on this one; and the sum of their normal forces [N].
 struct ContactForceSensor {
-    BodyId body = {};
-    BodyId with = {}; ///< none: with all others
+    BodyId body = {}; ///< one that collides
+    BodyId with = {}; ///< another one that collides; none: with all others
 };
 /// x, y, z [N], the force of attachments and grasps on a body.
 struct AttachmentForceSensor {
     BodyId body = {};
-    BodyId to = {}; ///< none: of all, also of those to space
+    BodyId to = {};     ///< none: of all, also of those to space
+    bool space = false; ///< of those to space only: what a clamp bears. Then there is no `to`
 };
 /// Position and velocity [rad, rad/s or m, m/s], and the forces of its drive and of the load [N m or N]: frame::Joint.
 struct JointSensor {
@@ -101,7 +102,8 @@ constexpr auto fields(const AttachmentForceSensor*)
 {
     using T = AttachmentForceSensor;
     return describe("AttachmentForceSensor", field("body", &T::body, "the body on which the force acts"),
-                    field("to", &T::to, "the other one; none: all others and space"));
+                    field("to", &T::to, "the other one; none: all others and space"),
+                    field("space", &T::space, "only attachments to space: what a clamp bears"));
 }
 constexpr auto fields(const JointSensor*)
 {
@@ -143,7 +145,8 @@ constexpr auto fields(const FluidSensor*) { return describe("FluidSensor"); }
 
 /// A sensor. In a file, the fields of its kind stand beside the name.
 struct SensorDef {
-    std::string name = {}; ///< the only one of this name; empty: "sensor 1" and so on, by its place in the list
+    /// The only one of this name, which can be read in a line; empty: "sensor 1" and so on, by its place in the list.
+    std::string name = {};
     SensorKind kind = PositionSensor{};
 };
 constexpr auto fields(const SensorDef*)

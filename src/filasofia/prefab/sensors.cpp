@@ -1,5 +1,6 @@
 #include "filasofia/prefab/sensors.h"
 
+#include "filasofia/core/check_name.h"
 #include "filasofia/core/guarded_call.h"
 #include "filasofia/core/log.h"
 #include "filasofia/core/output_file.h"
@@ -63,6 +64,8 @@ public:
     Columns operator()(const ContactForceSensor& of) const
     {
         differ(of.body, of.with, "with");
+        collides(of.body, "body");
+        if (of.with) collides(of.with, "with");
         Columns columns(std::begin(kForce), std::end(kForce));
         columns.emplace_back("normal [N]");
         return columns;
@@ -70,6 +73,7 @@ public:
     Columns operator()(const AttachmentForceSensor& of) const
     {
         differ(of.body, of.to, "to");
+        if (of.to && of.space) refuse("to must not be given with space");
         return {std::begin(kForce), std::end(kForce)};
     }
     Columns operator()(const JointSensor& of) const
@@ -95,8 +99,11 @@ public:
     }
     Columns operator()(const DuctSensor& of) const
     {
-        static_cast<void>(defOf(of.body));
-        attempt([&] { static_cast<void>(simulation_.duct(of.body, of.duct)); });
+        const auto def = defOf(of.body);
+        if (!hasDuct(of.body, 0)) refuse("body must have a duct, got ", physics::describeBody(*def));
+        std::size_t count = 1;
+        while (count <= static_cast<std::size_t>(of.duct) && hasDuct(of.body, static_cast<int>(count))) ++count;
+        checkIndex("duct", of.duct, count);
         return {"flow [m^3/s]", "leak [m^3/s]", "lost [m^3]", "narrowest [-]"};
     }
     Columns operator()(const BloodSensor& of) const
@@ -129,19 +136,39 @@ public:
     }
     Columns operator()(const FluidSensor&) const
     {
-        attempt([&] { static_cast<void>(simulation_.distension()); });
+        if (!has([&] { static_cast<void>(simulation_.distension()); }))
+            refuse("type must not be FluidSensor: no fluid distends a cavity");
         return {"pressure [Pa]", "volume [m^3]", "deficit [m^3]", "blood [m^3]"};
     }
 
 private:
     template <class... Words> [[noreturn]] void refuse(const Words&... words) const { fail(path_, words...); }
-    template <class Look> void attempt(const Look& look) const
+    /// Whether the simulation has what is asked for.
+    template <class Ask> static bool has(const Ask& ask)
     {
         try {
-            look();
-        } catch (const Error& error) {
-            refuse("", error.what());
+            ask();
+            return true;
+        } catch (const Error&) {
+            return false;
         }
+    }
+    [[nodiscard]] bool hasDuct(BodyId body, int duct) const
+    {
+        return has([&] { static_cast<void>(simulation_.duct(body, duct)); });
+    }
+    void collides(BodyId body, const char* field) const
+    {
+        const auto def = defOf(body);
+        const bool any = std::visit(
+            [](const auto& each) {
+                if constexpr (requires { each.collision.empty(); })
+                    return !each.collision.empty();
+                else
+                    return each.collision.has_value();
+            },
+            *def);
+        if (!any) refuse(field, " must collide, got ", physics::describeBody(*def), ", which has no collision");
     }
     [[nodiscard]] std::shared_ptr<const physics::BodyDef> defOf(BodyId body) const
     {
@@ -219,6 +246,7 @@ public:
             const bool first = each.body == of.body;
             if (!first && each.to != of.body) continue;
             if (of.to && (first ? each.to : each.body) != of.to) continue;
+            if (of.space && each.to) continue;
             force += first ? each.force : -each.force;
         }
         add(force, values_);
@@ -253,6 +281,7 @@ public:
     {
         if (!known(of.body)) return;
         const surface::HeatBalance now = simulation_.heat(of.body);
+        if (now.hottest == 0.0) return; // the first step of its heat is yet to come
         values_.insert(values_.end(), {now.hottest, now.burnt, now.charred, now.delivered});
     }
     void operator()(const ElectrodeSensor& of) const
@@ -293,6 +322,7 @@ SensorsDef checkedDef(SensorsDef def)
     for (std::size_t i = 0; i < def.sensors.size(); ++i) {
         std::string& name = def.sensors[i].name;
         if (name.empty()) name = text("sensor ", i + 1);
+        checkName(name, text("sensors: sensors[", i, "]"));
         if (!known.insert(name).second)
             fail("sensors: sensors[", i, "].name must differ from those before it, got ", shownWord(name));
     }

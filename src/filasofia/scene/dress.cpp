@@ -95,10 +95,13 @@ Dress checked(const SceneDef& scene, const std::vector<BodyId>& ids)
 {
     Dress dress{scene.cameras, scene.lights, scene.views, scene.environment.value_or(visual::EnvironmentDef{}),
                 scene.places};
-    for (std::size_t i = 0; i < dress.cameras.size(); ++i)
+    for (std::size_t i = 0; i < dress.cameras.size(); ++i) {
+        const visual::CameraDef& lens = dress.cameras[i].def;
+        if (!(lens.far > lens.near)) fail("cameras[", i, "].far must be > near ", lens.near, " m, got ", lens.far);
         if (indexOf(dress.cameras, dress.cameras[i].def.name, "cameras") != i)
             fail("cameras[", i, "].name must differ from those of the other cameras, got '", dress.cameras[i].def.name,
                  "'");
+    }
     place(dress.cameras, "cameras", dress.cameras, ids);
     place(dress.lights, "lights", dress.cameras, ids);
     for (std::size_t i = 0; i < dress.views.size(); ++i)

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <set>
 
 namespace filasofia::scene {
 namespace {
@@ -26,8 +27,8 @@ public:
         checkSections();
         readOption();
         readBodies();
-        readActuators();
         readEqualities();
+        readActuators();
         std::vector<SceneBody> soft;
         for (const MjcfPending& each : bodies_.flexes)
             if (auto body = flexes_.read(each)) soft.push_back(std::move(*body));
@@ -86,7 +87,11 @@ private:
                                        : text("<", each.tag(), "> of something else than a joint is not read"));
                     continue;
                 }
-                drive(*joint, goes);
+                if (joined_.contains(jointNamed(*joint)))
+                    reader_.tell(each, "actuator of joint1",
+                                 text("<", each.tag(), "> of a joint1 of <equality> is not read: joint2 moves it"));
+                else
+                    drive(*joint, goes);
             }
     }
     /// The number of a joint's body, and its number there.
@@ -124,7 +129,7 @@ private:
     /// the file.
     void follow(const Element& equality)
     {
-        reader_.tellUnread(equality, {"name", "class", "joint1", "joint2", "polycoef", "active", "solref", "solimp"});
+        reader_.tellUnread(equality, {"name", "class", "joint1", "joint2", "polycoef", "active"});
         const Attributes says(equality);
         if (!reader_.flag(says, "active", true)) return;
         const auto first = says.find("joint1"), second = says.find("joint2"), polynomial = says.find("polycoef");
@@ -135,29 +140,21 @@ private:
         const auto other = second ? jointNamed(*second) : std::pair(tree, joint);
         if (other.first != tree || (second && other.second == joint))
             reader_.refuse(*second, "must be another joint of the same body");
-        std::vector<physics::JointDef>& joints = bodies_.trees[tree].def.articulation.joints;
-        physics::JointDef& def = joints[joint];
+        physics::JointDef& def = bodies_.trees[tree].def.articulation.joints[joint];
         if (a[2] != 0.0 || a[3] != 0.0 || a[4] != 0.0)
             reader_.tell(equality, "polycoef",
                          "<joint> of <equality> follows in proportion: higher powers are not read");
-        const bool followed = std::ranges::any_of(joints, [joint = joint](const physics::JointDef& each) {
-            return each.mimic && each.mimic->joint == static_cast<int>(joint);
-        });
-        if (def.mimic || (second && (followed || joints[other.second].mimic)))
-            reader_.refuse(equality, "must not join what another one joins: a joint follows one that follows none");
-        if (def.command && std::holds_alternative<physics::JointPosition>(*def.command))
-            reader_.tell(equality, "actuator of joint1",
-                         "<position> of a joint1 of <equality> is not read: joint2 moves it");
+        if (!joined_.insert({tree, joint}).second)
+            reader_.refuse(*first, "must be a joint that no other <equality> has for its joint1");
         const double from = bodies_.references.at({tree, joint});
-        if (!second) {
+        if (second)
+            bodies_.trees[tree].mimics.push_back({.joint = joint,
+                                                  .way = {.joint = static_cast<int>(other.second),
+                                                          .multiplier = a[1],
+                                                          .offset = from + a[0] - a[1] * bodies_.references.at(other)},
+                                                  .at = equality});
+        else
             def.command = physics::JointPosition{std::clamp(from + a[0], def.lower, def.upper)};
-            return;
-        }
-        def.mimic = physics::JointMimic{.joint = static_cast<int>(other.second),
-                                        .multiplier = a[1],
-                                        .offset = from + a[0] - a[1] * bodies_.references.at(other)};
-        def.command.reset();
-        def.start = 0.0;
     }
 
     void addTrees()
@@ -326,6 +323,7 @@ private:
     MjcfFlex flexes_;
     Imported out_;
     std::vector<BodyId> bodyOf_; ///< each tree's body; none if it has nothing to show, touch or move
+    std::set<std::pair<std::size_t, std::size_t>> joined_; ///< joints that an equality moves or holds
     Names names_, cameraNames_, lightNames_;
     int shadows_ = 0;
 };

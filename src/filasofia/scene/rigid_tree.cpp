@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace filasofia::scene {
 
@@ -26,8 +27,41 @@ void RigidTree::addInertia(int link, const physics::RigidInertia& inertia, const
     massPlaces[at] = from;
 }
 
+void RigidTree::resolveMimics(const XmlReader& reader)
+{
+    std::vector<physics::JointDef>& joints = def.articulation.joints;
+    std::vector<const Mimic*> of(joints.size());
+    for (const Mimic& each : mimics)
+        if (std::exchange(of[each.joint], &each)) reader.refuse(each.at, "moves a joint that another one moves, too");
+    for (const Mimic& each : mimics) {
+        physics::JointMimic way{.joint = static_cast<int>(each.joint)};
+        std::size_t steps = 0;
+        for (const Mimic* next = of[each.joint]; next; next = of[static_cast<std::size_t>(way.joint)]) {
+            if (++steps > mimics.size()) reader.refuse(each.at, "must not lead back to its own joint");
+            way.offset += way.multiplier * next->way.offset;
+            way.multiplier *= next->way.multiplier;
+            way.joint = next->way.joint;
+        }
+        joints[each.joint].mimic = way;
+        joints[each.joint].command.reset();
+        joints[each.joint].start = 0.0;
+    }
+    for (const Mimic& each : mimics) { // the other one starts where it leaves all of them within their limits
+        const auto other = static_cast<std::size_t>(joints[each.joint].mimic->joint);
+        const auto [lower, upper] = physics::limitsOf(joints, other);
+        if (!(lower <= upper))
+            reader.refuse(each.at, text("leaves joint '", jointNames[other],
+                                        "' no place: its limits and those of the joints that go with it do not meet"));
+        joints[other].start = std::clamp(joints[other].start, lower, upper);
+        if (!joints[other].command) continue;
+        if (auto* position = std::get_if<physics::JointPosition>(&*joints[other].command))
+            position->value = std::clamp(position->value, lower, upper);
+    }
+}
+
 SceneBody RigidTree::finish(XmlReader& reader)
 {
+    resolveMimics(reader);
     const auto given = [&](std::size_t link) {
         const auto found = principal(inertias[link]);
         if (!found)

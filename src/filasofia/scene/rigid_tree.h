@@ -25,6 +25,14 @@ struct RigidTree {
     std::vector<std::string> jointNames = {};
     std::vector<std::string> linkNames = {""};
 
+    /// A joint that goes with another one, which may go with a third.
+    struct Mimic {
+        std::size_t joint = 0;
+        physics::JointMimic way = {};
+        Element at = {}; ///< what says so
+    };
+    std::vector<Mimic> mimics = {};
+
     bool manyJoints = false; ///< a link of the file hangs on more than one joint, with links without a shape between
 
     [[nodiscard]] std::size_t links() const { return inertias.size(); }
@@ -33,8 +41,12 @@ struct RigidTree {
     void addInertia(int link, const physics::RigidInertia& inertia, const Element& from);
     [[nodiscard]] bool isMoved() const { return def.dynamic || links() > 1; }
 
-    /// The body with its links' inertias. Throws an Error that names the link whose inertia no body has.
+    /// The body with its mimics and its links' inertias. Throws an Error that names the link whose inertia no body has,
+    /// or the mimic that leaves no place.
     [[nodiscard]] SceneBody finish(XmlReader& reader);
+
+private:
+    void resolveMimics(const XmlReader& reader);
 };
 
 /// Names that differ: a second "arm" becomes "arm 2".

@@ -212,7 +212,7 @@ template <class Flat, class... Each> Schema flatSchema(const std::variant<Each..
         Schema out = objectOf(std::move(members));
         std::vector<std::string_view> names = required<Flat>();
         for (const std::string_view each : required<T>()) names.push_back(each);
-        const bool first = IsAnyOf<T, physics::SoftBodyDef, prefab::KnotDef>; // they need no type
+        const bool first = std::is_same_v<T, std::variant_alternative_t<0, std::variant<Each...>>>; // the default
         if (!first && std::ranges::find(names, "type") == names.end()) names.emplace_back("type");
         if (!names.empty()) out["required"] = names;
         return out;

@@ -197,26 +197,17 @@ private:
         return {joint.child, tree_.add(def, reader_.word(says, "name"), child), {}};
     }
 
-    /// Lets a joint follow another one, which may follow a third.
     void follow(const UrdfJoint& joint)
     {
-        physics::JointMimic way{.multiplier = 1.0, .offset = 0.0};
-        const UrdfJoint* at = &joint;
-        Element mimic = childOf(joint.element, "mimic");
-        for (std::size_t steps = 0; mimic; ++steps, mimic = childOf(at->element, "mimic")) {
-            if (steps > joints_.size()) reader_.refuse(childOf(joint.element, "mimic"), "must not lead back to itself");
-            const Attributes says(mimic);
-            way.offset += way.multiplier * reader_.number(says, "offset", 0.0, closed(-1e6, 1e6));
-            way.multiplier *= reader_.number(says, "multiplier", 1.0, closed(-1e6, 1e6));
-            at = &jointOf(mimic);
-        }
-        if (at->place < 0)
-            reader_.refuse(childOf(joint.element, "mimic"), "must lead to a joint that moves, and not to a fixed one");
-        way.joint = at->place;
-        physics::JointDef& def = tree_.def.articulation.joints[static_cast<std::size_t>(joint.place)];
-        def.mimic = way;
-        def.command.reset();
-        def.start = 0.0;
+        const Element mimic = childOf(joint.element, "mimic");
+        const Attributes says(mimic);
+        const UrdfJoint& other = jointOf(mimic);
+        if (other.place < 0) reader_.refuse(mimic, "must name a joint that moves, and not a fixed one");
+        tree_.mimics.push_back({.joint = static_cast<std::size_t>(joint.place),
+                                .way = {.joint = other.place,
+                                        .multiplier = reader_.number(says, "multiplier", 1.0, closed(-1e6, 1e6)),
+                                        .offset = reader_.number(says, "offset", 0.0, closed(-1e6, 1e6))},
+                                .at = mimic});
     }
     /// The joint that a <mimic> names.
     [[nodiscard]] const UrdfJoint& jointOf(const Element& mimic) const
@@ -243,7 +234,7 @@ private:
                 def.axis = reader_.vector(says, "xyz", def.axis, kUrdfPlace);
                 if (!(length(def.axis) > 1e-9)) reader_.refuse(inner, "must have an xyz of some length");
             } else if (inner.tag() == "limit") {
-                driven = readLimit(says, endless, def);
+                driven = readLimit(says, endless, static_cast<bool>(childOf(element, "mimic")), def);
             } else if (inner.tag() == "dynamics") {
                 reader_.tellUnread(inner, {"damping", "friction"});
                 def.damping = reader_.number(says, "damping", 0.0, closed(0, 1e12));
@@ -258,7 +249,7 @@ private:
         if (!driven) def.command = physics::JointForce{0.0};
     }
     /// Returns whether the joint has a drive.
-    bool readLimit(const Attributes& says, bool endless, physics::JointDef& def)
+    bool readLimit(const Attributes& says, bool endless, bool mimics, physics::JointDef& def)
     {
         const Element element = says.element();
         reader_.tellUnread(element, {"lower", "upper", "effort", "velocity"});
@@ -271,7 +262,10 @@ private:
         const double effort = reader_.number(says, "effort", 0.0, closed(0, 1e12));
         const double velocity = reader_.number(says, "velocity", 0.0, closed(0, 1e12));
         if (velocity > 0.0) def.speed = velocity;
-        if (effort > 0.0)
+        if (velocity > 0.0 && mimics)
+            reader_.note(element, "limit.velocity",
+                         "<limit> velocity does not count if the joint has a <mimic>: it goes with the other one");
+        if (effort > 0.0 && !mimics)
             reader_.note(element, "limit.effort",
                          "<limit> effort bounds no force: the joint goes where it is told, "
                          "whatever is in its way");
