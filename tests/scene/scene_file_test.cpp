@@ -350,7 +350,7 @@ TEST_CASE("scene files: a texture is the name of its file, or an object with a t
                texture + "}}]}]}";
     };
     const auto textureOf = [](const SceneDef& scene) {
-        const auto& material = std::get<visual::MucosaMaterial>(scene.bodies.at(0).show.at(0).material);
+        const auto& material = std::get<visual::MucosaMaterial>(scene.bodies.at(0).show.at(0).material.value());
         return std::get<visual::TextureFile>(material.baseColorTexture).file;
     };
     const std::string file = textureOf(folder.load(shown(R"({"type": "TextureFile", "file": "skin.png"})")));
