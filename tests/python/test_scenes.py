@@ -173,13 +173,13 @@ def test_the_sensors_of_a_scene_are_read_and_written(tmp_path):
         assert now["ball"].shape == (3,) and abs(now["ball"][1] - 0.02) < 1e-3
         assert abs(now["weight"][3] - 0.2 * 9.81) < 2e-3
         with pytest.raises(filasofia.Error, match="where time only goes on"):
-            sim.restore(sim.save())
+            sim.restore(sim.save_state())
     assert np.array_equal(sim.sensors["ball"], now["ball"])  # also after close()
     rows = np.genfromtxt(table, delimiter=",", skip_header=1)
     assert rows.shape == (11, 8) and np.allclose(rows[-1, 1:4], now["ball"])
     with filasofia.load(scene) as again:  # without a table
         again.step(1000)
-        again.restore(again.save())
+        again.restore(again.save_state())
         assert np.array_equal(again.sensors["weight"], now["weight"])
 
 

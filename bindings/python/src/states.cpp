@@ -55,8 +55,8 @@ void addStates(nb::module_& module, nb::class_<HeldSimulation>& sim)
             nb::sig("def restore(self, state: filasofia.SavedState) -> None"),
             "Returns at once to a state of this simulation, or of another one with the same bodies and rate. The same "
             "commands then give the same bits, and what is measured goes on from there. Error if bodies were added or "
-            "removed, if the run is recorded, if it is measured into a .csv file, or if the state does not know an "
-            "instrument or a task.\n\n"
+            "removed, if the run is recorded, if it is measured into a .csv file or its sensors are written, or if the "
+            "state does not know an instrument or a task.\n\n"
             "The state has all that bodies are, too: materials, masses, friction, damping, gravity. A simulation that "
             "was made with others has those of the state from then on. To vary them from one settled state, restore "
             "it and then give commands: set_material, set_tissue, set_gravity, set_forces, ...");
