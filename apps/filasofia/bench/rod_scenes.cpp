@@ -177,10 +177,10 @@ RodScene stitch()
 RodScene drawnThrough(int blocks)
 {
     static constexpr BodyId kNeedle{kBlocks + 1};
-    constexpr double kAside = 20_mm; // where the other blocks are
+    constexpr double kPutAside = 20_mm; // where the other blocks are
     ContactScene scene{.name = text("is drawn through ", blocks, blocks == 1 ? " block" : " blocks"), .body = "thread"};
     for (int i = 0; i < kBlocks; ++i) {
-        const Vec3 at{kApart * i, i < blocks ? 0.0 : -kAside, 0.0};
+        const Vec3 at{kApart * i, i < blocks ? 0.0 : -kPutAside, 0.0};
         physics::SoftBodyDef block = skin(text("block ", i + 1), {3_mm, 10_mm, 10_mm}, {2, 7, 6}, at);
         block.attachments = {{.box = geometry::Box{{-1, -1, -1}, {1, at.y - 4.9_mm, 1}}}};
         scene.bodies.emplace_back(std::move(block));
