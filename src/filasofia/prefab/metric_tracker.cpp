@@ -9,8 +9,8 @@
 #include "filasofia/core/validate.h"
 #include "filasofia/core/word.h"
 #include "filasofia/metric/sampling.h"
+#include "filasofia/prefab/file_failure.h"
 #include "filasofia/prefab/session_writer.h"
-#include "filasofia/runtime/file_failed_event.h"
 
 #include <algorithm>
 #include <chrono>
@@ -359,13 +359,7 @@ struct MetricTracker::Impl {
         const std::optional<std::string> problem = guardedCall(write);
         if (!problem) return;
         failed.store(true);
-        runtime::FileFailedEvent failure;
-        failure.problem = text("metric tracker: ", *problem, "; the session goes on without recording");
-        logError(failure.problem);
-        try {
-            simulation.post(std::move(failure));
-        } catch (const Error&) { // the queue is full: the log has it
-        }
+        tellFileFailure(simulation, text("metric tracker: ", *problem, "; the session goes on without recording"));
     }
 
     runtime::Simulation& simulation;

@@ -10,7 +10,7 @@
 #include "filasofia/metric/csv.h"
 #include "filasofia/physics/physics_engine.h"
 #include "filasofia/prefab/body_points.h"
-#include "filasofia/runtime/file_failed_event.h"
+#include "filasofia/prefab/file_failure.h"
 
 #include <algorithm>
 #include <atomic>
@@ -437,13 +437,7 @@ struct Sensors::Impl {
         const std::optional<std::string> problem = guardedCall(write);
         if (!problem) return;
         failed.store(true);
-        runtime::FileFailedEvent failure;
-        failure.problem = text("sensors: ", *problem, "; the run goes on without them");
-        logError(failure.problem);
-        try {
-            simulation.post(std::move(failure));
-        } catch (const Error&) { // the queue is full: the log has it
-        }
+        tellFileFailure(simulation, text("sensors: ", *problem, "; the run goes on without them"));
     }
     void close()
     {

@@ -120,8 +120,10 @@ template <class Capture> auto PictureThread::Stage::take(const PictureDef& def, 
     if (def.pose || def.camera) impl.unseen.wait();
     impl.mapFinishedFrame(visual); // after aim(): a recording keeps where a camera is that follows no body
     if (def.pose) aim(def);        // one that does is back at its body
-    if (def.pose || def.camera) impl.unseen.lookAgain();
-    impl.unseen.look(visual);
+    if (def.pose || def.camera) {
+        impl.unseen.lookAgain();
+        impl.unseen.look(visual);
+    }
     return view ? capture(*view) : capture(visual);
 }
 

@@ -39,14 +39,19 @@ void UnseenBodies::look(const visual::VisualServer& server)
             const Pose pose = toCamera * body->worldPose();
             const double scale = body->worldScale();
             Reach reach;
-            for (const Vec3 vertex : body->vertices()) reach.add(-transform(pose, scale * vertex).z);
+            for (const Vec3 vertex : body->vertices()) {
+                const double depth = -transform(pose, scale * vertex).z;
+                if (depth >= lens.near && depth <= lens.far) return true; // mostly the first one
+                reach.add(depth);
+            }
             all.add(reach.nearest);
             all.add(reach.farthest);
             return reach.farthest >= lens.near && reach.nearest <= lens.far;
         });
+        if (seen) continue;
         const std::string camera = text("camera '", lens.name, "' shows no body: it shows what is ", lens.near,
                                         " (near) to ", lens.far, " m (far) ahead");
-        if (!seen && told_.insert(camera).second)
+        if (told_.insert(camera).second)
             logWarning(camera, ", and the bodies are at ", all.nearest, " to ", all.farthest, " m",
                        all.farthest < 0.0 ? ", behind it" : "");
     }
