@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
@@ -194,6 +195,7 @@ void CoupledSolve::correctCoarseLevels() { correction_.make(network(), patchMoti
 
 void CoupledSolve::blendRotations()
 {
+    if (std::exchange(blended_, true)) return; // coarse levels that know all constraints are not made twice
     bool changed = false;
     for (const CoupledBody& body : *bodies_) changed = body.preconditioner->blendRotations() || changed;
     if (!changed) return;

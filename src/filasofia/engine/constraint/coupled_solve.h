@@ -259,6 +259,7 @@ private:
     ConstraintFilter filter_;           ///< M of all constraints together
     bool together_ = false;             ///< it is used in place of those of single constraints
     bool exact_ = false;                ///< D is A in all bodies
+    bool blended_ = false;              ///< blendRotations() was called
     bool joined_ = false;               ///< the coarse levels know all constraints together, as far as they can
     std::vector<Vec3> perRow_;          ///< scratch of the filter
     std::vector<BlockColumns> columns_; ///< scratch of ownStiffness()
