@@ -263,7 +263,8 @@ TEST_CASE("MJCF: what is not read is told once per kind with its place, and is a
           std::vector<std::string>{"model.xml:4:22: a default <pair> is not read",
                                    "model.xml:2:30: <tendon> is not read", "model.xml:4:2: <keyframe> is not read",
                                    "model.xml:2:2: <option> integrator is not read",
-                                   "model.xml:3:13: <site> is not read", "model.xml:3:27: <geom> condim is not read",
+                                   "model.xml:3:13: <site> is a place that sensors may name, and is not drawn",
+                                   "model.xml:3:27: <geom> condim is not read",
                                    "model.xml:3:54: <geom> denisty is not read (did you mean 'density'?)"});
     CHECK(errorOf(model, {.strict = true}) ==
           "model.xml:4:22: mujoco/default/pair: a default <pair> is not read (strict)");
@@ -432,6 +433,71 @@ TEST_CASE("imports: a file is what its name and its first element say")
                       Catch::Contains("c.json: strict is for URDF, MJCF and .scn"));
     CHECK_THROWS_WITH(loadAnyScene(scene, {.packages = {"/tmp"}}), Catch::Contains("c.json: a package is for URDF"));
     CHECK_THROWS_WITH(loadUrdf(folder.file("a.xml"), {.packages = {"/nope"}}), "package must be a folder, got '/nope'");
+}
+
+TEST_CASE("MJCF: sensors of joints, places, velocities and touch read what they read in MuJoCo")
+{
+    const Imported imported = mjcf(R"(<worldbody>
+<geom type="plane" size="0 0 1"/>
+<body name="arm" pos="0 0 1"><joint name="hinge" axis="0 1 0"/><geom type="capsule" fromto="0 0 0 0.4 0 0" size="0.02" mass="1"/>
+  <site name="tip" pos="0.4 0 0.05"/></body>
+<body name="ball" pos="1 0 0.04"><freejoint/><geom name="round" pos="0 0.01 0" size="0.05" mass="0.3"/><site name="skin" size="0.06"/></body></worldbody>
+<actuator><motor name="pull" joint="hinge"/></actuator>
+<sensor><jointpos name="angle" joint="hinge"/><actuatorfrc actuator="pull"/><framepos name="tip" objtype="site" objname="tip"/>
+<framepos objtype="body" objname="ball"/><framepos name="origin" objtype="xbody" objname="ball"/>
+<framelinvel name="v" objtype="body" objname="ball"/><touch name="touch" site="skin"/><gyro site="tip"/></sensor>)");
+    const std::vector<std::string> notes = told(imported);
+    REQUIRE(notes.size() == 3);
+    CHECK(notes[0].ends_with("<site> is a place that sensors may name, and is not drawn"));
+    CHECK(notes[1].ends_with("<touch> is read as all contacts of its body, in the site or not"));
+    CHECK(notes[2].ends_with("<gyro> of <sensor> is not read"));
+    Simulation sim(simulationDef(imported.scene));
+    const AddedScene added = addScene(sim, imported.scene);
+    CHECK(added.bodies.size() == 3);
+    prefab::SensorsDef def{.sensors = imported.scene.sensors};
+    REQUIRE(def.sensors.size() == 7);
+    const prefab::Sensors sensors(sim, def);
+    sim.run({.headless = true, .steps = 200});
+    const std::vector<prefab::SensorReading> now = sensors.read();
+    CHECK(now[0].name == "angle");
+    CHECK(now[1].name == "actuatorfrc");
+    CHECK(now[3].name == "framepos");
+    const double angle = now[0].values[0];
+    CHECK(angle > 0.1); // about their y, our -z: the arm sinks
+    const auto isAt = [&](std::size_t k, Vec3 at, double margin) {
+        return distance({now[k].values[0], now[k].values[1], now[k].values[2]}, at) < margin;
+    };
+    CHECK(isAt(2,
+               {0.4 * std::cos(angle) + 0.05 * std::sin(angle), 1 - 0.4 * std::sin(angle) + 0.05 * std::cos(angle), 0},
+               1e-9));
+    CHECK(isAt(3, {1, 0.05, -0.01}, 1e-3)); // its centre: it rests on the plane
+    CHECK(isAt(4, {1, 0.05, 0}, 1e-3));
+    CHECK(isAt(5, {}, 1e-3));
+    CHECK(now[6].values.back() == Approx(0.3 * 9.81).epsilon(0.01));
+}
+
+TEST_CASE("MJCF: a sensor of something that is not there is an error, and what is not read is told")
+{
+    const std::string body =
+        R"(<worldbody><body name="arm"><joint name="hinge"/><geom size="0.1"/></body></worldbody>)";
+    CHECK(errorOf(body + "<sensor><jointpos joint='hinges'/></sensor>")
+              .find("must be the name of a hinge or a slide, got "
+                    "'hinges' (did you mean 'hinge'?)") != std::string::npos);
+    CHECK(errorOf(body + "<sensor><jointpos/></sensor>").find("must say its joint") != std::string::npos);
+    CHECK(errorOf(body + "<sensor><framepos objtype='site' objname='tip'/></sensor>")
+              .find("must be the name of a site") != std::string::npos);
+    CHECK(errorOf(body + "<sensor><framepos objtype='sight' objname='tip'/></sensor>").find("objtype must be") !=
+          std::string::npos);
+    const Imported arm =
+        mjcf(body + "<sensor><framepos objtype='camera' objname='eye'/><clock/>"
+                    "<framelinvel objtype='body' objname='arm' reftype='body' refname='arm'/></sensor>");
+    CHECK(arm.scene.sensors.size() == 1);
+    const std::vector<std::string> notes = told(arm);
+    REQUIRE(notes.size() == 4);
+    CHECK(notes[0].ends_with("<framepos> of a camera is not read"));
+    CHECK(notes[1].ends_with("<clock> of <sensor> is not read"));
+    CHECK(notes[2].find("reftype") != std::string::npos);
+    CHECK(notes[3].find("refname") != std::string::npos);
 }
 
 } // namespace import_mjcf_test

@@ -3,6 +3,7 @@
 #include "filasofia/core/error.h"
 #include "filasofia/core/suggestion.h"
 #include "filasofia/scene/mjcf_flex.h"
+#include "filasofia/scene/mjcf_sensors.h"
 #include "filasofia/visual/transform.h"
 
 #include <algorithm>
@@ -34,6 +35,7 @@ public:
             if (auto body = flexes_.read(each)) soft.push_back(std::move(*body));
         addTrees();
         for (SceneBody& each : soft) addSoft(std::move(each));
+        out_.scene.sensors = MjcfSensors(source_, bodies_, bodyOf_).read();
         noteFriction();
         readPicture();
         out_.scene.files = reader_.files();
@@ -44,8 +46,8 @@ public:
 private:
     void checkSections()
     {
-        const std::vector<std::string> known = {"compiler",  "option",   "default",  "asset",
-                                                "worldbody", "actuator", "equality", "statistic"};
+        const std::vector<std::string> known = {"compiler", "option",   "default",   "asset", "worldbody",
+                                                "actuator", "equality", "statistic", "sensor"};
         for (const Element& each : source_.childrenOf(source_.root()))
             if (std::ranges::find(known, each.tag()) == known.end())
                 reader_.tell(each, text("<", each.tag()),
@@ -92,6 +94,8 @@ private:
                                  text("<", each.tag(), "> of a joint1 of <equality> is not read: joint2 moves it"));
                 else
                     drive(*joint, goes);
+                if (const std::string name = reader_.word(says, "name"); !name.empty())
+                    bodies_.actuators.emplace(name, jointNamed(*joint));
             }
     }
     /// The number of a joint's body, and its number there.

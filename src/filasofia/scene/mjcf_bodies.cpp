@@ -101,6 +101,8 @@ void MjcfBodies::readMembers(const std::vector<Member>& members, const MjcfPlace
             if (given) readInertial(element, at);
         } else if (element.tag() == "flexcomp") {
             flexes.push_back({element, at});
+        } else if (element.tag() == "site") {
+            readSite(element, at);
         } else if (element.tag() == "camera" || element.tag() == "light") {
             (element.tag() == "camera" ? cameras : lights).push_back({element, at});
         } else if (!isJoint(element)) {
@@ -119,7 +121,9 @@ void MjcfBodies::readBody(const Element& body, const MjcfPlace& outer)
     place.pose = outer.pose * source_.poseOf(Attributes(body));
     place.childClass = source_.childClassOf(body, outer.childClass);
     const std::vector<Member> members = membersOf(body, place.childClass);
-    readMembers(members, enter(body, members, place));
+    const MjcfPlace inside = enter(body, members, place);
+    if (!name.empty()) bodyPlaces.emplace(name, inside);
+    readMembers(members, inside);
     --depth_;
 }
 
@@ -351,6 +355,7 @@ void MjcfBodies::readGeom(const Element& element, const MjcfPlace& outer, bool w
     if (!solid) return;
     MjcfPlace place = outer;
     place.pose = outer.pose * pose;
+    if (const std::string name = reader_.word(says, "name"); !name.empty()) geomPlaces.emplace(name, place);
     const auto surface = surfaceOf(*solid, place.pose);
     RigidTree& tree = trees[place.tree];
     const MjcfSource::Look look = source_.lookOf(says);
@@ -363,6 +368,20 @@ void MjcfBodies::readGeom(const Element& element, const MjcfPlace& outer, bool w
     if (!plane) bounded_.emplace_back(MjcfPlace{place.tree, place.link, {}, {}}, surface);
     collide(says, surface, place);
     if (weighs && !plane && (tree.def.dynamic || place.link > 0)) weigh(says, *solid, place);
+}
+
+void MjcfBodies::readSite(const Element& element, const MjcfPlace& outer)
+{
+    const Attributes says = source_.attributesOf(element, outer.childClass);
+    MjcfPlace place = outer;
+    place.pose = outer.pose * source_.poseOf(says);
+    if (const auto ends = says.find("fromto")) {
+        const std::vector<double> v = reader_.numbers(*ends, 6, 6, closed(-kFarthestShape, kFarthestShape));
+        place.pose = outer.pose * Pose{0.5 * Vec3{v[0] + v[3], v[1] + v[4], v[2] + v[5]}, {}};
+    }
+    reader_.note(element, "site", "<site> is a place that sensors may name, and is not drawn");
+    if (const std::string name = reader_.word(says, "name"); !name.empty() && !sitePlaces.emplace(name, place).second)
+        reader_.refuse(element, "has a name that another one has");
 }
 
 } // namespace filasofia::scene

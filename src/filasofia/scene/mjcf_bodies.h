@@ -31,8 +31,10 @@ public:
     std::vector<RigidTree> trees; ///< the world first
     std::vector<MjcfPending> flexes, cameras, lights;
     /// The tree and the joint of a name.
-    std::map<std::string, std::pair<std::size_t, std::size_t>, std::less<>> joints;
+    std::map<std::string, std::pair<std::size_t, std::size_t>, std::less<>> joints, actuators;
     std::map<std::pair<std::size_t, std::size_t>, double> references; ///< [rad] or [m], where joints are in the file
+
+    std::map<std::string, MjcfPlace, std::less<>> bodyPlaces, geomPlaces, sitePlaces; ///< by their names
 
     /// The pose in our world, as it is at the start; when all bodies have been read.
     [[nodiscard]] Pose worldPose(const MjcfPlace& place);
@@ -58,6 +60,7 @@ private:
     void readLimits(const Attributes& says, bool turns, physics::JointDef& def) const;
     void readInertial(const Element& element, const MjcfPlace& place);
     void readGeom(const Element& element, const MjcfPlace& place, bool weighs);
+    void readSite(const Element& element, const MjcfPlace& place);
     /// Notes attributes of the same element that another one makes useless.
     void noteUnused(const Attribute& before, std::initializer_list<const char*> names) const;
     [[nodiscard]] std::optional<Solid> solidOf(const Attributes& says, Pose& pose);

@@ -24,6 +24,9 @@ const std::map<std::string_view, std::vector<std::string_view>> kCarried = {
     {"mesh", {"name", "class", "file", "scale", "vertex", "face"}},
     {"material", {"name", "class", "rgba"}},
     {"camera", {"name", "class", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fovy", "mode"}},
+    {"site", // what it looks like is told once
+     {"name", "class", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fromto", "type", "size", "rgba",
+      "material", "group"}},
     {"light", {"name", "class", "pos", "dir", "directional", "type", "castshadow", "mode"}},
     {"motor", {"name", "class", "joint"}},
     {"position", {"name", "class", "joint"}},
