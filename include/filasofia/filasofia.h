@@ -97,6 +97,7 @@ using physics::JointForce;
 using physics::JointKind;
 using physics::JointMimic;
 using physics::JointPosition;
+using physics::JointSpring;
 using physics::kHard;
 using physics::Labelled;
 using physics::Listed;

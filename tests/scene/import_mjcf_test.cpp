@@ -183,10 +183,14 @@ TEST_CASE("MJCF: actuators drive joints, cameras and lights are the picture's, c
         R"(<worldbody><light directional="true" dir="1 0 -1"/><camera name="eye" pos="0 -1 0" xyaxes="1 0 0 0 0 1" fovy="60"/>
 <body><joint name="a"/><geom size="0.1" contype="4" conaffinity="4"/><geom size="0.2" contype="0" conaffinity="0" group="3"/>
 <body><joint name="b"/><geom size="0.1"/></body></body></worldbody>
-<actuator><position joint="a" kp="3"/><motor joint="b"/><velocity joint="b"/></actuator>)");
+<actuator><position joint="a" kp="3" kv="0.2" forcerange="-4 5"/><motor joint="b"/><velocity joint="b"/></actuator>)");
     const auto& body = rigid(imported, 0);
-    CHECK(std::holds_alternative<JointPosition>(*body.articulation.joints[0].command));
+    const auto& spring = std::get<JointSpring>(*body.articulation.joints[0].command);
+    CHECK((spring.value == 0.0 && spring.stiffness == 3.0 && spring.damping == 0.2 && spring.strength == 5.0));
     CHECK(std::holds_alternative<JointForce>(*body.articulation.joints[1].command));
+    const std::vector<std::string> notes = told(imported);
+    CHECK(notes.size() == 2);
+    CHECK(notes[0].ends_with("forcerange is read as the larger of its two forces, in both directions"));
     REQUIRE(body.collision.size() == 2);
     CHECK((body.collision[0].group == 2 && body.collision[1].group == 0));
     CHECK(imported.scene.bodies[0].show.size() == 2);
@@ -198,6 +202,24 @@ TEST_CASE("MJCF: actuators drive joints, cameras and lights are the picture's, c
     Simulation sim(simulationDef(imported.scene));
     static_cast<void>(addScene(sim, imported.scene));
     CHECK(sim.run({.headless = true, .steps = 5}).complete());
+}
+
+TEST_CASE("MJCF: the stiffness of a joint draws it to springref, if no actuator has a spring of its own")
+{
+    const std::string body = R"(<compiler angle="degree"/><worldbody><body>
+<joint name="a" stiffness="2" springref="90"/><geom size="0.1"/></body></worldbody>)";
+    const auto springOf = [](const Imported& imported) {
+        return std::get<JointSpring>(*rigid(imported, 0).articulation.joints[0].command);
+    };
+    const Imported alone = mjcf(body + "<actuator><motor joint='a'/></actuator>");
+    CHECK(springOf(alone).value == Approx(90_deg));
+    CHECK(springOf(alone).stiffness == 2.0);
+    CHECK(told(alone).empty());
+    const Imported driven = mjcf(body + "<actuator><position joint='a' kp='7'/></actuator>");
+    CHECK(springOf(driven).value == 0.0);
+    CHECK(springOf(driven).stiffness == 7.0);
+    REQUIRE(told(driven).size() == 1);
+    CHECK(told(driven)[0].find("the stiffness of a <joint> that has a <position> is not read") != std::string::npos);
 }
 
 TEST_CASE("MJCF: an equality of joints lets one follow the other from where both are in the file")

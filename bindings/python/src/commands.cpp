@@ -137,8 +137,8 @@ void addHandsAndJoints(nb::class_<HeldSimulation>& sim)
         },
         nb::arg("body").none(), nb::arg("joint").none(), nb::arg("command").none(),
         nb::sig("def set_joint(self, body: filasofia.BodyId, joint: int, command: filasofia.JointPosition | "
-                "filasofia.JointForce) -> None"),
-        "The target position of a joint, or its force, until changed.");
+                "filasofia.JointForce | filasofia.JointSpring) -> None"),
+        "The target position of a joint, its force, or a spring that draws it, until changed.");
     sim.def(
         "set_haptic",
         [](HeldSimulation& self, nb::handle id, nb::handle target, nb::handle at) {

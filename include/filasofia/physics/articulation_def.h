@@ -30,7 +30,18 @@ struct JointPosition {
 struct JointForce {
     double value = 0.0; ///< torque [N m] for a revolute joint, force [N] for a prismatic one
 };
-using JointCommand = std::variant<JointPosition, JointForce>;
+/// A spring and a damper draw the joint towards a position with bounded force, as a motor under PD control does: with
+/// the joint's position q, the force is stiffness * (value - q) - damping * q', at most strength. It is implicit, and
+/// so it adds no energy, however stiff it is.
+struct JointSpring {
+    double value = 0.0;                                        ///< [rad] or [m], may be beyond the joint's limits
+    double stiffness = 1.0;                                    ///< [N m/rad] or [N/m], >= 0
+    double damping = 0.0;                                      ///< [N m s] or [N s/m], >= 0
+    double strength = std::numeric_limits<double>::infinity(); ///< [N m] or [N], >= 0, may be infinite: largest force
+};
+using JointCommand = std::variant<JointPosition, JointForce, JointSpring>;
+/// Whether forces move a joint under this command, and not the command itself.
+inline bool isByForce(const JointCommand& command) { return !std::holds_alternative<JointPosition>(command); }
 
 /// One joint goes with another one, as by gears: with q the other's position, it is at multiplier * q + offset. What
 /// pushes on it pushes the other one, whose limits are narrowed to keep it within its own, and its damping, friction
@@ -58,12 +69,12 @@ struct JointDef {
     double upper = std::numeric_limits<double>::infinity();  ///< [rad] or [m], >= lower: upper limit
     /// [rad] or [m], within the limits: initial position; 0 with a mimic, whose start is that of the other joint
     double start = 0.0;
-    double velocity = 0.0; ///< [rad/s] or [m/s], initial, of a joint under a force command
+    double velocity = 0.0; ///< [rad/s] or [m/s], initial, of a joint that forces move
     std::optional<JointCommand> command =
         {};                ///< valid until changed by a command; none: the joint keeps its initial position
     double speed = 3.0;    ///< [rad/s] or [m/s], > 0, largest speed on the way to a commanded position
-    double damping = 0.0;  ///< [N m s] or [N s/m], >= 0, viscous, for a joint under a force command
-    double friction = 0.0; ///< [N m] or [N], >= 0, dry friction, for a joint under a force command
+    double damping = 0.0;  ///< [N m s] or [N s/m], >= 0, viscous, for a joint that forces move
+    double friction = 0.0; ///< [N m] or [N], >= 0, dry friction, for a joint that forces move
     double inertia = 0.0;  ///< [kg m^2] or [kg], >= 0, of the drive, in addition to the links that it moves
     std::optional<GivenInertia> mass = {}; ///< mass of the child; none: that of every element of the body
     std::optional<JointMimic> mimic = {};  ///< in place of a command: the joint that it follows
@@ -89,6 +100,15 @@ constexpr auto fields(const JointForce*)
     return describe("JointForce",
                     field("value", &JointForce::value, "N m or N", finite(), "force or torque of the drive"));
 }
+constexpr auto fields(const JointSpring*)
+{
+    using T = JointSpring;
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    return describe("JointSpring", field("value", &T::value, "rad or m", finite(), "position that it is drawn to"),
+                    field("stiffness", &T::stiffness, "N m/rad or N/m", nonNegative(), "of the spring"),
+                    field("damping", &T::damping, "N m s or N s/m", nonNegative(), "of the damper"),
+                    field("strength", &T::strength, "N m or N", closed(0.0, infinity), "largest force of both"));
+}
 constexpr auto fields(const JointMimic*)
 {
     using T = JointMimic;
@@ -110,7 +130,7 @@ constexpr auto fields(const JointDef*)
         field("lower", &T::lower, "rad or m", closed(-infinity, infinity), "lower limit"),
         field("upper", &T::upper, "rad or m", closed(-infinity, infinity), "upper limit"),
         field("start", &T::start, "rad or m", finite(), "initial position"),
-        field("velocity", &T::velocity, "rad/s or m/s", finite(), "initial velocity, of a joint under a force command"),
+        field("velocity", &T::velocity, "rad/s or m/s", finite(), "initial velocity, of a joint that forces move"),
         field("command", &T::command, "initial command; none: it keeps its initial position"),
         field("speed", &T::speed, "rad/s or m/s", positive(), "largest speed on the way to a commanded position"),
         field("damping", &T::damping, "N m s or N s/m", nonNegative(), "viscous damping"),

@@ -61,9 +61,10 @@ void checkJoint(const std::vector<JointDef>& joints, std::size_t j, const std::s
     if (!(std::abs(joint.velocity) < kFarthest))
         fail(field, ".velocity must be in (", -kFarthest, ", ", kFarthest, ")", unitOf(joint), "/s, got ",
              joint.velocity);
-    if (joint.velocity != 0.0 && !(joint.command && std::holds_alternative<JointForce>(*joint.command)))
+    if (joint.velocity != 0.0 && !(joint.command && isByForce(*joint.command)))
         fail(field, ".velocity must be 0", unitOf(joint),
-             "/s unless the joint's command is a JointForce (0 lets it move freely), got ", joint.velocity);
+             "/s unless the joint's command is a JointForce (0 lets it move freely) or a JointSpring, got ",
+             joint.velocity);
     if (!joint.command) return;
     if (const auto* position = std::get_if<JointPosition>(&*joint.command))
         checkPosition(joints, j, position->value, field + ".command");
@@ -184,7 +185,7 @@ void checkArticulation(const RigidBodyDef& def, const std::string& object)
     checkLinks(def, object);
     const std::vector<RigidInertia> inertias = linkInertias(def);
     for (std::size_t j = 0; j < joints.size(); ++j)
-        if (joints[j].command && std::holds_alternative<JointForce>(*joints[j].command) &&
+        if (joints[j].command && isByForce(*joints[j].command) &&
             !takesForce(joints[j], inertias[static_cast<std::size_t>(joints[j].child)]))
             fail(field, ".joints[", j,
                  "].command must not be a force without an inertia to move; give the joint a mass or an "

@@ -92,8 +92,8 @@ private:
                 if (joined_.contains(jointNamed(*joint)))
                     reader_.tell(each, "actuator of joint1",
                                  text("<", each.tag(), "> of a joint1 of <equality> is not read: joint2 moves it"));
-                else
-                    drive(*joint, goes);
+                else if (goes)
+                    drive(*joint, says);
                 if (const std::string name = reader_.word(says, "name"); !name.empty())
                     bodies_.actuators.emplace(name, jointNamed(*joint));
             }
@@ -107,15 +107,27 @@ private:
         for (const auto& each : bodies_.joints) known.push_back(each.first);
         reader_.refuse(name, "must be the name of a hinge or a slide", didYouMean(name.words, known));
     }
-    void drive(const Attribute& name, bool goes)
+    /// A <position> of a joint, whose control is 0 until something is commanded. A <motor> leaves the joint as it is:
+    /// its force is 0.
+    void drive(const Attribute& name, const Attributes& says)
     {
         const auto [tree, joint] = jointNamed(name);
         physics::JointDef& def = bodies_.trees[tree].def.articulation.joints[joint];
-        if (!goes) return; // a force, 0 until one is commanded: as without a motor
-        reader_.note(name.at, "position actuator",
-                     "<position> is read as a joint that goes to 0 and to what it is told, "
-                     "whatever is in its way");
-        def.command = physics::JointPosition{std::clamp(0.0, def.lower, def.upper)};
+        if (std::holds_alternative<physics::JointSpring>(*def.command))
+            reader_.tell(says.element(), "second spring",
+                         "the stiffness of a <joint> that has a <position> is not read, nor is a second <position>");
+        physics::JointSpring spring{.stiffness = reader_.number(says, "kp", 1.0, closed(0, 1e12)),
+                                    .damping = reader_.number(says, "kv", 0.0, closed(0, 1e12))};
+        const auto range = says.find("forcerange");
+        const std::size_t limited = reader_.oneOf(says, "forcelimited", 2, {"false", "true", "auto"});
+        if (range && limited != 0) {
+            const std::vector<double> v = reader_.numbers(*range, 2, 2, closed(-1e12, 1e12));
+            spring.strength = std::max(std::abs(v[0]), std::abs(v[1]));
+            if (v[0] != -v[1])
+                reader_.note(says.element(), "forcerange",
+                             "<position> forcerange is read as the larger of its two forces, in both directions");
+        }
+        def.command = spring;
     }
 
     void readEqualities()

@@ -178,6 +178,10 @@ MjcfPlace MjcfBodies::addJoint(const Attributes& says, const Pose& frame, const 
             def.parentOffset * (turns ? Pose{{}, axisAngle(along, -def.start)} : Pose{-def.start * along, {}});
     }
     readLimits(says, turns, def);
+    if (const double stiffness = reader_.number(says, "stiffness", 0.0, closed(0, 1e12)); stiffness > 0.0) {
+        const double rest = reader_.number(says, "springref", 0.0);
+        def.command = physics::JointSpring{.value = turns ? source_.angle(rest) : rest, .stiffness = stiffness};
+    }
     def.damping = reader_.number(says, "damping", 0.0, closed(0, 1e12));
     def.friction = reader_.number(says, "frictionloss", 0.0, closed(0, 1e12));
     def.inertia = reader_.number(says, "armature", 0.0, closed(0, 1e12));

@@ -20,7 +20,8 @@ const std::map<std::string_view, std::vector<std::string_view>> kCarried = {
      {"name",   "class", "type",    "size",     "pos",  "quat",     "axisangle", "xyaxes",  "zaxis",       "euler",
       "fromto", "mass",  "density", "friction", "rgba", "material", "mesh",      "contype", "conaffinity", "group"}},
     {"joint",
-     {"name", "class", "type", "pos", "axis", "range", "limited", "ref", "damping", "frictionloss", "armature"}},
+     {"name", "class", "type", "pos", "axis", "range", "limited", "ref", "damping", "frictionloss", "armature",
+      "stiffness", "springref"}},
     {"mesh", {"name", "class", "file", "scale", "vertex", "face"}},
     {"material", {"name", "class", "rgba"}},
     {"camera", {"name", "class", "pos", "quat", "axisangle", "xyaxes", "zaxis", "euler", "fovy", "mode"}},
@@ -29,7 +30,7 @@ const std::map<std::string_view, std::vector<std::string_view>> kCarried = {
       "material", "group"}},
     {"light", {"name", "class", "pos", "dir", "directional", "type", "castshadow", "mode"}},
     {"motor", {"name", "class", "joint"}},
-    {"position", {"name", "class", "joint"}},
+    {"position", {"name", "class", "joint", "kp", "kv", "forcerange", "forcelimited"}},
 };
 
 std::vector<std::string_view> tagsWithDefaults()

@@ -83,8 +83,7 @@ SceneBody RigidTree::finish(XmlReader& reader)
             const double little = std::max(1e-6 * whole.mass, 1e-12);
             joint.mass =
                 physics::GivenInertia{.mass = little, .moments = {little * 1e-2, little * 1e-2, little * 1e-2}};
-        } else if (!(joint.inertia > 0.0) && joint.command &&
-                   std::holds_alternative<physics::JointForce>(*joint.command)) {
+        } else if (!(joint.inertia > 0.0) && joint.command && physics::isByForce(*joint.command)) {
             reader.note(
                 place, "no mass",
                 text("joint '", jointNames[link - 1], "' is held: nothing drives it, and its robot weighs nothing"));

@@ -11,7 +11,7 @@
 namespace filasofia::sofaengine {
 namespace {
 
-bool isFree(const physics::JointCommand& command) { return std::holds_alternative<physics::JointForce>(command); }
+bool isFree(const physics::JointCommand& command) { return physics::isByForce(command); }
 bool isNear(Vec3 v) { return length(v) < physics::kFarthest; } // no NaN is
 
 /// The velocities that lead from one pose to another; none if that is a jump.

@@ -11,7 +11,7 @@ namespace filasofia::sofaengine {
 bool isDriven(const physics::RigidBodyDef& def)
 {
     const auto byForce = [](const physics::JointDef& joint) {
-        return joint.command && std::holds_alternative<physics::JointForce>(*joint.command);
+        return joint.command && physics::isByForce(*joint.command);
     };
     const auto& joints = def.articulation.joints;
     return !joints.empty() && (def.dynamic || std::ranges::any_of(joints, byForce));
@@ -23,6 +23,9 @@ RigidPlan planRigid(const physics::RigidBodyDef& def)
     validate(def, object);
     check(physics::BodyDef{def});
     if (def.needle) fail(object, ": needle", kLacks);
+    for (const physics::JointDef& joint : def.articulation.joints)
+        if (joint.command && std::holds_alternative<physics::JointSpring>(*joint.command))
+            fail(object, ": JointSpring", kLacks);
     const bool jointed = !def.articulation.joints.empty();
     if (def.dynamic && !jointed && def.linearDamping != def.angularDamping)
         fail(object, ": an angularDamping that differs from linearDamping", kLacks, ", got ", def.angularDamping,

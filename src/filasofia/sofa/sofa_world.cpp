@@ -1,4 +1,5 @@
 #include "filasofia/sofa/sofa_world.h"
+#include "filasofia/sofa/lacks.h"
 
 #include "filasofia/core/hash.h"
 #include "filasofia/core/log.h"
@@ -153,6 +154,7 @@ void SofaWorld::check(const physics::Command& command, const physics::BodyDef* d
     const std::string object = def ? describeBody(*def) : std::string("physics");
     if (ties) scene_.contact.checkTies(object);
     const auto* joint = std::get_if<physics::SetJoint>(&command);
+    if (joint && std::holds_alternative<physics::JointSpring>(joint->command)) fail(object, ": JointSpring", kLacks);
     if (joint && std::holds_alternative<physics::JointForce>(joint->command)) scene_.contact.checkDrives(object);
 }
 

@@ -8,6 +8,7 @@ using namespace filasofia;
 using namespace filasofia::engine;
 using physics::JointForce;
 using physics::JointPosition;
+using physics::JointSpring;
 using physics::SetJoint;
 
 namespace {
@@ -218,6 +219,72 @@ TEST_CASE("dry friction holds a joint up to its limit and brakes a faster one wi
     stage.post(SetJoint{{1}, 0, JointForce{0.0}});
     stage.run(200, 1e-3);
     CHECK(std::abs(joint(stage).now.velocity) < 1e-6);
+}
+
+TEST_CASE("a spring swings a joint as its equation of motion says, more closely with shorter steps")
+{
+    constexpr double start = 0.3, target = 0.1, stiffness = 0.01, damping = 1e-4, time = 0.4;
+    const double decay = 0.5 * damping / kHingeInertia;
+    const double rate = std::sqrt(stiffness / kHingeInertia - decay * decay);
+    const double exact = target + (start - target) * std::exp(-decay * time) *
+                                      (std::cos(rate * time) + decay / rate * std::sin(rate * time));
+    const auto error = [&](double dt) {
+        physics::RigidBodyDef def = jawBody(JointSpring{.value = target, .stiffness = stiffness, .damping = damping});
+        def.articulation.joints[0].start = start;
+        Stage stage;
+        stage.add(def);
+        stage.run(static_cast<int>(std::lround(time / dt)), dt);
+        return std::abs(joint(stage).now.position - exact);
+    };
+    CHECK(error(1e-3) < 0.04);
+    CHECK(error(1e-4) < 4e-3);
+    CHECK(error(1e-4) < 0.15 * error(1e-3));
+}
+
+TEST_CASE("a spring bears the weight where its force equals it, and no more than its strength")
+{
+    physics::RigidBodyDef def = jawBody(JointSpring{.stiffness = 0.02, .damping = 5e-4});
+    def.gravity = true;
+    def.articulation.joints[0].lower = -1.0;
+    Stage stage;
+    stage.post(physics::SetGravity{{0, -kGravity, 0}});
+    const BodyId body = stage.add(def);
+    stage.run(3000, 1e-3);
+    const auto weight = [&] { return kJawMass * kGravity * kArm * std::cos(joint(stage).now.position); };
+    CHECK(joint(stage).now.position < -0.2);
+    CHECK(-0.02 * joint(stage).now.position == Approx(weight()).epsilon(1e-6));
+    CHECK(joint(stage).now.force == Approx(weight()).epsilon(1e-6));
+    // Too weak to hold it: the jaw falls to its stop, which bears the rest.
+    stage.post(SetJoint{body, 0, JointSpring{.value = 3.0, .stiffness = 0.02, .strength = 1e-3}});
+    stage.run(2000, 1e-3);
+    CHECK(joint(stage).now.position == Approx(-1.0).margin(1e-4));
+    CHECK(joint(stage).now.force == Approx(1e-3).epsilon(1e-6));
+    CHECK(joint(stage).now.stop == Approx(weight() - 1e-3).epsilon(1e-3));
+    stage.post(SetJoint{body, 0, JointSpring{.value = 3.0, .stiffness = 0.02, .strength = 0.0}});
+    stage.step(1e-3);
+    CHECK(joint(stage).now.force == 0.0);
+}
+
+TEST_CASE("a spring that reaches its strength accelerates the joint by that, and none is too stiff for a step")
+{
+    Stage stage;
+    stage.add(jawBody(JointSpring{.value = 100.0, .stiffness = 1.0, .strength = 2e-4}));
+    stage.run(100, 1e-3);
+    CHECK(joint(stage).now.velocity == Approx(2e-4 / kHingeInertia * 0.1).epsilon(1e-6));
+    for (const double dt : {1e-4, 1e-3, 2e-2}) {
+        physics::RigidBodyDef def = jawBody(JointSpring{.stiffness = 1e9});
+        def.articulation.joints[0].start = 0.5;
+        Stage stiff;
+        stiff.add(def);
+        double most = 0.0;
+        for (int i = 0; i < 200; ++i) {
+            stiff.step(dt);
+            most = std::max(most, std::abs(joint(stiff).now.position));
+        }
+        CAPTURE(dt);
+        CHECK(most < 0.5);
+        CHECK(std::abs(joint(stiff).now.position) < 1e-3);
+    }
 }
 
 TEST_CASE("an accelerated base or prismatic joint accelerates the links that hang on it")

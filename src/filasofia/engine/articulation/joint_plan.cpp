@@ -27,7 +27,8 @@ double givenForce(const JointedBody& body, const LinkLoads& loads, const std::ve
 {
     double force = 0.0;
     if (!isOfBase(body.tree, joint))
-        force = std::get<JointForce>(body.joints[static_cast<std::size_t>(joint)].command).value;
+        if (const auto* given = std::get_if<JointForce>(&body.joints[static_cast<std::size_t>(joint)].command))
+            force = given->value; // a spring is a constraint (addJointConstraints)
     for (std::size_t link = 0; link < masses.size(); ++link) {
         const Wrench& wrench = loads.wrenches[link];
         if (wrench == Wrench{} || !moves(body.tree, joint, static_cast<int>(link))) continue;
@@ -72,7 +73,7 @@ JointPlan planMotion(const JointedBody& body, double dt)
         const DrivenJoint& joint = body.joints[j];
         if (body.tree.joints[j].mimics >= 0) {
             out.velocities.push_back(0.0); // planMimics() finds it
-        } else if (std::holds_alternative<JointForce>(joint.command)) {
+        } else if (physics::isByForce(joint.command)) {
             out.place[j] = static_cast<int>(out.free.size());
             out.free.push_back(static_cast<int>(j));
             out.velocities.push_back(joint.now.velocity);

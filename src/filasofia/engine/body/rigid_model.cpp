@@ -62,9 +62,13 @@ void checkJoints(const std::string& object, const RigidModel& model, const Rigid
         const physics::RigidInertia& link = model.inertias[static_cast<std::size_t>(joint.child)];
         if (link.mass != 0.0) checkInertia(field + ": link", link);
         for (const physics::JointCommand& command : {state.joints[j].command, articulation.commands[j]}) {
-            const bool force = std::holds_alternative<physics::JointForce>(command);
+            const bool force = physics::isByForce(command);
             if (!std::isfinite(std::visit([](const auto& each) { return each.value; }, command)))
                 fail(field, ".command must be finite");
+            if (const auto* spring = std::get_if<physics::JointSpring>(&command))
+                if (!(spring->stiffness >= 0.0 && std::isfinite(spring->stiffness) && spring->damping >= 0.0 &&
+                      std::isfinite(spring->damping) && spring->strength >= 0.0))
+                    fail(field, ".command must have a stiffness, a damping and a strength >= 0");
             if (force && !(joint.inertia > 0.0 || link.mass > 0.0))
                 fail(field, ".command: a force needs a link with mass or a joint with inertia");
         }

@@ -17,7 +17,7 @@ namespace filasofia::engine {
 /// are bilateral.
 /// A shaft in a channel is bilateral, with friction along its first axis; a tip only pushes. The legs of a clip are
 /// springs between two points.
-enum class ConstraintKind { Contact, Weld, JointLimit, JointFriction, Shaft, Tip, ClipLeg };
+enum class ConstraintKind { Contact, Weld, JointLimit, JointFriction, JointSpring, Shaft, Tip, ClipLeg };
 
 /// Identifies a contact from step to step, and holds the force that its next solve starts from.
 struct CachedContact {
@@ -40,7 +40,7 @@ struct ContactInfo {
     bool parting = false;   ///< leads surfaces out of each other: its gap is no distance
 };
 
-/// The data of a constraint of kind JointLimit or JointFriction beyond its law.
+/// The data of a constraint of kind JointLimit, JointFriction or JointSpring beyond its law.
 struct JointInfo {
     std::size_t articulation = 0; ///< index among the articulation plans
     int joint = 0;
@@ -83,13 +83,13 @@ struct ConstraintLaw {
 
     [[nodiscard]] bool bilateral() const
     {
-        return kind == ConstraintKind::Weld || kind == ConstraintKind::JointFriction || kind == ConstraintKind::Shaft ||
-               kind == ConstraintKind::ClipLeg;
+        return kind == ConstraintKind::Weld || kind == ConstraintKind::JointFriction ||
+               kind == ConstraintKind::JointSpring || kind == ConstraintKind::Shaft || kind == ConstraintKind::ClipLeg;
     }
 };
 
 /// Two points and the law between them: a contact, a pair of points of an attachment, a joint limit, a joint's
-/// friction, a shaft in a channel or its tip, two points that a clip draws together.
+/// friction or spring, a shaft in a channel or its tip, two points that a clip draws together.
 struct Constraint : ConstraintLaw {
     std::array<BodyPoint, 2> sides = {};
     double yielding = 1.0; ///< [-] factor on the penalty of a rigid constraint, > 0
@@ -102,7 +102,7 @@ struct Constraint : ConstraintLaw {
     bool tied = false; ///< the coarse levels know it from step to step (TiedCoarse)
 
     ContactInfo contact = {}; ///< kind Contact only
-    JointInfo joint = {};     ///< kinds JointLimit and JointFriction only
+    JointInfo joint = {};     ///< kinds JointLimit, JointFriction and JointSpring only
     ChannelInfo channel = {}; ///< kinds Shaft and Tip only
 };
 

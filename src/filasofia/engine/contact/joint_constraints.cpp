@@ -1,6 +1,9 @@
 #include "filasofia/engine/contact/joint_constraints.h"
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
+#include <utility>
 
 namespace filasofia::engine {
 namespace {
@@ -52,6 +55,25 @@ Constraint frictionOf(const JointInfo& info, const ArticulationPlan& plan, doubl
     return friction;
 }
 
+// [-] A spring whose impulse per velocity is more than this times the inertia that it moves is as good as rigid, and
+// the solver's filter, a difference of large numbers, has digits left.
+constexpr double kStiffest = 1e5;
+
+/// The force at the end of the step, k (value - q - h q') - d q', is a soft constraint of the joint's velocity q'.
+/// Nothing if it has neither stiffness nor damping. `inertia` [kg m^2] or [kg]: what it moves.
+std::optional<Constraint> springOf(const JointInfo& info, const ArticulationPlan& plan,
+                                   const physics::JointSpring& given, double position, double inertia, double dt)
+{
+    const double softness = dt * (dt * given.stiffness + given.damping); // impulse per velocity of the joint
+    if (!(softness > 0.0) || !(given.strength > 0.0)) return {};
+    Constraint spring = jointConstraint(ConstraintKind::JointSpring, info, plan, 0.0);
+    spring.softness = std::min(softness, kStiffest * inertia) / (info.arm * info.arm);
+    spring.bias.x = -info.arm * (dt * given.stiffness * (given.value - position) / softness);
+    spring.maxImpulse = dt * given.strength / info.arm;
+    spring.tolerance = std::numeric_limits<double>::infinity();
+    return spring;
+}
+
 /// Adds the load of a force at a point of a link, or of a moment about it, to the joints that move the link.
 void addLoad(const Coupling& coupling, const BodyPoint& point, Vec3 force, Scene& scene)
 {
@@ -94,6 +116,10 @@ void addJointConstraints(double dt, const Scene& scene, Coupling& coupling)
             info.upper = false;
             if (joint.friction > 0.0)
                 coupling.constraints.push_back(frictionOf(info, plan, joint.friction, now.frictionForce, dt));
+            if (const auto* given = std::get_if<physics::JointSpring>(&now.command))
+                if (auto spring =
+                        springOf(info, plan, *given, now.now.position, 1.0 / plan.joints.step.inverse(f, f), dt))
+                    coupling.constraints.push_back(std::move(*spring));
         }
     }
 }
@@ -103,7 +129,7 @@ void keepJoints(double dt, const Coupling& coupling, Scene& scene)
     if (dt == 0.0) return;
     for (const ArticulationPlan& plan : coupling.articulations)
         for (JointState& joint : scene.rigid[plan.body].state.joints) {
-            joint.now.load = joint.now.stop = 0.0;
+            joint.now.load = joint.now.stop = joint.now.force = 0.0;
             joint.lowerLimitForce = joint.upperLimitForce = joint.frictionForce = 0.0;
         }
     for (const std::span<const Constraint> kind : {coupling.contacts(), coupling.welds(), coupling.channels()})
@@ -116,14 +142,20 @@ void keepJoints(double dt, const Coupling& coupling, Scene& scene)
         const JointInfo& about = each.joint;
         const std::size_t body = coupling.articulations[about.articulation].body;
         JointState& joint = scene.rigid[body].state.joints[static_cast<std::size_t>(about.joint)];
-        carriedBy(joint, each) = about.arm * each.multiplier.x / dt;
         const double force = about.arm * each.impulse.x / dt;
+        if (each.kind == ConstraintKind::JointSpring) {
+            joint.now.force = force;
+            continue;
+        }
+        carriedBy(joint, each) = about.arm * each.multiplier.x / dt;
         if (each.kind == ConstraintKind::JointLimit) joint.now.stop += about.upper ? -force : force;
     }
     for (const ArticulationPlan& plan : coupling.articulations)
         for (JointState& joint : scene.rigid[plan.body].state.joints) {
-            const auto* given = std::get_if<physics::JointForce>(&joint.command);
-            joint.now.force = given ? given->value : -joint.now.load;
+            if (const auto* given = std::get_if<physics::JointForce>(&joint.command))
+                joint.now.force = given->value;
+            else if (std::holds_alternative<physics::JointPosition>(joint.command))
+                joint.now.force = -joint.now.load;
         }
 }
 

@@ -54,7 +54,7 @@ bool isFree(const RigidBody& body, std::size_t joint)
 {
     const int other = body.model.articulation.tree.joints[joint].mimics;
     const JointState& state = body.state.joints[other < 0 ? joint : static_cast<std::size_t>(other)];
-    return std::holds_alternative<physics::JointForce>(state.command);
+    return physics::isByForce(state.command);
 }
 
 /// Whether nothing but commands moves a link.

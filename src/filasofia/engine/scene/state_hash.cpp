@@ -187,6 +187,8 @@ void add(Hasher& hash, const physics::JointCommand& command)
 {
     hash.add(static_cast<std::uint64_t>(command.index()));
     hash.add(std::visit([](const auto& each) { return each.value; }, command));
+    if (const auto* spring = std::get_if<physics::JointSpring>(&command))
+        for (const double each : {spring->stiffness, spring->damping, spring->strength}) hash.add(each);
 }
 
 void add(Hasher& hash, const Wrench& wrench)
