@@ -349,13 +349,13 @@ class Run(Program):
     def test_robots_and_models_of_mujoco_run_and_what_is_not_read_is_told(self):
         with tempfile.TemporaryDirectory() as folder:
             model = Path(folder, "model.xml")
-            model.write_text("<mujoco><worldbody><site/><geom size='0.1'/></worldbody></mujoco>")
+            model.write_text("<mujoco><worldbody><composite/><geom size='0.1'/></worldbody></mujoco>")
             done = subprocess.run([PROGRAM, "run", str(model), "--headless", "--steps", "3"], text=True,
                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=300)
             self.assertEqual(done.returncode, 0)
             self.assertIn("state hash", done.stdout)
-            self.assertEqual(done.stderr, f"filasofia: {model}:1:21: <site> is not read\n")
-            self.refused("run", str(model), "--headless", "--strict", says=["model.xml:1:21", "<site> is not read"])
+            self.assertEqual(done.stderr, f"filasofia: {model}:1:21: <composite> is not read\n")
+            self.refused("run", str(model), "--headless", "--strict", says=["model.xml:1:21", "<composite> is not read"])
             robot = Path(folder, "robot.urdf")
             robot.write_text("<robot name='r'><link name='a'/></robot>")
             self.output("run", str(robot), "--headless", "--steps", "3")

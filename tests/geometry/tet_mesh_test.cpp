@@ -163,4 +163,15 @@ TEST_CASE("the check of a triangle mesh names what is wrong")
     }
 }
 
+TEST_CASE("a tetrahedron given twice is refused wherever its neighbours stand in the list")
+{
+    const TetMesh block = cubeMesh(3, 1);
+    for (std::size_t i = 0; i < block.tetrahedra.size(); ++i) {
+        TetMesh mesh = block;
+        mesh.tetrahedra.push_back(block.tetrahedra[i]);
+        CHECK_THROWS_WITH(check(mesh, "mesh"), Contains(text("tetrahedra ", i, " and ", block.tetrahedra.size())) &&
+                                                   Contains("lie on the same side"));
+    }
+}
+
 } // namespace tet_mesh_test

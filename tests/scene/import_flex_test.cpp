@@ -162,5 +162,20 @@ TEST_CASE("MJCF: the example runs: the beam hangs, the sheet holds the ball, the
     CHECK(frame->rigidBody(find("pendulum"))->joints[0].position > 0.3);
 }
 
+TEST_CASE("flexcomp: pins of an OBJ file number its vertices as the file does")
+{
+    const SceneFolder folder;
+    // The triangles use them in the order 4, 1, 0, 3, 2; the vertex 5 is used by none.
+    folder.write("sheet.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 9 9 9\nf 5 2 1\nf 5 1 4\nf 5 3 2\n");
+    const Imported imported = loadMjcf(folder.write(
+        "model.xml", R"(<mujoco><worldbody><flexcomp name="s" type="mesh" dim="2" file="sheet.obj" mass="1">
+<elasticity young="1e4" thickness="0.01"/><pin id="0 1 2"/></flexcomp></worldbody></mujoco>)"));
+    const auto& def = std::get<SoftBodyDef>(imported.scene.bodies.at(0).def);
+    REQUIRE(def.attachments.size() == 1);
+    const auto& mesh = *std::get<std::shared_ptr<const geometry::TriangleMesh>>(def.mesh);
+    for (const int node : def.attachments[0].nodes) CHECK(mesh.vertices.at(static_cast<std::size_t>(node)).y == 0.0);
+    CHECK(def.attachments[0].nodes.size() == 3);
+}
+
 } // namespace import_flex_test
 } // namespace filasofia::scene

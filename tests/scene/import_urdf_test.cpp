@@ -396,7 +396,7 @@ TEST_CASE("URDF: a robot that weighs nothing is held where nothing drives it")
     const Imported imported = urdf(R"(<link name="a"/><link name="b"/>
 <joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>)");
     CHECK_FALSE(robotOf(imported).articulation.joints[0].command);
-    CHECK(imported.notes.at(0).ends_with("joint 'j' is held: nothing drives it, and its robot weighs nothing"));
+    CHECK(imported.notes.at(0).ends_with("joint 'j' is held: its robot weighs nothing, so no force can move it"));
 }
 
 TEST_CASE("URDF: a shape of size 0 is left out and told")

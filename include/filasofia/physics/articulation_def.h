@@ -34,9 +34,9 @@ struct JointForce {
 /// the joint's position q, the force is stiffness * (value - q) - damping * q', at most strength. It is implicit, and
 /// so it adds no energy, however stiff it is.
 struct JointSpring {
-    double value = 0.0;                                        ///< [rad] or [m], may be beyond the joint's limits
-    double stiffness = 1.0;                                    ///< [N m/rad] or [N/m], >= 0
-    double damping = 0.0;                                      ///< [N m s] or [N s/m], >= 0
+    double value = 0.0;     ///< [rad] or [m], in [-1e6, 1e6], may be beyond the joint's limits
+    double stiffness = 1.0; ///< [N m/rad] or [N/m], >= 0
+    double damping = 0.0;   ///< [N m s] or [N s/m], >= 0
     double strength = std::numeric_limits<double>::infinity(); ///< [N m] or [N], >= 0, may be infinite: largest force
 };
 using JointCommand = std::variant<JointPosition, JointForce, JointSpring>;
@@ -104,7 +104,8 @@ constexpr auto fields(const JointSpring*)
 {
     using T = JointSpring;
     constexpr double infinity = std::numeric_limits<double>::infinity();
-    return describe("JointSpring", field("value", &T::value, "rad or m", finite(), "position that it is drawn to"),
+    return describe("JointSpring",
+                    field("value", &T::value, "rad or m", closed(-1e6, 1e6), "position that it is drawn to"),
                     field("stiffness", &T::stiffness, "N m/rad or N/m", nonNegative(), "of the spring"),
                     field("damping", &T::damping, "N m s or N s/m", nonNegative(), "of the damper"),
                     field("strength", &T::strength, "N m or N", closed(0.0, infinity), "largest force of both"));

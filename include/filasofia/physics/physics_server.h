@@ -54,7 +54,7 @@ public:
     /// Applies a force and torque to a dynamic body at the centre of mass of one element, until changed: [N], [N m], in
     /// world axes.
     void setWrench(BodyId rigid, Vec3 force, Vec3 torque, int element = 0);
-    /// Sets a joint's target position (JointPosition, within its limits) its force (JointForce) or a spring
+    /// Sets a joint's target position (JointPosition, within its limits), its force (JointForce) or a spring
     /// (JointSpring), until changed.
     void setJoint(BodyId articulated, int joint, const JointCommand& command);
     /// Couples a rigid element to a hand: see HapticTarget and SetHaptic. The runtime does it for every haptic

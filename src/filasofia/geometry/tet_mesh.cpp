@@ -72,12 +72,13 @@ std::string furtherFaults(const TetMesh& mesh, std::size_t first)
 }
 
 // Two neighbours orient their common face in opposite directions; the same direction means that both lie on one side.
+// Of three at a face two do, whatever stands between them.
 std::optional<std::array<int, 2>> sameSidePair(const TetMesh& mesh)
 {
     const std::vector<Face> faces = sortedFaces(mesh);
     for (std::size_t i = 1; i < faces.size(); ++i)
-        if (faces[i - 1].nodes == faces[i].nodes && faces[i - 1].even == faces[i].even)
-            return std::array{faces[i - 1].tetrahedron, faces[i].tetrahedron};
+        for (std::size_t k = i; k > 0 && i - k < 2 && faces[k - 1].nodes == faces[i].nodes; --k)
+            if (faces[k - 1].even == faces[i].even) return std::array{faces[k - 1].tetrahedron, faces[i].tetrahedron};
     return {};
 }
 

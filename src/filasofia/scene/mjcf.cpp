@@ -80,10 +80,10 @@ private:
     {
         for (const Element& section : source_.sections("actuator"))
             for (const Element& each : source_.childrenOf(section)) {
-                const bool goes = each.tag() == "position";
+                const bool general = each.tag() == "general", goes = each.tag() == "position";
                 const Attributes says = source_.attributesOf(each, {});
                 const auto joint = says.find("joint");
-                if ((!goes && each.tag() != "motor") || !joint) {
+                if ((!goes && !general && each.tag() != "motor") || !joint) {
                     reader_.tell(each, text("actuator ", each.tag()),
                                  joint ? text("<", each.tag(), "> is not read")
                                        : text("<", each.tag(), "> of something else than a joint is not read"));
@@ -92,8 +92,8 @@ private:
                 if (joined_.contains(jointNamed(*joint)))
                     reader_.tell(each, "actuator of joint1",
                                  text("<", each.tag(), "> of a joint1 of <equality> is not read: joint2 moves it"));
-                else if (goes)
-                    drive(*joint, says);
+                else if (goes || general)
+                    drive(*joint, says, general);
                 if (const std::string name = reader_.word(says, "name"); !name.empty())
                     bodies_.actuators.emplace(name, jointNamed(*joint));
             }
@@ -107,25 +107,56 @@ private:
         for (const auto& each : bodies_.joints) known.push_back(each.first);
         reader_.refuse(name, "must be the name of a hinge or a slide", didYouMean(name.words, known));
     }
-    /// A <position> of a joint, whose control is 0 until something is commanded. A <motor> leaves the joint as it is:
-    /// its force is 0.
-    void drive(const Attribute& name, const Attributes& says)
+    /// A <position> or <general> of a joint, whose control is 0 until something is commanded. A <motor> leaves the
+    /// joint as it is: its force is 0. With the control u and the gear g a <general> pulls with g (gain u + bias[0] +
+    /// bias[1] g q + bias[2] g q').
+    void drive(const Attribute& name, const Attributes& says, bool general)
     {
         const auto [tree, joint] = jointNamed(name);
         physics::JointDef& def = bodies_.trees[tree].def.articulation.joints[joint];
+        double stiffness = reader_.number(says, "kp", 1.0, closed(0, 1e12));
+        double damping = reader_.number(says, "kv", 0.0, closed(0, 1e12)), pull = 0.0;
+        if (general) {
+            const std::size_t bias = reader_.oneOf(says, "biastype", 0, {"none", "affine", "muscle", "user"});
+            if (bias > 1)
+                return reader_.tell(says.element(), "biastype", "<general> is read with biastype none or affine");
+            if (bias == 0) { // a motor
+                reader_.tellUnread(says.element(),
+                                   {"name", "class", "joint", "gainprm", "gaintype", "biastype", "biasprm"});
+                return;
+            }
+            std::vector<double> b = {0.0, 0.0, 0.0};
+            if (const auto found = says.find("biasprm")) b = reader_.numbers(*found, 1, 10, closed(-1e12, 1e12));
+            b.resize(3);
+            if (b[1] > 0.0 || b[2] > 0.0)
+                return reader_.tell(says.element(), "biasprm", "<general> whose bias drives it away is not read");
+            stiffness = -b[1];
+            damping = -b[2];
+            pull = b[0];
+            if (pull != 0.0 && stiffness == 0.0)
+                reader_.tell(says.element(), "constant force",
+                             "the constant force of a <general> without stiffness is not read");
+        }
+        double gear = 1.0;
+        if (const auto found = says.find("gear")) gear = reader_.numbers(*found, 1, 6, closed(-1e6, 1e6))[0];
         if (std::holds_alternative<physics::JointSpring>(*def.command))
-            reader_.tell(says.element(), "second spring",
-                         "the stiffness of a <joint> that has a <position> is not read, nor is a second <position>");
-        physics::JointSpring spring{.stiffness = reader_.number(says, "kp", 1.0, closed(0, 1e12)),
-                                    .damping = reader_.number(says, "kv", 0.0, closed(0, 1e12))};
+            reader_.tell(
+                says.element(), "second spring",
+                "the stiffness of a <joint> that has an actuator with one is not read, nor is a second such actuator");
+        physics::JointSpring spring{.value = stiffness > 0.0 && gear != 0.0 ? pull / stiffness / gear : 0.0,
+                                    .stiffness = gear * gear * stiffness,
+                                    .damping = gear * gear * damping};
         const auto range = says.find("forcerange");
         const std::size_t limited = reader_.oneOf(says, "forcelimited", 2, {"false", "true", "auto"});
-        if (range && limited != 0) {
-            const std::vector<double> v = reader_.numbers(*range, 2, 2, closed(-1e12, 1e12));
-            spring.strength = std::max(std::abs(v[0]), std::abs(v[1]));
+        if (limited == 1 && !range) reader_.refuse(says.element(), "must say its forcerange, because it is limited");
+        const std::vector<double> v =
+            range ? reader_.numbers(*range, 2, 2, closed(-1e12, 1e12)) : std::vector<double>{0.0, 0.0};
+        if (range && v[0] > v[1]) reader_.refuse(*range, "must be ascending");
+        if (limited == 1 || (limited == 2 && source_.compiler.autoLimits && v[0] < v[1])) {
+            spring.strength = std::abs(gear) * std::max(std::abs(v[0]), std::abs(v[1]));
             if (v[0] != -v[1])
                 reader_.note(says.element(), "forcerange",
-                             "<position> forcerange is read as the larger of its two forces, in both directions");
+                             "forcerange is read as the larger of its two forces, in both directions");
         }
         def.command = spring;
     }
@@ -157,6 +188,8 @@ private:
         if (other.first != tree || (second && other.second == joint))
             reader_.refuse(*second, "must be another joint of the same body");
         physics::JointDef& def = bodies_.trees[tree].def.articulation.joints[joint];
+        if (std::holds_alternative<physics::JointSpring>(*def.command))
+            reader_.tell(equality, "stiffness of joint1", "the stiffness of a joint1 of <equality> is not read");
         if (a[2] != 0.0 || a[3] != 0.0 || a[4] != 0.0)
             reader_.tell(equality, "polycoef",
                          "<joint> of <equality> follows in proportion: higher powers are not read");
@@ -192,7 +225,7 @@ private:
     /// A body with several joints is farther from its parent than one joint, and would touch it all the time.
     void touchItself(RigidTree& tree)
     {
-        if (tree.links() < 2 || tree.def.collision.empty()) return;
+        if (tree.links() < 2 || tree.def.collision.empty() || (tree.types & tree.affinities) == 0) return;
         if (tree.manyJoints) {
             reader_.note(tree.place, "self", "links do not touch each other if one of them has several joints");
             return;
@@ -223,6 +256,7 @@ private:
     void addSoft(SceneBody body)
     {
         auto& def = std::get<physics::SoftBodyDef>(body.def);
+        keepUnit(def.pose.orientation);
         def.name = names_.take(def.name);
         for (physics::AttachmentDef& each : def.attachments)
             if (each.to) each.to = bodyOf_[each.to.value - 1];

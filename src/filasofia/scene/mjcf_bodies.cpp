@@ -13,7 +13,8 @@ using Kind = Solid::Kind;
 
 constexpr Range kGeomSize = closed(1e-7, kFarthestShape);
 constexpr int kMaxBodyDepth = 200;
-constexpr double kEndless = 10.0; // [m], half of the size at which a plane without an end is drawn and touched
+constexpr double kEndless = 10.0;    // [m], half of the size at which a plane without an end is drawn
+constexpr double kTouchable = 500.0; // [m], half of the size at which any plane is touched, as MuJoCo's have no end
 
 const std::vector<std::string> kGeoms = {"plane",    "hfield", "sphere", "capsule", "ellipsoid",
                                          "cylinder", "box",    "mesh",   "sdf"};
@@ -34,6 +35,7 @@ void MjcfBodies::read(const Element& worldbody)
 {
     reader_.tellUnread(worldbody, {"childclass"});
     trees[0].place = worldbody;
+    bodyPlaces.emplace("world", MjcfPlace{});
     const std::string childClass = source_.childClassOf(worldbody, {});
     const std::vector<Member> members = membersOf(worldbody, childClass);
     for (const Member& each : members)
@@ -147,6 +149,9 @@ MjcfPlace MjcfBodies::enter(const Element& body, const std::vector<Member>& memb
             if (trees[place.tree].place.node != body.node || own.size() > 1)
                 reader_.refuse(joint, "must be the only joint of a body that stands in the world");
             trees[place.tree].def.dynamic = true;
+            for (const char* each : {"damping", "armature", "frictionloss", "stiffness"})
+                if (reader_.number(says, each, 0.0) != 0.0)
+                    reader_.tell(joint, text("free ", each), text("<joint> ", each, " of a free joint is not read"));
         } else {
             const bool last = joint.node == own.back().element.node;
             place = addJoint(says, frame, place, last ? name : std::string());
@@ -240,13 +245,16 @@ void MjcfBodies::noteUnused(const Attribute& before, std::initializer_list<const
                          text("<geom> ", name, " is not used beside ", before.name, ", as in MuJoCo"));
 }
 
-Solid MjcfBodies::planeOf(const Attributes& says, Pose& pose) const
+Solid MjcfBodies::planeOf(const Attributes& says, Pose& pose, bool touched) const
 {
     const auto given = says.find("size");
     if (!given) reader_.refuse(says.element(), "must say its size");
     const std::vector<double> size = reader_.numbers(*given, 3, 3, closed(0, kFarthestShape));
     // A slab whose upper side is the plane: thick enough that nothing gets through.
-    const Vec3 half{size[0] > 0.0 ? size[0] : kEndless, size[1] > 0.0 ? size[1] : kEndless, 0.0};
+    const auto halfOf = [touched](double side) {
+        return touched ? std::max(side, kTouchable) : side > 0.0 ? side : kEndless;
+    };
+    const Vec3 half{halfOf(size[0]), halfOf(size[1]), 0.0};
     const double thick = 0.05 * std::max(half.x, half.y);
     pose = pose * Pose{{0, 0, -thick}, {}};
     return {Kind::Box, {half.x, half.y, thick}};
@@ -258,7 +266,7 @@ std::optional<Solid> MjcfBodies::solidOf(const Attributes& says, Pose& pose)
     const auto ends = says.find("fromto");
     const std::size_t kind = reader_.oneOf(says, "type", mesh ? 7 : 2, kGeoms);
     if (ends && (kind < 3 || kind > 6)) reader_.refuse(*ends, "needs a capsule, ellipsoid, cylinder or box");
-    if (kind == 0) return planeOf(says, pose);
+    if (kind == 0) return planeOf(says, pose, false);
     if (kind == 1 || kind == 8) {
         reader_.tell(says.element(), kGeoms[kind], text("<geom> of type ", kGeoms[kind], " is not read"));
         return {};
@@ -272,7 +280,13 @@ std::optional<Solid> MjcfBodies::solidOf(const Attributes& says, Pose& pose)
     if (!given) reader_.refuse(says.element(), "must say its size");
     const bool round = kind == 3 || kind == 5;
     const std::size_t needs = kind == 2 || ends ? 1 : round ? 2 : 3;
-    std::vector<double> size = reader_.numbers(*given, needs, 3, closed(0, kFarthestShape));
+    std::vector<double> size;
+    for (const Attribute& each : says.findAll("size")) { // the first numbers of a default may be replaced alone
+        const std::vector<double> more = reader_.numbers(each, 1, 3, closed(0, kFarthestShape));
+        if (more.size() > size.size())
+            size.insert(size.end(), more.begin() + static_cast<std::ptrdiff_t>(size.size()), more.end());
+    }
+    if (size.size() < needs) reader_.refuse(*given, text("must be ", needs < 3 ? "at least " : "", needs, " numbers"));
     size.resize(3);
     double half = size[1];
     if (ends) {
@@ -338,7 +352,10 @@ void MjcfBodies::collide(const Attributes& says, const std::shared_ptr<const geo
 {
     const auto group = groupOf(reader_, says);
     if (!group) return;
-    physics::RigidBodyDef& def = trees[place.tree].def;
+    RigidTree& tree = trees[place.tree];
+    tree.types |= static_cast<unsigned>(reader_.whole(says, "contype", 1, closed(0, 2147483647)));
+    tree.affinities |= static_cast<unsigned>(reader_.whole(says, "conaffinity", 1, closed(0, 2147483647)));
+    physics::RigidBodyDef& def = tree.def;
     const double friction = frictionOf(reader_, says);
     if (rubbed_.insert(place.tree).second)
         def.friction = friction;
@@ -359,7 +376,11 @@ void MjcfBodies::readGeom(const Element& element, const MjcfPlace& outer, bool w
     if (!solid) return;
     MjcfPlace place = outer;
     place.pose = outer.pose * pose;
-    if (const std::string name = reader_.word(says, "name"); !name.empty()) geomPlaces.emplace(name, place);
+    if (const std::string name = reader_.word(says, "name"); !name.empty()) {
+        MjcfPlace named = place;
+        if (plane) named.pose = outer.pose * source_.poseOf(says); // and not the middle of the slab
+        geomPlaces.emplace(name, std::move(named));
+    }
     const auto surface = surfaceOf(*solid, place.pose);
     RigidTree& tree = trees[place.tree];
     const MjcfSource::Look look = source_.lookOf(says);
@@ -370,7 +391,12 @@ void MjcfBodies::readGeom(const Element& element, const MjcfPlace& outer, bool w
              .element = place.link,
              .material = look.material.value_or(plainMaterial(plane ? Vec3{0.35, 0.4, 0.45} : Vec3{0.5, 0.5, 0.5}))});
     if (!plane) bounded_.emplace_back(MjcfPlace{place.tree, place.link, {}, {}}, surface);
-    collide(says, surface, place);
+    if (plane) {
+        Pose wide = source_.poseOf(says);
+        const Solid all = planeOf(says, wide, true);
+        collide(says, surfaceOf(all, outer.pose * wide), place);
+    } else
+        collide(says, surface, place);
     if (weighs && !plane && (tree.def.dynamic || place.link > 0)) weigh(says, *solid, place);
 }
 

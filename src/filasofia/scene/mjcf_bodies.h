@@ -64,7 +64,8 @@ private:
     /// Notes attributes of the same element that another one makes useless.
     void noteUnused(const Attribute& before, std::initializer_list<const char*> names) const;
     [[nodiscard]] std::optional<Solid> solidOf(const Attributes& says, Pose& pose);
-    [[nodiscard]] Solid planeOf(const Attributes& says, Pose& pose) const;
+    /// As it is drawn, or as it is touched: without an end.
+    [[nodiscard]] Solid planeOf(const Attributes& says, Pose& pose, bool touched) const;
     void weigh(const Attributes& says, const Solid& solid, const MjcfPlace& place);
     void collide(const Attributes& says, const std::shared_ptr<const geometry::TriangleMesh>& mesh,
                  const MjcfPlace& place);

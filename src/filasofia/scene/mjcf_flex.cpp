@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <map>
+#include <sstream>
 
 namespace filasofia::scene {
 namespace {
@@ -25,6 +28,39 @@ double measureOf(const FlexMesh& mesh)
         sum += mesh.corners == 4 ? std::abs(geometry::signedVolume(at(i), at(i + 1), at(i + 2), at(i + 3)))
                                  : 0.5 * length(cross(at(i + 1) - at(i), at(i + 2) - at(i)));
     return sum;
+}
+
+/// Gives the vertices of a mesh the numbers and the order that they have in the OBJ file which it was read from, where
+/// MuJoCo leaves them. Returns false, and changes nothing, if they are not all found there.
+bool numberAsObj(const std::filesystem::path& file, geometry::TriangleMesh& mesh)
+{
+    std::vector<Vec3> points;
+    std::map<std::array<float, 3>, int> numbers; // the reader keeps floats
+    std::ifstream in(file);
+    for (std::string line; std::getline(in, line);) {
+        std::istringstream words(line);
+        std::string tag;
+        Vec3 p;
+        if (!(words >> tag) || tag != "v" || !(words >> p.x >> p.y >> p.z)) continue;
+        numbers.emplace(std::array{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)},
+                        static_cast<int>(points.size()));
+        points.push_back(p);
+    }
+    std::vector<int> numberOf;
+    for (const Vec3& each : mesh.vertices) {
+        const auto found =
+            numbers.find({static_cast<float>(each.x), static_cast<float>(each.y), static_cast<float>(each.z)});
+        // The reader may round a number otherwise, by its last bit.
+        const auto isIt = [&](Vec3 p) { return length(p - each) <= 1e-6 * (length(p) + length(each)); };
+        const auto other = found == numbers.end() ? std::ranges::find_if(points, isIt) : points.end();
+        if (found == numbers.end() && other == points.end()) return false;
+        numberOf.push_back(found != numbers.end() ? found->second : static_cast<int>(other - points.begin()));
+    }
+    for (geometry::Triangle& triangle : mesh.triangles)
+        for (int& node : triangle) node = numberOf[static_cast<std::size_t>(node)];
+    mesh.vertices = std::move(points);
+    mesh.uv.clear(); // no flexible body has them
+    return true;
 }
 
 } // namespace
@@ -152,7 +188,7 @@ FlexMesh MjcfFlex::fileMesh(const Flex& flex)
     const std::filesystem::path path = reader_.fileNamed(*file, reader_.folder() / source_.compiler.meshFolder);
     const Vec3 origin = reader_.vector(flex.says, "origin", {});
     try {
-        if (flex.type == MeshFile) return surfaceMesh(flex, geometry::loadTriangleMesh(path), origin);
+        if (flex.type == MeshFile) return surfaceMesh(flex, path, origin);
         const geometry::TetMesh read = geometry::loadTetMesh(path);
         FlexMesh mesh{.nodes = read.nodes};
         for (const geometry::Tetrahedron& each : read.tetrahedra)
@@ -163,11 +199,13 @@ FlexMesh MjcfFlex::fileMesh(const Flex& flex)
     }
 }
 
-FlexMesh MjcfFlex::surfaceMesh(const Flex& flex, const geometry::TriangleMesh& surface, Vec3 origin)
+FlexMesh MjcfFlex::surfaceMesh(const Flex& flex, const std::filesystem::path& file, Vec3 origin)
 {
-    if (!flex.pins.empty())
+    geometry::TriangleMesh surface = geometry::loadTriangleMesh(file);
+    const bool isObj = file.extension() == ".obj" || file.extension() == ".OBJ";
+    if (isObj && !numberAsObj(file, surface) && !flex.pins.empty())
         reader_.note(flex.says.element(), "pin of a mesh",
-                     "<pin> numbers the vertices of a mesh file as its triangles first use them");
+                     "<pin> numbers the vertices of this file as its triangles first use them");
     if (flex.dim == 3) return flexFan(surface, origin);
     FlexMesh mesh{.nodes = surface.vertices, .corners = 3};
     for (const geometry::Triangle& each : surface.triangles)

@@ -34,7 +34,7 @@ private:
     [[nodiscard]] FlexMesh gridOf(const Flex& flex) const;
     /// The mesh in the file that it names: a surface, or tetrahedra of Gmsh.
     [[nodiscard]] FlexMesh fileMesh(const Flex& flex);
-    [[nodiscard]] FlexMesh surfaceMesh(const Flex& flex, const geometry::TriangleMesh& surface, Vec3 origin);
+    [[nodiscard]] FlexMesh surfaceMesh(const Flex& flex, const std::filesystem::path& file, Vec3 origin);
     [[nodiscard]] FlexMesh directMesh(const Flex& flex) const;
     void checkCount(const Flex& flex, double nodes);
     void readPins(Flex& flex) const;

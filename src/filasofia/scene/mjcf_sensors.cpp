@@ -11,16 +11,20 @@ namespace {
 const std::set<std::string_view> kOfJoint = {"jointpos", "jointvel", "jointactuatorfrc"};
 const std::set<std::string_view> kOfActuator = {"actuatorpos", "actuatorvel", "actuatorfrc"};
 
-/// What a map has under the name that an attribute of the sensor says.
-template <class Map> const auto& named(const XmlReader& reader, const Element& sensor, const char* attribute,
-                                       const Map& map, std::string_view what)
+/// What a map has under the name that an attribute of the sensor says. Nothing, and told, if it has none: what has the
+/// name may be of a kind that is not read.
+template <class Map> auto named(XmlReader& reader, const Element& sensor, const char* attribute, const Map& map)
+    -> const typename Map::mapped_type*
 {
     const auto name = Attributes(sensor).find(attribute);
     if (!name) reader.refuse(sensor, text("must say its ", attribute));
-    if (const auto found = map.find(name->words); found != map.end()) return found->second;
+    if (const auto found = map.find(name->words); found != map.end()) return &found->second;
     std::vector<std::string> known;
     for (const auto& each : map) known.push_back(each.first);
-    reader.refuse(*name, text("must be the name of ", what), didYouMean(name->words, known));
+    reader.tell(sensor, text("sensor of ", name->words),
+                text("<", sensor.tag(), "> of '", shortened(name->words),
+                     "' is not read: nothing that is read has this name", didYouMean(name->words, known)));
+    return nullptr;
 }
 
 } // namespace
@@ -46,8 +50,10 @@ std::optional<prefab::SensorKind> MjcfSensors::kindOf(const Element& sensor)
     const bool joint = kOfJoint.contains(tag), actuator = kOfActuator.contains(tag);
     if (joint || actuator) {
         reader_.tellUnread(sensor, {"name", "joint", "actuator", "user"});
-        return ofJoint(joint ? named(reader_, sensor, "joint", bodies_.joints, "a hinge or a slide")
-                             : named(reader_, sensor, "actuator", bodies_.actuators, "an actuator that is read"));
+        const Joint* found = joint ? named(reader_, sensor, "joint", bodies_.joints)
+                                   : named(reader_, sensor, "actuator", bodies_.actuators);
+        if (!found) return {};
+        return ofJoint(*found);
     }
     if (tag == "framepos" || tag == "framelinvel") return ofFrame(sensor);
     if (tag == "touch") return ofTouch(sensor);
@@ -69,12 +75,19 @@ std::optional<MjcfPlace> MjcfSensors::placeOf(const Element& sensor)
         reader_.tell(sensor, "sensor of a camera", text("<", sensor.tag(), "> of a camera is not read"));
         return {};
     }
-    if (type == 2) return named(reader_, sensor, "objname", bodies_.geomPlaces, "a geom");
-    if (type == 3) return named(reader_, sensor, "objname", bodies_.sitePlaces, "a site");
-    MjcfPlace place = named(reader_, sensor, "objname", bodies_.bodyPlaces, "a body");
-    // "body" is its centre of mass. What is fixed to it is part of our link, and of its mass.
+    const MjcfPlace* found = named(reader_, sensor, "objname",
+                                   type == 2   ? bodies_.geomPlaces
+                                   : type == 3 ? bodies_.sitePlaces
+                                               : bodies_.bodyPlaces);
+    if (!found) return {};
+    MjcfPlace place = *found;
+    if (type != 0) return place; // "body" is its centre of mass
     const physics::RigidInertia& inertia = bodies_.trees[place.tree].inertias[static_cast<std::size_t>(place.link)];
-    if (type == 0 && inertia.mass > 0.0) place.pose.position = inertia.centre;
+    if (place.pose != Pose{} || !(inertia.mass > 0.0))
+        reader_.note(
+            sensor, "sensor of a fixed body",
+            "a sensor of a <body> that no joint moves reads the centre of all that is fixed together, or its origin");
+    if (inertia.mass > 0.0) place.pose.position = inertia.centre;
     return place;
 }
 
@@ -104,7 +117,9 @@ std::optional<prefab::SensorKind> MjcfSensors::ofFrame(const Element& sensor)
 std::optional<prefab::SensorKind> MjcfSensors::ofTouch(const Element& sensor)
 {
     reader_.tellUnread(sensor, {"name", "site", "user"});
-    const MjcfPlace& place = named(reader_, sensor, "site", bodies_.sitePlaces, "a site");
+    const MjcfPlace* found = named(reader_, sensor, "site", bodies_.sitePlaces);
+    if (!found) return {};
+    const MjcfPlace& place = *found;
     const RigidTree& tree = bodies_.trees[place.tree];
     if (tree.links() > 1 || tree.def.collision.empty() || !bodyOf_[place.tree]) {
         reader_.tell(sensor, "touch", "<touch> is read for a body of one link that collides");

@@ -30,7 +30,9 @@ const std::map<std::string_view, std::vector<std::string_view>> kCarried = {
       "material", "group"}},
     {"light", {"name", "class", "pos", "dir", "directional", "type", "castshadow", "mode"}},
     {"motor", {"name", "class", "joint"}},
-    {"position", {"name", "class", "joint", "kp", "kv", "forcerange", "forcelimited"}},
+    {"position", {"name", "class", "joint", "kp", "kv", "gear", "forcerange", "forcelimited"}},
+    {"general",
+     {"name", "class", "joint", "gear", "gainprm", "biastype", "biasprm", "gaintype", "forcerange", "forcelimited"}},
 };
 
 std::vector<std::string_view> tagsWithDefaults()

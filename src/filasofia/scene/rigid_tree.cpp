@@ -59,9 +59,19 @@ void RigidTree::resolveMimics(const XmlReader& reader)
     }
 }
 
+void keepUnit(Quat& q)
+{
+    for (double* each : {&q.w, &q.x, &q.y, &q.z}) *each = std::clamp(*each, -1.0, 1.0);
+}
+
 SceneBody RigidTree::finish(XmlReader& reader)
 {
     resolveMimics(reader);
+    for (Pose& each : def.elements) keepUnit(each.orientation);
+    for (physics::JointDef& each : def.articulation.joints) {
+        keepUnit(each.parentOffset.orientation);
+        keepUnit(each.childOffset.orientation);
+    }
     const auto given = [&](std::size_t link) {
         const auto found = principal(inertias[link]);
         if (!found)
@@ -86,7 +96,7 @@ SceneBody RigidTree::finish(XmlReader& reader)
         } else if (!(joint.inertia > 0.0) && joint.command && physics::isByForce(*joint.command)) {
             reader.note(
                 place, "no mass",
-                text("joint '", jointNames[link - 1], "' is held: nothing drives it, and its robot weighs nothing"));
+                text("joint '", jointNames[link - 1], "' is held: its robot weighs nothing, so no force can move it"));
             joint.command.reset();
         }
     }

@@ -33,6 +33,7 @@ struct RigidTree {
     };
     std::vector<Mimic> mimics = {};
 
+    unsigned types = 0, affinities = 0; ///< MJCF: contype and conaffinity of all its shapes
     bool manyJoints = false; ///< a link of the file hangs on more than one joint, with links without a shape between
 
     [[nodiscard]] std::size_t links() const { return inertias.size(); }
@@ -48,6 +49,9 @@ struct RigidTree {
 private:
     void resolveMimics(const XmlReader& reader);
 };
+
+/// Products of quarter turns may be longer than 1 by a rounding, which no Def takes.
+void keepUnit(Quat& q);
 
 /// Names that differ: a second "arm" becomes "arm 2".
 class Names {

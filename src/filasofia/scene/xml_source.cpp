@@ -85,6 +85,14 @@ std::string Element::path() const
     return path;
 }
 
+std::vector<Attribute> Attributes::findAll(std::string_view name) const
+{
+    std::vector<Attribute> all;
+    for (const Element& each : layers_)
+        if (const auto found = Attributes(each).find(name)) all.push_back(*found);
+    return all;
+}
+
 std::optional<Attribute> Attributes::findAny(std::initializer_list<std::string_view> names) const
 {
     for (const Element& layer : layers_)

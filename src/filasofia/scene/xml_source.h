@@ -55,6 +55,8 @@ public:
     [[nodiscard]] Element element() const { return layers_.front(); }
     [[nodiscard]] bool has(std::string_view name) const { return find(name).has_value(); }
     [[nodiscard]] std::optional<Attribute> find(std::string_view name) const { return findAny({name}); }
+    /// What all of them say, the most specific first.
+    [[nodiscard]] std::vector<Attribute> findAll(std::string_view name) const;
     /// The one of these that the first element that has any of them says.
     [[nodiscard]] std::optional<Attribute> findAny(std::initializer_list<std::string_view> names) const;
 

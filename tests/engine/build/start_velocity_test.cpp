@@ -92,7 +92,7 @@ TEST_CASE("velocities that no body can start with are refused")
     jaw.articulation.joints[0].velocity = 1.0;
     CHECK_THROWS_WITH(physics::check(jaw),
                       Contains("articulation.joints[0].velocity must be 0 rad/s unless the joint's command is a "
-                               "JointForce (0 lets it move freely), got 1"));
+                               "JointForce (0 lets it move freely) or a JointSpring, got 1"));
     jaw.articulation.joints[0].command.reset();
     CHECK_THROWS_WITH(physics::check(jaw), Contains("joints[0].velocity must be 0 rad/s"));
     jaw.articulation.joints[0].command = physics::JointForce{};

@@ -46,6 +46,8 @@ public:
     virtual ~BodySmoother() = default;
     /// D^-1 as seen from a contact point [1/kg], world axes.
     [[nodiscard]] virtual Mat3 compliance(int point) const = 0;
+    /// The same for what an impulse at the second point moves at the first one; zero if D does not couple them.
+    [[nodiscard]] virtual Mat3 between(int one, int two) const { return one == two ? compliance(one) : Mat3{}; }
     /// Appends the columns of J at a contact point, for the blocks that it moves.
     virtual void addColumns(int point, std::vector<BlockColumns>& out) const = 0;
     [[nodiscard]] virtual Mat3 block(int row, int column) const = 0; ///< a block of D

@@ -173,7 +173,10 @@ private:
     void chooseStiffness();
     /// The smoother of the body that a contact point is of; `point` becomes its number in the body.
     const BodySmoother& smootherAt(int& point) const;
-    [[nodiscard]] bool isExact(const ConstraintRow& row) const;  ///< the filter is the inverse for what it acts on
+    [[nodiscard]] bool isExact(const ConstraintRow& row) const; ///< the filter is the inverse for what it acts on
+    /// [-] In [0, 1]: how far the sides of a contact between links of one body can part along the normal, relative to
+    /// all that they can move against each other; 1 for all others.
+    [[nodiscard]] double parting(const ConstraintRow& row, const std::array<Side, 2>& sides) const;
     [[nodiscard]] double ownStiffness(const ConstraintRow& row); ///< [kg] D of the blocks that a row acts on
     void blendRotations();  ///< of the bodies whose nodes have turned against each other
     void joinConstraints(); ///< filter and coarse levels know all of them together from now on

@@ -40,12 +40,13 @@ double ArticulationOperator::begin(std::span<const ContactPoint> points)
     return largest;
 }
 
-Mat3 ArticulationOperator::compliance(int point) const
+Mat3 ArticulationOperator::between(int one, int two) const
 {
-    const std::span<const Vec3> j = columnsOf(static_cast<std::size_t>(point));
+    const std::span<const Vec3> i = columnsOf(static_cast<std::size_t>(one)),
+                                j = columnsOf(static_cast<std::size_t>(two));
     Mat3 sum;
-    for (std::size_t a = 0; a < j.size(); ++a)
-        for (std::size_t b = 0; b < j.size(); ++b) sum += plan_.joints.step.inverse(a, b) * outer(j[a], j[b]);
+    for (std::size_t a = 0; a < i.size(); ++a)
+        for (std::size_t b = 0; b < j.size(); ++b) sum += plan_.joints.step.inverse(a, b) * outer(i[a], j[b]);
     return sum;
 }
 

@@ -17,7 +17,8 @@ public:
     void add(std::span<const Vec3> impulses, SolveVector to) override;
     double multiply() override;
 
-    [[nodiscard]] Mat3 compliance(int point) const override;
+    [[nodiscard]] Mat3 compliance(int point) const override { return between(point, point); }
+    [[nodiscard]] Mat3 between(int one, int two) const override;
     void addColumns(int point, std::vector<BlockColumns>& out) const override;
     [[nodiscard]] Mat3 block(int row, int column) const override;
     void addPlaces(std::vector<BlockPlace>& out) const override;
