@@ -287,6 +287,43 @@ TEST_CASE("a spring that reaches its strength accelerates the joint by that, and
     }
 }
 
+TEST_CASE("a spring moves the joint that mimics its own, and one of a slide bears weight up to dry friction")
+{
+    physics::RigidBodyDef def = jawBody(JointSpring{.value = 0.4, .stiffness = 0.01, .damping = 1e-4});
+    Stage one;
+    one.add(def);
+    def.articulation.joints[0].command = JointSpring{.value = 0.4, .stiffness = 0.02, .damping = 2e-4};
+    physics::JointDef second = def.articulation.joints[0];
+    second.command.reset();
+    second.child = 2;
+    second.mimic = physics::JointMimic{.joint = 0};
+    def.articulation.joints.push_back(second);
+    Stage both; // twice the inertia, twice the spring
+    both.add(def);
+    for (int i = 0; i < 200; ++i) {
+        one.step(1e-3), both.step(1e-3);
+        CHECK(joint(both).now.position == Approx(joint(one).now.position).margin(1e-9));
+        CHECK(joint(both, 0, 1).now.position == joint(both).now.position);
+    }
+    CHECK(joint(both).now.position > 0.1);
+
+    physics::RigidBodyDef slide = jawBody(JointSpring{.stiffness = 10.0, .damping = 2.0});
+    slide.gravity = true;
+    slide.articulation.joints[0].kind = physics::JointKind::Prismatic;
+    slide.articulation.joints[0].axis = {0, 1, 0};
+    for (const double friction : {0.0, 0.05}) {
+        slide.articulation.joints[0].friction = friction;
+        Stage stage;
+        stage.post(physics::SetGravity{{0, -kGravity, 0}});
+        stage.add(slide);
+        stage.run(4000, 1e-3);
+        const double weight = kJawMass * kGravity;
+        CHECK(joint(stage).now.position == Approx(-(weight - friction) / 10.0).epsilon(1e-3));
+        CHECK(joint(stage).now.force == Approx(weight - friction).epsilon(1e-3));
+        CHECK(std::abs(joint(stage).now.velocity) < 1e-9);
+    }
+}
+
 TEST_CASE("an accelerated base or prismatic joint accelerates the links that hang on it")
 {
     // A damped jaw on a base that accelerates with a along x comes to rest in the direction of gravity minus a.
