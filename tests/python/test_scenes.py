@@ -109,10 +109,10 @@ def test_load_reads_a_model_of_mujoco_and_a_robot(tmp_path, capfd):
     assert flex.frame[flex.bodies[4]].positions.shape == (160, 3)
     assert "effort bounds no force" in capfd.readouterr().err
     model = tmp_path / "model.xml"
-    model.write_text("<mujoco><worldbody><site/><geom size='0.1'/></worldbody></mujoco>")
+    model.write_text("<mujoco><worldbody><composite/><geom size='0.1'/></worldbody></mujoco>")
     assert len(filasofia.load(model).bodies) == 1
-    assert "model.xml:1:21: <site> is not read" in capfd.readouterr().err
-    with pytest.raises(filasofia.Error, match=r"model.xml:1:21: mujoco/worldbody/site: <site> is not read \(strict\)"):
+    assert "model.xml:1:21: <composite> is not read" in capfd.readouterr().err
+    with pytest.raises(filasofia.Error, match=r"model.xml:1:21: mujoco/worldbody/composite: <composite> is not read \(strict\)"):
         filasofia.load(model, strict=True)
     with pytest.raises(filasofia.Error, match="model.xml: a unit is for scenes of SOFA"):
         filasofia.load(model, unit=0.001)

@@ -269,6 +269,20 @@ def test_the_mechanical_energy_of_a_body():
         sim.step()
 
 
+def test_a_spring_draws_a_joint_with_bounded_force():
+    sim = fs.Simulation(rate=1000)
+    spring = fs.JointSpring(value=0.2, stiffness=0.05, damping=1e-3, strength=0.01)
+    link = fs.JointDef(command=spring, mass=fs.GivenInertia(mass=0.02, moments=(2e-5, 2e-5, 2e-5)))
+    jaw = sim.add(fs.RigidBodyDef(name="jaw", gravity=False, articulation=fs.ArticulationDef(joints=[link])))
+    sim.step(1000)
+    assert sim.frame[jaw].joints["position"][0] == pytest.approx(0.2, abs=1e-6)
+    sim.set_joint(jaw, 0, fs.JointSpring(value=-50, stiffness=0.05, strength=0.002))
+    sim.step()
+    assert sim.frame[jaw].joints["force"][0] == pytest.approx(-0.002)
+    with pytest.raises(fs.Error, match="JointSpring: stiffness must be >= 0 N m/rad or N/m, got -1"):
+        sim.set_joint(jaw, 0, fs.JointSpring(stiffness=-1))
+
+
 def test_bodies_and_joints_start_with_velocities(tmp_path):
     def scene():
         sim = fs.Simulation(rate=1000, gravity=(0, 0, 0))
