@@ -1,5 +1,4 @@
 #include "filasofia/sofa/sofa_world.h"
-#include "filasofia/sofa/lacks.h"
 
 #include "filasofia/core/hash.h"
 #include "filasofia/core/log.h"
@@ -7,6 +6,7 @@
 #include "filasofia/sofa/apply_commands.h"
 #include "filasofia/sofa/cut_bodies.h"
 #include "filasofia/sofa/intersections.h"
+#include "filasofia/sofa/lacks.h"
 #include "filasofia/sofa/make_tie.h"
 #include "filasofia/sofa/node_removal.h"
 #include "filasofia/sofa/scene_state.h"

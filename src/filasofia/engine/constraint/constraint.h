@@ -13,10 +13,9 @@
 
 namespace filasofia::engine {
 
-/// Contacts and joint limits are unilateral: they only push. Welds (attachments, grasps) and the dry friction of joints
-/// are bilateral.
-/// A shaft in a channel is bilateral, with friction along its first axis; a tip only pushes. The legs of a clip are
-/// springs between two points.
+/// Contacts and joint limits are unilateral: they only push. Welds (attachments, grasps), springs and the dry friction
+/// of joints are bilateral. A shaft in a channel is bilateral, with friction along its first axis; a tip only pushes.
+/// The legs of a clip are springs between two points.
 enum class ConstraintKind { Contact, Weld, JointLimit, JointFriction, JointSpring, Shaft, Tip, ClipLeg };
 
 /// Identifies a contact from step to step, and holds the force that its next solve starts from.

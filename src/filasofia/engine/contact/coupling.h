@@ -60,7 +60,8 @@ struct Coupling {
     ArticulationPlans articulations;
     ContactDetection detection;
 
-    std::vector<Constraint> constraints; ///< contacts, welds, channels, clips, then joint limits and joint friction
+    std::vector<Constraint>
+        constraints; ///< contacts, welds, channels, clips, then limits, friction and springs of joints
     std::size_t contactCount = 0;
     std::size_t weldCount = 0;
     std::size_t channelCount = 0;
