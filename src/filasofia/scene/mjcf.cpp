@@ -89,76 +89,88 @@ private:
                                        : text("<", each.tag(), "> of something else than a joint is not read"));
                     continue;
                 }
-                if (joined_.contains(jointNamed(*joint)))
+                const Joint at = jointNamed(*joint);
+                if (joined_.contains(at))
                     reader_.tell(each, "actuator of joint1",
                                  text("<", each.tag(), "> of a joint1 of <equality> is not read: joint2 moves it"));
                 else if (goes || general)
-                    drive(*joint, says, general);
+                    drive(at, says, general ? generalSpring(says) : positionSpring(says));
                 if (const std::string name = reader_.word(says, "name"); !name.empty())
-                    bodies_.actuators.emplace(name, jointNamed(*joint));
+                    bodies_.actuators.emplace(name, at);
             }
     }
-    /// The number of a joint's body, and its number there.
-    [[nodiscard]] std::pair<std::size_t, std::size_t> jointNamed(const Attribute& name) const
+    using Joint = std::pair<std::size_t, std::size_t>; ///< the number of its body, and its number there
+    [[nodiscard]] Joint jointNamed(const Attribute& name) const
     {
-        const auto found = bodies_.joints.find(name.words);
-        if (found != bodies_.joints.end()) return found->second;
-        std::vector<std::string> known;
-        for (const auto& each : bodies_.joints) known.push_back(each.first);
-        reader_.refuse(name, "must be the name of a hinge or a slide", didYouMean(name.words, known));
+        return reader_.named(name, bodies_.joints, "must be the name of a hinge or a slide");
     }
-    /// A <position> or <general> of a joint, whose control is 0 until something is commanded. A <motor> leaves the
-    /// joint as it is: its force is 0. With the control u and the gear g a <general> pulls with g (gain u + bias[0] +
-    /// bias[1] g q + bias[2] g q').
-    void drive(const Attribute& name, const Attributes& says, bool general)
+
+    // The springs of actuators whose control is 0 until something is commanded, in lengths and forces before the gear.
+    [[nodiscard]] physics::JointSpring positionSpring(const Attributes& says) const
     {
-        const auto [tree, joint] = jointNamed(name);
-        physics::JointDef& def = bodies_.trees[tree].def.articulation.joints[joint];
-        double stiffness = reader_.number(says, "kp", 1.0, closed(0, 1e12));
-        double damping = reader_.number(says, "kv", 0.0, closed(0, 1e12)), pull = 0.0;
-        if (general) {
-            const std::size_t bias = reader_.oneOf(says, "biastype", 0, {"none", "affine", "muscle", "user"});
-            if (bias > 1)
-                return reader_.tell(says.element(), "biastype", "<general> is read with biastype none or affine");
-            if (bias == 0) { // a motor
-                reader_.tellUnread(says.element(),
-                                   {"name", "class", "joint", "gainprm", "gaintype", "biastype", "biasprm"});
-                return;
-            }
-            std::vector<double> b = {0.0, 0.0, 0.0};
-            if (const auto found = says.find("biasprm")) b = reader_.numbers(*found, 1, 10, closed(-1e12, 1e12));
-            b.resize(3);
-            if (b[1] > 0.0 || b[2] > 0.0)
-                return reader_.tell(says.element(), "biasprm", "<general> whose bias drives it away is not read");
-            stiffness = -b[1];
-            damping = -b[2];
-            pull = b[0];
-            if (pull != 0.0 && stiffness == 0.0)
-                reader_.tell(says.element(), "constant force",
-                             "the constant force of a <general> without stiffness is not read");
+        return {.stiffness = reader_.number(says, "kp", 1.0, closed(0, 1e12)),
+                .damping = reader_.number(says, "kv", 0.0, closed(0, 1e12))};
+    }
+    /// With the control u a <general> pulls with gain u + bias[0] + bias[1] q + bias[2] q'. Nothing if it is a motor,
+    /// or not read.
+    [[nodiscard]] std::optional<physics::JointSpring> generalSpring(const Attributes& says)
+    {
+        const std::size_t type = reader_.oneOf(says, "biastype", 0, {"none", "affine", "muscle", "user"});
+        if (type > 1) {
+            reader_.tell(says.element(), "biastype", "<general> is read with biastype none or affine");
+            return {};
         }
+        if (type == 0) {
+            reader_.tellUnread(says.element(),
+                               {"name", "class", "joint", "gainprm", "gaintype", "biastype", "biasprm"});
+            return {};
+        }
+        std::vector<double> bias;
+        if (const auto found = says.find("biasprm")) bias = reader_.numbers(*found, 1, 10, closed(-1e12, 1e12));
+        bias.resize(3);
+        if (bias[1] > 0.0 || bias[2] > 0.0) {
+            reader_.tell(says.element(), "biasprm", "<general> whose bias drives it away is not read");
+            return {};
+        }
+        if (bias[0] != 0.0 && bias[1] == 0.0)
+            reader_.tell(says.element(), "constant force",
+                         "the constant force of a <general> without stiffness is not read");
+        return physics::JointSpring{
+            .value = bias[1] < 0.0 ? bias[0] / -bias[1] : 0.0, .stiffness = -bias[1], .damping = -bias[2]};
+    }
+    /// Gives a joint the spring of its actuator, through its gear. A motor leaves the joint as it is: its force is 0.
+    void drive(const Joint& at, const Attributes& says, std::optional<physics::JointSpring> spring)
+    {
+        if (!spring) return;
+        physics::JointDef& def = bodies_.trees[at.first].def.articulation.joints[at.second];
         double gear = 1.0;
         if (const auto found = says.find("gear")) gear = reader_.numbers(*found, 1, 6, closed(-1e6, 1e6))[0];
         if (std::holds_alternative<physics::JointSpring>(*def.command))
             reader_.tell(
                 says.element(), "second spring",
                 "the stiffness of a <joint> that has an actuator with one is not read, nor is a second such actuator");
-        physics::JointSpring spring{.value = stiffness > 0.0 && gear != 0.0 ? pull / stiffness / gear : 0.0,
-                                    .stiffness = gear * gear * stiffness,
-                                    .damping = gear * gear * damping};
+        spring->value = gear != 0.0 ? spring->value / gear : 0.0;
+        spring->stiffness *= gear * gear;
+        spring->damping *= gear * gear;
+        if (const auto limit = forceLimit(says)) spring->strength = std::abs(gear) * *limit;
+        def.command = *spring;
+    }
+    /// [N m] or [N] before the gear.
+    [[nodiscard]] std::optional<double> forceLimit(const Attributes& says)
+    {
         const auto range = says.find("forcerange");
         const std::size_t limited = reader_.oneOf(says, "forcelimited", 2, {"false", "true", "auto"});
-        if (limited == 1 && !range) reader_.refuse(says.element(), "must say its forcerange, because it is limited");
-        const std::vector<double> v =
-            range ? reader_.numbers(*range, 2, 2, closed(-1e12, 1e12)) : std::vector<double>{0.0, 0.0};
-        if (range && v[0] > v[1]) reader_.refuse(*range, "must be ascending");
-        if (limited == 1 || (limited == 2 && source_.compiler.autoLimits && v[0] < v[1])) {
-            spring.strength = std::abs(gear) * std::max(std::abs(v[0]), std::abs(v[1]));
-            if (v[0] != -v[1])
-                reader_.note(says.element(), "forcerange",
-                             "forcerange is read as the larger of its two forces, in both directions");
+        if (!range) {
+            if (limited == 1) reader_.refuse(says.element(), "must say its forcerange, because it is limited");
+            return {};
         }
-        def.command = spring;
+        const std::vector<double> v = reader_.numbers(*range, 2, 2, closed(-1e12, 1e12));
+        if (v[0] > v[1]) reader_.refuse(*range, "must be ascending");
+        if (limited == 0 || (limited == 2 && !(source_.compiler.autoLimits && v[0] < v[1]))) return {};
+        if (v[0] != -v[1])
+            reader_.note(says.element(), "forcerange",
+                         "forcerange is read as the larger of its two forces, in both directions");
+        return std::max(std::abs(v[0]), std::abs(v[1]));
     }
 
     void readEqualities()

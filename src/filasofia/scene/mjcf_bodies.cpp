@@ -324,12 +324,18 @@ void MjcfBodies::weigh(const Attributes& says, const Solid& solid, const MjcfPla
     }
 }
 
-std::optional<int> groupOf(XmlReader& reader, const Attributes& says)
+ContactBits contactBitsOf(XmlReader& reader, const Attributes& says)
 {
     const auto bits = [&](const char* name) {
         return static_cast<unsigned>(reader.whole(says, name, 1, closed(0, 2147483647)));
     };
-    const unsigned type = bits("contype"), affinity = bits("conaffinity"), all = type | affinity;
+    return {bits("contype"), bits("conaffinity")};
+}
+
+std::optional<int> groupOf(XmlReader& reader, const Attributes& says)
+{
+    const auto [type, affinity] = contactBitsOf(reader, says);
+    const unsigned all = type | affinity;
     if (all == 0) return {};
     if (type != affinity || !std::has_single_bit(type))
         reader.note(says.element(), "contype", "contype and conaffinity are read as one group, the lowest bit of both");
@@ -353,8 +359,9 @@ void MjcfBodies::collide(const Attributes& says, const std::shared_ptr<const geo
     const auto group = groupOf(reader_, says);
     if (!group) return;
     RigidTree& tree = trees[place.tree];
-    tree.types |= static_cast<unsigned>(reader_.whole(says, "contype", 1, closed(0, 2147483647)));
-    tree.affinities |= static_cast<unsigned>(reader_.whole(says, "conaffinity", 1, closed(0, 2147483647)));
+    const ContactBits bits = contactBitsOf(reader_, says);
+    tree.types |= bits.type;
+    tree.affinities |= bits.affinity;
     physics::RigidBodyDef& def = tree.def;
     const double friction = frictionOf(reader_, says);
     if (rubbed_.insert(place.tree).second)
@@ -370,17 +377,16 @@ void MjcfBodies::readGeom(const Element& element, const MjcfPlace& outer, bool w
 {
     const Attributes says = source_.attributesOf(element, outer.childClass);
     if (++shapes_ > kMostShapes) reader_.refuse(element, text("is one of more than ", kMostShapes, " shapes"));
-    Pose pose = source_.poseOf(says);
+    const Pose own = source_.poseOf(says);
+    Pose pose = own; // that of a plane becomes the middle of its slab
     const bool plane = reader_.oneOf(says, "type", 2, kGeoms) == 0;
     const auto solid = solidOf(says, pose);
     if (!solid) return;
     MjcfPlace place = outer;
     place.pose = outer.pose * pose;
-    if (const std::string name = reader_.word(says, "name"); !name.empty()) {
-        MjcfPlace named = place;
-        if (plane) named.pose = outer.pose * source_.poseOf(says); // and not the middle of the slab
-        geomPlaces.emplace(name, std::move(named));
-    }
+    if (const std::string name = reader_.word(says, "name"); !name.empty())
+        geomPlaces.emplace(name,
+                           MjcfPlace{outer.tree, outer.link, outer.pose * (plane ? own : pose), outer.childClass});
     const auto surface = surfaceOf(*solid, place.pose);
     RigidTree& tree = trees[place.tree];
     const MjcfSource::Look look = source_.lookOf(says);
@@ -390,14 +396,15 @@ void MjcfBodies::readGeom(const Element& element, const MjcfPlace& outer, bool w
             {.surface = surface,
              .element = place.link,
              .material = look.material.value_or(plainMaterial(plane ? Vec3{0.35, 0.4, 0.45} : Vec3{0.5, 0.5, 0.5}))});
-    if (!plane) bounded_.emplace_back(MjcfPlace{place.tree, place.link, {}, {}}, surface);
     if (plane) {
-        Pose wide = source_.poseOf(says);
-        const Solid all = planeOf(says, wide, true);
-        collide(says, surfaceOf(all, outer.pose * wide), place);
-    } else
-        collide(says, surface, place);
-    if (weighs && !plane && (tree.def.dynamic || place.link > 0)) weigh(says, *solid, place);
+        Pose middle = own;
+        const Solid slab = planeOf(says, middle, true);
+        collide(says, surfaceOf(slab, outer.pose * middle), place);
+        return;
+    }
+    bounded_.emplace_back(MjcfPlace{place.tree, place.link, {}, {}}, surface);
+    collide(says, surface, place);
+    if (weighs && (tree.def.dynamic || place.link > 0)) weigh(says, *solid, place);
 }
 
 void MjcfBodies::readSite(const Element& element, const MjcfPlace& outer)

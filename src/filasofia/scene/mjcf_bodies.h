@@ -80,6 +80,10 @@ private:
     std::map<std::size_t, std::vector<Pose>> poses_; ///< each tree's links
 };
 
+struct ContactBits {
+    unsigned type = 1, affinity = 1;
+};
+ContactBits contactBitsOf(XmlReader& reader, const Attributes& says); ///< contype and conaffinity
 /// The collision group of contype and conaffinity; none if it touches nothing.
 std::optional<int> groupOf(XmlReader& reader, const Attributes& says);
 /// The first number of `friction`, 1 if none is given.

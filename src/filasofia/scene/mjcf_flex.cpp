@@ -46,16 +46,17 @@ bool numberAsObj(const std::filesystem::path& file, geometry::TriangleMesh& mesh
                         static_cast<int>(points.size()));
         points.push_back(p);
     }
-    std::vector<int> numberOf;
-    for (const Vec3& each : mesh.vertices) {
-        const auto found =
-            numbers.find({static_cast<float>(each.x), static_cast<float>(each.y), static_cast<float>(each.z)});
+    const auto numberAt = [&](Vec3 at) {
+        const auto found = numbers.find({static_cast<float>(at.x), static_cast<float>(at.y), static_cast<float>(at.z)});
+        if (found != numbers.end()) return found->second;
         // The reader may round a number otherwise, by its last bit.
-        const auto isIt = [&](Vec3 p) { return length(p - each) <= 1e-6 * (length(p) + length(each)); };
-        const auto other = found == numbers.end() ? std::ranges::find_if(points, isIt) : points.end();
-        if (found == numbers.end() && other == points.end()) return false;
-        numberOf.push_back(found != numbers.end() ? found->second : static_cast<int>(other - points.begin()));
-    }
+        const auto isIt = [&](Vec3 p) { return length(p - at) <= 1e-6 * (length(p) + length(at)); };
+        const auto near = std::ranges::find_if(points, isIt);
+        return near == points.end() ? -1 : static_cast<int>(near - points.begin());
+    };
+    std::vector<int> numberOf;
+    for (const Vec3& each : mesh.vertices)
+        if (numberOf.push_back(numberAt(each)); numberOf.back() < 0) return false;
     for (geometry::Triangle& triangle : mesh.triangles)
         for (int& node : triangle) node = numberOf[static_cast<std::size_t>(node)];
     mesh.vertices = std::move(points);

@@ -1,6 +1,5 @@
 #include "filasofia/scene/mjcf_sensors.h"
 
-#include "filasofia/core/suggestion.h"
 #include "filasofia/core/word.h"
 
 #include <set>
@@ -19,11 +18,9 @@ template <class Map> auto named(XmlReader& reader, const Element& sensor, const 
     const auto name = Attributes(sensor).find(attribute);
     if (!name) reader.refuse(sensor, text("must say its ", attribute));
     if (const auto found = map.find(name->words); found != map.end()) return &found->second;
-    std::vector<std::string> known;
-    for (const auto& each : map) known.push_back(each.first);
     reader.tell(sensor, text("sensor of ", name->words),
                 text("<", sensor.tag(), "> of '", shortened(name->words),
-                     "' is not read: nothing that is read has this name", didYouMean(name->words, known)));
+                     "' is not read: nothing that is read has this name", nearestIn(map, name->words)));
     return nullptr;
 }
 

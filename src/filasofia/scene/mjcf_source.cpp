@@ -1,7 +1,6 @@
 #include "filasofia/scene/mjcf_source.h"
 
 #include "filasofia/core/error.h"
-#include "filasofia/core/suggestion.h"
 #include "filasofia/core/word.h"
 #include "filasofia/geometry/mesh_file.h"
 #include "filasofia/math/convex_hull.h"
@@ -192,10 +191,7 @@ void MjcfSource::readAssets(const Element& assets)
 
 const MjcfSource::Class& MjcfSource::classNamed(const Attribute& name) const
 {
-    if (const auto found = classes_.find(name.words); found != classes_.end()) return found->second;
-    std::vector<std::string> known;
-    for (const auto& each : classes_) known.push_back(each.first);
-    reader.refuse(name, "must be a class", didYouMean(name.words, known));
+    return reader.named(name, classes_, "must be a class");
 }
 
 Attributes MjcfSource::attributesOf(const Element& element, const std::string& childClass)
@@ -302,13 +298,8 @@ geometry::TriangleMesh MjcfSource::givenMesh(const Attributes& says) const
 std::shared_ptr<const geometry::TriangleMesh> MjcfSource::meshOf(const Attribute& name)
 {
     if (const auto known = meshes_.find(name.words); known != meshes_.end()) return known->second;
-    const auto found = meshAssets_.find(name.words);
-    if (found == meshAssets_.end()) {
-        std::vector<std::string> known;
-        for (const auto& each : meshAssets_) known.push_back(each.first);
-        reader.refuse(name, "must be a mesh of the assets", didYouMean(name.words, known));
-    }
-    const Attributes says = attributesOf(found->second, {});
+    const Element& asset = reader.named(name, meshAssets_, "must be a mesh of the assets");
+    const Attributes says = attributesOf(asset, {});
     const auto file = says.find("file");
     const Vec3 scale = reader.vector(says, "scale", {1, 1, 1}, closed(-1e6, 1e6));
     if (scale.x * scale.y * scale.z == 0.0) reader.refuse(*says.find("scale"), "must not be 0");
@@ -318,7 +309,7 @@ std::shared_ptr<const geometry::TriangleMesh> MjcfSource::meshOf(const Attribute
     try {
         return meshes_[std::string(name.words)] = scaled(geometry::loadTriangleMesh(path), scale);
     } catch (const Error& error) {
-        fail(found->second.place(), ": ", found->second.path(), ": ", error.what());
+        fail(asset.place(), ": ", asset.path(), ": ", error.what());
     }
 }
 
@@ -327,13 +318,7 @@ MjcfSource::Look MjcfSource::lookOf(const Attributes& says)
     auto rgba = says.find("rgba");
     Element at = says.element();
     if (const auto name = says.find("material"); name && !rgba) {
-        const auto found = materials_.find(name->words);
-        if (found == materials_.end()) {
-            std::vector<std::string> known;
-            for (const auto& each : materials_) known.push_back(each.first);
-            reader.refuse(*name, "must be a material of the assets", didYouMean(name->words, known));
-        }
-        at = found->second;
+        at = reader.named(*name, materials_, "must be a material of the assets");
         rgba = attributesOf(at, {}).find("rgba");
     }
     if (!rgba) return {};

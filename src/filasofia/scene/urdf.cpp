@@ -1,7 +1,6 @@
 #include "filasofia/scene/import.h"
 
 #include "filasofia/core/error.h"
-#include "filasofia/core/suggestion.h"
 #include "filasofia/scene/urdf_shapes.h"
 
 #include <algorithm>
@@ -93,13 +92,7 @@ private:
         reader_.tellUnread(end, {"link"});
         const auto name = Attributes(end).find("link");
         if (!name) reader_.refuse(end, "must say its link");
-        const auto found = linkNames_.find(std::string(name->words));
-        if (found == linkNames_.end()) {
-            std::vector<std::string> known;
-            for (const auto& each : linkNames_) known.push_back(each.first);
-            reader_.refuse(*name, "must be the name of a link", didYouMean(name->words, known));
-        }
-        return found->second;
+        return reader_.named(*name, linkNames_, "must be the name of a link");
     }
 
     void connect()
@@ -214,13 +207,7 @@ private:
     {
         const auto name = Attributes(mimic).find("joint");
         if (!name) reader_.refuse(mimic, "must say its joint");
-        const auto found = jointNames_.find(std::string(name->words));
-        if (found == jointNames_.end()) {
-            std::vector<std::string> known;
-            for (const auto& each : jointNames_) known.push_back(each.first);
-            reader_.refuse(*name, "must be the name of a joint", didYouMean(name->words, known));
-        }
-        return joints_[static_cast<std::size_t>(found->second)];
+        return joints_[static_cast<std::size_t>(reader_.named(*name, jointNames_, "must be the name of a joint"))];
     }
 
     void readJoint(const Element& element, bool endless, physics::JointDef& def)

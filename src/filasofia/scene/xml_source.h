@@ -1,6 +1,7 @@
 #pragma once
 
 #include "filasofia/core/fields.h"
+#include "filasofia/core/suggestion.h"
 #include "filasofia/math/pose.h"
 #include "filasofia/scene/import.h"
 
@@ -75,6 +76,14 @@ template <class Visit> void forEachWord(std::string_view words, Visit&& visit)
     }
 }
 
+/// " (did you mean 'elbow'?)" for the name of a map that is nearest to a word; nothing if none is near.
+template <class Map> std::string nearestIn(const Map& map, std::string_view word)
+{
+    std::vector<std::string> known;
+    for (const auto& each : map) known.push_back(each.first);
+    return didYouMean(word, known);
+}
+
 /// All that a file gets when it is read: errors, values, and notes on what is not carried.
 class XmlReader {
 public:
@@ -86,6 +95,14 @@ public:
     /// Throws the Error "FILE:LINE:COLUMN: <path>.<attribute> must be ..., got '...'".
     [[noreturn]] void refuse(const Attribute& attribute, std::string_view must, std::string_view hint = {}) const;
     [[noreturn]] void refuse(const Element& element, std::string_view says) const;
+    /// What a map has under the name that an attribute says; refused if it has none.
+    template <class Map>
+    [[nodiscard]] const auto& named(const Attribute& name, const Map& map, std::string_view must) const
+    {
+        const auto found = map.find(std::string(name.words));
+        if (found == map.end()) refuse(name, must, nearestIn(map, name.words));
+        return found->second;
+    }
     /// Refuses a second element of one of these tags, of which there may be one.
     void refuseSecond(const std::vector<Element>& elements, const std::vector<std::string_view>& tags) const;
     /// Refuses a second one of these attributes in an element: they say the same thing in several ways.

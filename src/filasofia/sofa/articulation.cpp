@@ -11,7 +11,6 @@
 namespace filasofia::sofaengine {
 namespace {
 
-bool isFree(const physics::JointCommand& command) { return physics::isByForce(command); }
 bool isNear(Vec3 v) { return length(v) < physics::kFarthest; } // no NaN is
 
 /// The velocities that lead from one pose to another; none if that is a jump.
@@ -34,7 +33,10 @@ Articulation::Articulation(const physics::RigidBodyDef& def)
     rewind();
 }
 
-bool Articulation::isDriven() const { return !empty() && (dynamic_ || std::ranges::any_of(state_.commands, isFree)); }
+bool Articulation::isDriven() const
+{
+    return !empty() && (dynamic_ || std::ranges::any_of(state_.commands, physics::isByForce));
+}
 
 int Articulation::parentOf(int element) const
 {

@@ -83,8 +83,8 @@ double CoupledSolve::ownStiffness(const ConstraintRow& row)
 double CoupledSolve::parting(const ConstraintRow& row, const std::array<Side, 2>& sides) const
 {
     const auto isLink = [](const BodyPoint& side) { return side.of == BodyPoint::Of::Rigid; };
-    if (sides[0].body != sides[1].body || !std::ranges::all_of(row.constraint->sides, isLink)) return 1.0;
-    if (!sides[0].body) return 1.0;
+    if (!sides[0].body || sides[0].body != sides[1].body) return 1.0;
+    if (!std::ranges::all_of(row.constraint->sides, isLink)) return 1.0;
     const int first = first_[*sides[0].body];
     const BodySmoother& smoother = *(*bodies_)[*sides[0].body].smoother;
     Mat3 relative; // compliance of one side against the other

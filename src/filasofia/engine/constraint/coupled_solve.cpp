@@ -17,7 +17,7 @@ constexpr int kJoinAfter = 16;
 // Bodies with a coarse level up to which that pays off; with up to twice as many, after more iterations. In a heap of
 // fifty, 34 iterations with it took a fifth longer than 41 without: there the impulses go from body to body. Since the
 // five bodies of a cholecystectomy join late, none of its 31,600 steps ends at the limit, in place of 12.
-constexpr std::size_t kFewJoined = 4;
+constexpr std::ptrdiff_t kFewJoined = 4;
 constexpr int kJoinManyAfter = 64;
 // Friction lags if the residual has not fallen by half for this many iterations: docs/lab/contact.md.
 constexpr int kLagAfter = 24;
@@ -69,9 +69,10 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     };
     if (std::ranges::any_of(rows.list, holds)) correctCoarseLevels();
 
-    const auto joinable = static_cast<std::size_t>(
-        std::ranges::count_if(bodies, [](const CoupledBody& body) { return body.deflation() != nullptr; }));
-    const bool few = joinable <= kFewJoined, many = joinable > 2 * kFewJoined;
+    const auto joinable =
+        std::ranges::count_if(bodies, [](const CoupledBody& body) { return body.deflation() != nullptr; });
+    const bool few = joinable <= kFewJoined;
+    const int joinAfter = few ? kJoinAfter : joinable <= 2 * kFewJoined ? kJoinManyAfter : -1; // -1: never
     const linalg::SolveLimits& linear = limits.linear;
     CoupledReport report;
     report.rounds = 1;
@@ -80,8 +81,7 @@ CoupledReport CoupledSolve::solve(const CoupledLimits& limits, const std::vector
     for (int updates = 0, nonlinear = 0;; ++report.iterations, ++nonlinear) {
         if (report.iterations == kCorrectAfter && !correction_.hasMotions()) correctCoarseLevels();
         const bool isStuck = shortSteps >= kStuckAfter && !activeSetFrozen_;
-        const bool joins =
-            few ? report.iterations == kJoinAfter || isStuck : !many && report.iterations == kJoinManyAfter;
+        const bool joins = report.iterations == joinAfter || (few && isStuck);
         if (report.iterations == linalg::kBlendAfter || joins) blendRotations();
         if (joins) joinConstraints();
         const double rz = precondition(); // the energy of the error, as the preconditioner estimates it
