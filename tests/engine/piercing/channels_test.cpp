@@ -72,6 +72,26 @@ TEST_CASE("a thread that is torn off while its needle is in the tissue lets the 
     CHECK(largestForce(stitch.in.frame) < 0.1);
 }
 
+TEST_CASE("a thread that is cut beside its needle leaves a stump of one node, which follows into no channel")
+{
+    // The stump was taken for a line and read beyond its only node: each run had other bits.
+    for (const bool inTissue : {true, false}) {
+        INFO((inTissue ? "in the tissue" : "above it"));
+        Stitch stitch;
+        stitch.pull(inTissue ? -0.5 * Stitch::kThick : -1.5 * Stitch::kThick);
+        REQUIRE(stitch.in.frame.channels.size() == 1);
+        stitch.in.stage.world.scene().soft[1].topology.cutEdges = {{0, 0.5}};
+        for (int i = 0; i < 5; ++i) stitch.in.move(-kSlow);
+        const Scene& scene = stitch.in.stage.world.scene();
+        REQUIRE(scene.channels.size() == (inTissue ? 2 : 1));
+        REQUIRE(scene.channels[0].lines.size() == 1);
+        CHECK(scene.channels[0].lines[0].body == stitch.in.tool);
+        stitch.pull(0.01);
+        REQUIRE(stitch.in.frame.channels.size() == (inTissue ? 1 : 0));
+        CHECK(largestForce(stitch.in.frame) < 0.1);
+    }
+}
+
 TEST_CASE("a membrane thinner than a needle is pierced, passed, and lets go of the tip")
 {
     constexpr double kThin = 0.6e-3;

@@ -40,6 +40,13 @@ TiedEnds tiedEnds(const Scene& scene, const Attachment& attachment, BodyId rod, 
     return {holds(0), holds(end)};
 }
 
+/// Whether the first edge of a rod was cut: what is left in front is a node, and no line.
+bool endsInStump(const Scene& scene, const ThreadedLine& line)
+{
+    const Rod& rod = scene.soft[findBody(scene, line.body)->index].model.rod;
+    return isCut(rod, line.reversed ? rod.edges.size() - 1 : 0);
+}
+
 /// The rod that is tied to the end of a line.
 std::optional<ThreadedLine> followerOf(const Scene& scene, const ThreadedLine& last)
 {
@@ -50,6 +57,7 @@ std::optional<ThreadedLine> followerOf(const Scene& scene, const ThreadedLine& l
         const TiedEnds tied = tiedEnds(scene, each, rod, last.body);
         if (!tied.first && !tied.last) continue;
         const ThreadedLine next{rod, !tied.first, front.end()};
+        if (endsInStump(scene, next)) continue;
         const LineShape shape(scene, next);
         const double apart = length(shape.position(shape.begin()) - front.position(front.end()));
         if (apart <= kNear * (front.radius() + shape.radius())) return next;

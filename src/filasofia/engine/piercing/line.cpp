@@ -1,5 +1,6 @@
 #include "filasofia/engine/piercing/line.h"
 
+#include "filasofia/core/assert.h"
 #include "filasofia/engine/scene/find_body.h"
 #include "filasofia/engine/scene/line_radius.h"
 
@@ -28,6 +29,7 @@ LineShape::LineShape(const Scene& scene, const ThreadedLine& line) : id_(line.bo
             corners_.push_back(rod.state.x[nodeAt(k)]);
             places_.push_back(places_.back() + rod.model.rod.edges[edge].restLength);
         }
+        FILASOFIA_ASSERT(places_.size() > 1); // a node alone is no line
         return;
     }
     const RigidBody& rigid = scene.rigid[body_];

@@ -10,7 +10,7 @@ namespace filasofia::engine {
 /// of the rod at rest, so they name material.
 class LineShape {
 public:
-    /// `line.body` must exist, and be a rod or have a needle. A rod ends where it was cut.
+    /// `line.body` must exist, and be a rod or have a needle. A rod ends where it was cut; it must have its first edge.
     LineShape(const Scene& scene, const ThreadedLine& line);
 
     [[nodiscard]] BodyId body() const { return id_; }
