@@ -26,7 +26,10 @@ TEST_CASE("a needle is a line of points that are apart, on an element that exist
     check(needle({.line = {{0, 0, 0}, {0, 0.03, 0}}}));
     CHECK_THROWS_WITH(check(needle({})), "rigid body 'needle': needle.line must have at least 2 points, got 0");
     CHECK_THROWS_WITH(check(needle({.line = {{0, 0, 0}, {0, 0, 0}}})),
-                      "rigid body 'needle': needle.line[0] and .line[1] must be apart, their distance is 0 m");
+                      "rigid body 'needle': needle.line[0] and needle.line[1] must be apart, their distance is 0 m");
+    CHECK_THROWS_WITH(check(needle({.line = {{0, 0, 0}, {0, 0.04, 0}, {0, 0, 0}}})),
+                      "rigid body 'needle': the line must turn by less than 168 degrees at needle.line[1], turns by "
+                      "180 degrees");
     CHECK_THROWS_WITH(check(needle({.line = {{0, 0, 0}, {0, 1, 0}}})),
                       "rigid body 'needle': needle.spacing must leave at most 500 points, got 0.001 m on 1 m");
     CHECK_THROWS_WITH(check(needle({.line = {{0, 0, 0}, {0, 0.1, 0}}, .radius = 0.0})),

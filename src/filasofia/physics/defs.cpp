@@ -9,6 +9,7 @@
 #include "filasofia/math/world_inertia.h"
 #include "filasofia/physics/articulation.h"
 #include "filasofia/physics/check_field.h"
+#include "filasofia/physics/check_line.h"
 #include "filasofia/physics/check_shell.h"
 
 #include <algorithm>
@@ -141,17 +142,15 @@ void check(const PunctureDef& def, const SoftBodyDef& body, const std::string& o
              *def.staticFriction);
 }
 
-void check(const NeedleDef& def, std::size_t elements, const std::string& object)
+void check(const NeedleDef& def, std::size_t elements, const std::string& body)
 {
+    const std::string object = body + ": needle";
     constexpr double kMostPoints = 500;
     checkElement(def.element, elements, object + ".element");
     if (def.line.size() < 2) fail(object, ".line must have at least 2 points, got ", def.line.size());
+    checkLine(def.line, false, body, "needle.line");
     double whole = 0.0;
-    for (std::size_t i = 0; i + 1 < def.line.size(); ++i) {
-        const double edge = length(def.line[i + 1] - def.line[i]);
-        if (!(edge > 0.0)) fail(object, ".line[", i, "] and .line[", i + 1, "] must be apart, their distance is 0 m");
-        whole += edge;
-    }
+    for (std::size_t i = 0; i + 1 < def.line.size(); ++i) whole += length(def.line[i + 1] - def.line[i]);
     if (!(whole < kFarthest)) fail(object, ".line must be shorter than ", kFarthest, " m, got ", whole);
     if (!(whole <= kMostPoints * def.spacing))
         fail(object, ".spacing must leave at most ", kMostPoints, " points, got ", def.spacing, " m on ", whole, " m");
@@ -214,7 +213,7 @@ void check(const RigidBodyDef& def)
     for (std::size_t i = 0; i < def.attachments.size(); ++i)
         checkElement(def.attachments[i].element, elementCount(def), text(object, ": attachments[", i, "].element"));
     if (!def.needle) return;
-    check(*def.needle, elementCount(def), object + ": needle");
+    check(*def.needle, elementCount(def), object);
     if (std::ranges::none_of(def.collision,
                              [&](const CollisionDef& each) { return each.element == def.needle->element; }))
         fail(object, ": collision must have an entry of element ", def.needle->element,

@@ -2,6 +2,7 @@
 
 #include "filasofia/core/error.h"
 #include "filasofia/core/text.h"
+#include "filasofia/physics/check_line.h"
 #include "filasofia/physics/defs.h"
 
 #include <algorithm>
@@ -32,7 +33,9 @@ std::vector<Vec3> resampled(const std::vector<Vec3>& corners, std::size_t edges,
     return nodes;
 }
 
-void checkNodes(const std::vector<Vec3>& nodes, bool closed, const std::string& object, const char* list)
+} // namespace
+
+void checkLine(std::span<const Vec3> nodes, bool closed, const std::string& object, const char* list)
 {
     const std::size_t count = nodes.size(), edges = closed ? count : count - 1;
     for (std::size_t i = 0; i < edges; ++i)
@@ -45,8 +48,6 @@ void checkNodes(const std::vector<Vec3>& nodes, bool closed, const std::string& 
                  std::acos(std::max(-1.0, cosine)) * 57.29577951308232, " degrees");
     }
 }
-
-} // namespace
 
 std::vector<Vec3> centreLine(const RodBodyDef& def)
 {
@@ -65,7 +66,7 @@ std::vector<Vec3> centreLine(const RodBodyDef& def)
     }
     if (def.closed && nodes.size() < kMinNodes)
         fail(object, ": points must have at least ", kMinNodes, " entries for a ring, got ", nodes.size());
-    checkNodes(nodes, def.closed, object, "points");
+    checkLine(nodes, def.closed, object, "points");
     const std::size_t fewest = def.closed ? kMinRing : kMinNodes;
     if (def.spacing) {
         if (def.closed) {
@@ -81,7 +82,7 @@ std::vector<Vec3> centreLine(const RodBodyDef& def)
                  " m");
         nodes = resampled(nodes, static_cast<std::size_t>(edges), whole);
         if (def.closed) nodes.pop_back();
-        checkNodes(nodes, def.closed, object, "nodes");
+        checkLine(nodes, def.closed, object, "nodes");
     }
     if (nodes.size() < fewest || nodes.size() > kMaxNodes)
         fail(object, ": points must be in [", fewest, ", ", kMaxNodes, "] without a spacing, got ", nodes.size());

@@ -2,6 +2,8 @@
 
 #include "engine/stage.h"
 #include "filasofia/core/log.h"
+#include "filasofia/engine/build/build_rigid.h"
+#include "filasofia/geometry/shapes.h"
 #include "filasofia/geometry/surface.h"
 
 #include <limits>
@@ -225,6 +227,20 @@ TEST_CASE("a separate collision mesh on a body that may be cut logs a warning, s
     CHECK(warningsFor(true, false).empty());
     CHECK_THAT(warningsFor(true, true),
                Catch::Contains("soft body 'liver': collision[0].mesh: deforms with the body but does not"));
+}
+
+TEST_CASE("a needle's tip lies at its collision mesh")
+{
+    // One that lay 100 mm beside it was moved by tissue that it did not touch, and its states were not finite.
+    RigidBodyDef needle{.name = "needle",
+                        .collision = {{.mesh = geometry::shapes::tube({{0, 0, 0}, {0, 20e-3, 0}}, 0.4e-3)}}};
+    needle.needle = NeedleDef{.line = {{0, 0, 0}, {0, 20e-3, 0}}, .radius = 0.4e-3};
+    buildRigid(needle);
+    needle.needle->line = {{0.1, 0, 0}, {0.1, 20e-3, 0}};
+    CHECK_THROWS_WITH(buildRigid(needle),
+                      Catch::StartsWith("rigid body 'needle': needle.line[0], the tip, must lie at the "
+                                        "element's collision mesh, from (") &&
+                          Catch::EndsWith(" m, got (0.1 0 0) m"));
 }
 
 } // namespace build_body_test

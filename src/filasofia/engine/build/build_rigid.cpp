@@ -1,11 +1,13 @@
 #include "filasofia/engine/build/build_rigid.h"
 
+#include "filasofia/core/error.h"
 #include "filasofia/engine/articulation/def_tree.h"
 #include "filasofia/engine/articulation/link_motion.h"
 #include "filasofia/engine/body/check_collision.h"
 #include "filasofia/engine/body/check_size.h"
 #include "filasofia/engine/body/collision_model.h"
 #include "filasofia/engine/build/build_body.h"
+#include "filasofia/geometry/box.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +15,8 @@
 
 namespace filasofia::engine {
 namespace {
+
+constexpr double kBesideTip = 10.0; // radii by which a needle's tip may lie outside the box of its collision mesh
 
 void buildArticulation(const physics::RigidBodyDef& def, RigidModel& model)
 {
@@ -27,6 +31,19 @@ void buildArticulation(const physics::RigidBodyDef& def, RigidModel& model)
     std::vector<double> starts;
     for (const LinkJoint& joint : out.tree.joints) starts.push_back(joint.start);
     placeLinks(out.tree, starts, model.rest);
+}
+
+/// A tip beside its collision mesh would be moved by tissue that it does not touch.
+void checkTip(const physics::RigidBodyDef& def, std::span<const CollisionModel> collision)
+{
+    geometry::Box box;
+    for (const CollisionModel& each : collision)
+        if (each.element == def.needle->element) box = merged(box, geometry::boxAround(each.shape->rest));
+    box = geometry::grown(box, kBesideTip * def.needle->radius);
+    if (const Vec3 tip = def.needle->line.front(); !contains(box, tip))
+        fail("rigid body '", def.name, "': needle.line[0], the tip, must lie at the element's collision mesh, from (",
+             box.low.x, " ", box.low.y, " ", box.low.z, ") to (", box.high.x, " ", box.high.y, " ", box.high.z,
+             ") m, got (", tip.x, " ", tip.y, " ", tip.z, ") m");
 }
 
 } // namespace
@@ -49,9 +66,11 @@ std::unique_ptr<physics::BuiltBody> buildRigid(const physics::RigidBodyDef& def)
     model.friction = def.friction;
     model.collision = buildCollision(def);
     model.surface = physics::loadMesh(def.mesh, text("rigid body '", def.name, "': mesh"));
-    if (def.needle)
+    if (def.needle) {
+        checkTip(def, model.collision);
         model.needle = Needle{static_cast<std::size_t>(def.needle->element), def.needle->radius, def.needle->spacing,
                               def.needle->line};
+    }
     model.startVelocity = def.velocity;
     model.startAngularVelocity = def.angularVelocity;
     built->body.state = stateAtStart(model);
