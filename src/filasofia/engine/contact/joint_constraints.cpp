@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 namespace filasofia::engine {
 namespace {
@@ -119,7 +118,7 @@ void addJointConstraints(double dt, const Scene& scene, Coupling& coupling)
             if (const auto* given = std::get_if<physics::JointSpring>(&now.command))
                 if (auto spring =
                         springOf(info, plan, *given, now.now.position, 1.0 / plan.joints.step.inverse(f, f), dt))
-                    coupling.constraints.push_back(std::move(*spring));
+                    coupling.constraints.push_back(*spring);
         }
     }
 }

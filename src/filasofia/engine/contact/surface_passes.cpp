@@ -2,6 +2,7 @@
 
 #include "filasofia/engine/collision/element_pairs.h"
 #include "filasofia/engine/collision/feature_pass.h"
+#include "filasofia/engine/collision/surface_pair.h"
 #include "filasofia/geometry/distance.h"
 
 #include <algorithm>
