@@ -89,21 +89,21 @@ TEST_CASE("the determinant tells a knot from strands that wind around each other
     const auto figureEight = line([](double t) {
         return Vec3{(2 + cos(2 * t)) * cos(3 * t), (2 + cos(2 * t)) * sin(3 * t), sin(4 * t)};
     });
-    CHECK(prefab::knotDeterminant(circle) == 1);
-    CHECK(prefab::knotDeterminant(curl) == 1);
-    CHECK(prefab::knotDeterminant(trefoil) == 3);
-    CHECK(prefab::knotDeterminant(figureEight) == 5);
+    CHECK(geometry::knotDeterminant(circle) == 1);
+    CHECK(geometry::knotDeterminant(curl) == 1);
+    CHECK(geometry::knotDeterminant(trefoil) == 3);
+    CHECK(geometry::knotDeterminant(figureEight) == 5);
 }
 
 TEST_CASE("a throw of two turns around an instrument is a knot")
 {
-    CHECK(prefab::knotDeterminantOpen(tieFirstThrow(2, 1)) == 5);
+    CHECK(geometry::knotDeterminantOpen(tieFirstThrow(2, 1), {1, 0, 0}, {0, 1, 0}) == 5);
 }
 
 TEST_CASE("a throw around an instrument has the same bits again and with two threads", "[long]")
 {
     const std::vector<Vec3> once = tieFirstThrow(1, 1);
-    CHECK(prefab::knotDeterminantOpen(once) == 3);
+    CHECK(geometry::knotDeterminantOpen(once, {1, 0, 0}, {0, 1, 0}) == 3);
     CHECK(once == tieFirstThrow(1, 1));
     CHECK(once == tieFirstThrow(1, 2));
 }

@@ -1,6 +1,7 @@
 #include "filasofia/prefab/knot_hands.h"
 
 #include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
 #include "filasofia/core/units.h"
 #include "filasofia/prefab/knot_plan.h"
 #include "filasofia/runtime/stepped_run.h"
@@ -13,6 +14,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <string>
 #include <vector>
 
 namespace knot_hands_test {
@@ -101,6 +103,31 @@ TEST_CASE("strands whose ends have crossed come up on the sides where they leave
     CHECK(x(1) > 5_mm);
 }
 
+TEST_CASE("throws that make no knot are not tied, and that is told")
+{
+    // Hands that held a straight thread at two neighbours went through all motions, and counted three throws.
+    runtime::Simulation sim;
+    physics::RodBodyDef thread{.name = "thread", .points = {{-50_mm, 5_mm, 0}, {50_mm, 5_mm, 0}}, .gravity = false};
+    thread.spacing = 1_mm;
+    thread.radius = 0.15_mm;
+    thread.collision = physics::RodCollision{};
+    KnotHands knot(sim, {.thread = sim.add(thread), .nodes = {50, 51}, .speed = 0.5, .patience = 0.1});
+    std::vector<std::string> told;
+    setLogSink([&](LogLevel, std::string_view line) { told.emplace_back(line); });
+    knot.begin();
+    sim.everyStep([&](double) {
+        if (knot.done()) sim.finish("done");
+    });
+    sim.run({.headless = true, .backend = visual::Backend::Null, .steps = 9000});
+    setLogSink({});
+    CHECK(knot.done());
+    CHECK(knot.tied() == 0);
+    CHECK(std::ranges::count_if(told, [](const std::string& line) {
+              return line.find("is not tied: with it the thread forms no knot (determinant 1 in place of ") !=
+                     line.npos;
+          }) == 3);
+}
+
 TEST_CASE("a wrong knot is one error that names what is wrong")
 {
     TiedBars scene(0.3, kApart);
@@ -116,8 +143,14 @@ TEST_CASE("a wrong knot is one error that names what is wrong")
     refused([](KnotDef& def) { def.turns = {0}; }, "knot 'knot': turns");
     refused([](KnotDef& def) { def.across = {0, 2, 0}; }, "knot 'knot': up and across must not be parallel");
     refused([](KnotDef& def) { def.height = 1_mm; }, "knot 'knot': height must be > loop = 0.0015 m, got 0.001");
+    refused([](KnotDef& def) { def.loop = 0.05_mm; }, "knot 'knot': loop must be >= the thread's thickness = ");
     refused([](KnotDef& def) { def.force = -1.0; }, "knot 'knot': force must be");
     refused([](KnotDef& def) { def.thread = BodyId{1}; }, "knot 'knot': thread must be a rod, got");
+    physics::RodBodyDef ring{.name = "ring", .points = {{0, 0, 0}, {50_mm, 0, 0}, {50_mm, 50_mm, 0}, {0, 50_mm, 0}}};
+    ring.closed = true;
+    ring.spacing = 2_mm;
+    const BodyId closed = scene.sim.add(ring);
+    refused([&](KnotDef& def) { def.thread = closed; }, "knot 'knot': thread must have ends, got rod 'ring', a ring");
 }
 
 TEST_CASE("the second strand goes through loops that wind about its way, and against them")

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "filasofia/core/units.h"
+#include "filasofia/geometry/knot_determinant.h"
 #include "filasofia/geometry/shapes.h"
 #include "filasofia/runtime/simulation.h"
 #include "filasofia/testing/linking.h"
-#include "prefab/knot_determinant.h"
 
 #include <algorithm>
 #include <array>
@@ -66,7 +66,7 @@ public:
             watch(*frame);
             if (knot.tied() > std::ssize(windings)) {
                 windings.push_back(winding());
-                determinants.push_back(knotDeterminantOpen(before_));
+                determinants.push_back(geometry::knotDeterminantOpen(before_, {1, 0, 0}, {0, 1, 0}));
             }
             if (knot.done()) tied = std::min(tied, time);
             if (time > tied + 0.1) knot.release();

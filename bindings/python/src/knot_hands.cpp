@@ -29,9 +29,10 @@ void addKnotHands(nb::module_& module)
             "release", [](HeldHands& self) { self.open("release").release(); },
             "They let the thread go; begin() starts anew. Call it before a reset.")
         .def_prop_ro(
-            "tied", [](HeldHands& self) { return self.open("tied").tied(); }, "[-], throws that are tied and tightened")
+            "tied", [](HeldHands& self) { return self.open("tied").tied(); },
+            "[-], throws that were tightened and made the thread the knot that they should")
         .def_prop_ro(
-            "done", [](HeldHands& self) { return self.open("done").done(); }, "whether all throws are tied")
+            "done", [](HeldHands& self) { return self.open("done").done(); }, "whether all throws were made")
         .def_prop_ro(
             "largest_force", [](HeldHands& self) { return self.open("largest_force").largestForce(); },
             "[N], largest force with which a hand has drawn at its strand since begin()")

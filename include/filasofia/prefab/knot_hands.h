@@ -23,7 +23,7 @@ struct KnotDef {
     /// [-], each in [1, 5]: of the throws. A surgeon's knot has 2, 1 and 1. Hands change sides with each throw, so each
     /// is the mirror image of that before: they make square knots.
     std::vector<int> turns = {2, 1, 1};
-    double loop = 1.5e-3;     ///< [m], > 0, radius of the loops through which the second strand goes
+    double loop = 1.5e-3;     ///< [m], >= 2 radii of the thread, of the loops through which the second strand goes
     double height = 8e-3;     ///< [m], > loop, of the loops over the place
     double force = 1.0;       ///< [N], > 0, with which each hand tightens a throw
     double holding = 0.1;     ///< [N], > 0, with which each hand keeps its strand taut meanwhile
@@ -68,8 +68,9 @@ public:
     void begin();   ///< takes the thread and ties all throws; then holds both strands up. Does nothing if it has begun
     void release(); ///< lets the thread go; begin() starts anew
 
-    [[nodiscard]] int tied() const;  ///< [-], throws that are tied and tightened
-    [[nodiscard]] bool done() const; ///< whether all are
+    /// [-], throws that were tightened and made the thread the knot that they should.
+    [[nodiscard]] int tied() const;
+    [[nodiscard]] bool done() const; ///< whether all throws were made
     /// [N], largest force with which a hand has drawn at its strand since begin(), along it.
     [[nodiscard]] double largestForce() const;
     [[nodiscard]] BodyId hand(int which) const; ///< 0 or 1: the body that moves the first node, or the second one

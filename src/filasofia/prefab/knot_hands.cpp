@@ -1,8 +1,11 @@
 #include "filasofia/prefab/knot_hands.h"
 
+#include "filasofia/core/error.h"
+#include "filasofia/core/log.h"
 #include "filasofia/core/published.h"
 #include "filasofia/core/text.h"
 #include "filasofia/core/validate.h"
+#include "filasofia/geometry/knot_determinant.h"
 #include "filasofia/physics/defs.h"
 #include "filasofia/prefab/knot_plan.h"
 #include "filasofia/prefab/remember.h"
@@ -13,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <tuple>
 
 namespace filasofia::prefab {
@@ -29,6 +33,9 @@ KnotDef checked(runtime::Simulation& simulation, KnotDef def)
     def.nodes = heldNodes(simulation, def.thread, def.nodes, object);
     if (def.turns.empty()) fail(object, ": turns must have at least one entry, got none");
     makeAxes(def.up, def.across, object);
+    const auto body = simulation.physics().def(def.thread);
+    const double thick = 2.0 * std::get<physics::RodBodyDef>(*body).radius;
+    if (!(def.loop >= thick)) fail(object, ": loop must be >= the thread's thickness = ", thick, " m, got ", def.loop);
     if (!(def.height > def.loop)) fail(object, ": height must be > loop = ", def.loop, " m, got ", def.height);
     return def;
 }
@@ -46,7 +53,7 @@ enum class Phase {
     Thread,  ///< the second hand goes through them
     Spread,  ///< both come down, each on the other side
     Tighten, ///< draws
-    Done     ///< all throws are tied; holds both strands up
+    Done     ///< all throws are made; holds both strands up
 };
 
 struct Finger {
@@ -121,7 +128,7 @@ struct KnotHands::Impl {
 
     void reach(const frame::SoftBodyFrame& thread)
     {
-        throws = 0;
+        throws = tied = 0;
         largest = 0.0;
         for (std::size_t i = 0; i < 2; ++i) {
             const Vec3 at = thread.positions[static_cast<std::size_t>(def.nodes[i])];
@@ -201,7 +208,9 @@ struct KnotHands::Impl {
     {
         switch (phase) {
         case Phase::Lift:
-            if (there && rests()) next(Phase::Lay);
+            if (!there || !rests()) break;
+            if (throws == 0) determinant = determinantOf(thread);
+            next(Phase::Lay);
             break;
         case Phase::Lay:
             if (there && rests()) seize(thread);
@@ -225,6 +234,7 @@ struct KnotHands::Impl {
             if (still <= kStill)
                 logWarning("knot '", def.name, "': throw ", throws + 1, " still moved after ", def.patience,
                            " s: it may not be tight");
+            judge(thread);
             next(++throws < std::ssize(def.turns) ? Phase::Lift : Phase::Done);
             break;
         default:
@@ -232,6 +242,26 @@ struct KnotHands::Impl {
         }
     }
 
+    [[nodiscard]] int determinantOf(const frame::SoftBodyFrame& thread) const
+    {
+        const auto [low, high] = std::minmax(def.nodes[0], def.nodes[1]);
+        const auto first = static_cast<std::size_t>(low), count = static_cast<std::size_t>(high - low) + 1;
+        return geometry::knotDeterminantOpen(std::span(thread.positions).subspan(first, count), def.across, def.up);
+    }
+    /// Whether the throw that was made is one: the determinant of a square knot is the product of its throws', which is
+    /// 2 t + 1 for t turns. Two throws that wind one way and the other look like none if only turns are counted.
+    void judge(const frame::SoftBodyFrame& thread)
+    {
+        const int now = determinantOf(thread);
+        const int asked = determinant * (2 * def.turns[static_cast<std::size_t>(throws)] + 1);
+        if (now == asked)
+            ++tied;
+        else
+            logWarning("knot '", def.name, "': throw ", throws + 1, " is not tied: with it the thread forms ",
+                       now == 1 ? "no knot" : "another knot", " (determinant ", now, " in place of ", asked, ")");
+        if (now == 1) tied = 0;
+        determinant = now;
+    }
     [[nodiscard]] bool rests() const { return still > kStill || since > def.patience; }
     [[nodiscard]] Throw made() const
     {
@@ -330,10 +360,13 @@ struct KnotHands::Impl {
         next(Phase::Spread);
     }
 
-    void publish() { told.write({.tied = throws, .done = phase == Phase::Done, .largest = largest}); }
-    using Kept = std::tuple<std::array<StrandHand, 2>, std::vector<Finger>, std::vector<Finger>, Phase, int, int,
-                            double, double, double>;
-    auto kept() { return std::tie(hands, fingers, pinching, phase, throws, way, since, still, largest); }
+    void publish() { told.write({.tied = tied, .done = phase == Phase::Done, .largest = largest}); }
+    using Kept = std::tuple<std::array<StrandHand, 2>, std::vector<Finger>, std::vector<Finger>, Phase, int, int, int,
+                            int, double, double, double>;
+    auto kept()
+    {
+        return std::tie(hands, fingers, pinching, phase, throws, tied, way, determinant, since, still, largest);
+    }
 
     runtime::Simulation& simulation;
     const KnotDef def;
@@ -343,7 +376,9 @@ struct KnotHands::Impl {
     std::array<StrandHand, 2> hands = {};
     std::vector<Finger> fingers, pinching;
     Phase phase = Phase::Idle;
-    int throws = 0;       ///< tied
+    int throws = 0;       ///< made
+    int tied = 0;         ///< that hold
+    int determinant = 1;  ///< [-] that of the knot after the last throw
     int way = 0;          ///< the point of its way to which the second hand goes
     double since = 0.0;   ///< [s] in this phase
     double still = 0.0;   ///< [s] since a hand has moved

@@ -46,6 +46,7 @@ std::vector<int> heldNodes(runtime::Simulation& simulation, BodyId thread, std::
     const auto body = simulation.physics().def(thread);
     const auto* rod = std::get_if<physics::RodBodyDef>(body.get());
     if (rod == nullptr) fail(object, ": thread must be a rod, got ", physics::describeBody(*body));
+    if (rod->closed) fail(object, ": thread must have ends, got rod '", rod->name, "', a ring");
     if (!rod->collision || !rod->collision->self)
         fail(object, ": thread must collide with itself (collision.self), got rod '", rod->name, "'");
     const int count = static_cast<int>(physics::centreLine(*rod).size());

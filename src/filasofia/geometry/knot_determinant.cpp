@@ -1,4 +1,4 @@
-#pragma once
+#include "filasofia/geometry/knot_determinant.h"
 
 #include "filasofia/math/pose.h"
 
@@ -6,16 +6,12 @@
 #include <array>
 #include <cmath>
 #include <utility>
-#include <vector>
 
-namespace filasofia::prefab {
+namespace filasofia::geometry {
 
-/// The determinant of the knot that a closed line forms: 1 if it is none, 3 for a throw of one turn, 5 for one of two;
-/// that of a square knot is the product of its throws'. It is that of the colouring matrix of a projection (Livingston,
-/// Knot Theory, 1993): a row for each crossing, a column for each arc from one crossing below to the next.
-inline int knotDeterminant(std::vector<Vec3> line)
+int knotDeterminant(std::vector<Vec3> line)
 {
-    const Quat turned = axisAngle({0.6, 0.8, 0.0}, 0.05); // no two vertices lie behind one another
+    const Quat turned = axisAngle({0.6, 0.8, 0.0}, 0.05); // no two points lie behind one another
     for (Vec3& point : line) point = rotate(turned, point);
     std::vector<std::array<double, 2>> crossings; // where on the line it passes below, and above
     const std::size_t n = line.size();
@@ -57,16 +53,24 @@ inline int knotDeterminant(std::vector<Vec3> line)
     return static_cast<int>(std::lround(std::abs(product)));
 }
 
-/// The same of a line whose ends lie on both sides along x: both go on outwards, and meet far above.
-inline int knotDeterminantOpen(std::vector<Vec3> line)
+int knotDeterminantOpen(std::span<const Vec3> line, Vec3 across, Vec3 up)
 {
-    const double out = line.front().x < line.back().x ? -1.0 : 1.0;
-    const Vec3 first = line.front(), last = line.back();
-    line.push_back({-out, std::max(last.y, 0.02), last.z});
-    line.push_back({-out, 3.0, 0.0});
-    line.push_back({out, 3.0, 0.0});
-    line.push_back({out, std::max(first.y, 0.02), first.z});
-    return knotDeterminant(std::move(line));
+    if (line.size() < 2) return 1;
+    const Vec3 front = cross(across, up);
+    std::vector<Vec3> closed;
+    double size = 0.0;
+    for (Vec3 each : line) {
+        const Vec3 arm = each - line.front();
+        closed.push_back({dot(arm, across), dot(arm, up), dot(arm, front)});
+        size = std::max(size, length(arm));
+    }
+    const Vec3 first = closed.front(), last = closed.back();
+    const double out = (last.x > first.x ? 20.0 : -20.0) * size, over = 0.4 * size, above = 60.0 * size;
+    closed.push_back({out, std::max(last.y, over), last.z});
+    closed.push_back({out, above, 0.0});
+    closed.push_back({-out, above, 0.0});
+    closed.push_back({-out, std::max(first.y, over), first.z});
+    return knotDeterminant(std::move(closed));
 }
 
-} // namespace filasofia::prefab
+} // namespace filasofia::geometry
