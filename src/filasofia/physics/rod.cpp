@@ -35,14 +35,14 @@ std::vector<Vec3> resampled(const std::vector<Vec3>& corners, std::size_t edges,
 
 } // namespace
 
-void checkLine(std::span<const Vec3> nodes, bool closed, const std::string& object, const char* list)
+void checkLine(std::span<const Vec3> points, bool closed, const std::string& object, const char* list)
 {
-    const std::size_t count = nodes.size(), edges = closed ? count : count - 1;
+    const std::size_t count = points.size(), edges = closed ? count : count - 1;
     for (std::size_t i = 0; i < edges; ++i)
-        if (const std::size_t k = (i + 1) % count; !(distance(nodes[i], nodes[k]) > 0.0))
+        if (const std::size_t k = (i + 1) % count; !(distance(points[i], points[k]) > 0.0))
             fail(object, ": ", list, "[", i, "] and ", list, "[", k, "] must be apart, their distance is 0 m");
     for (std::size_t i = closed ? 0 : 1; i < edges; ++i) {
-        const Vec3 e = nodes[i] - nodes[(i + count - 1) % count], f = nodes[(i + 1) % count] - nodes[i];
+        const Vec3 e = points[i] - points[(i + count - 1) % count], f = points[(i + 1) % count] - points[i];
         if (const double cosine = dot(e, f) / (length(e) * length(f)); !(cosine > kSharpest))
             fail(object, ": the line must turn by less than 168 degrees at ", list, "[", i, "], turns by ",
                  std::acos(std::max(-1.0, cosine)) * 57.29577951308232, " degrees");

@@ -15,7 +15,7 @@ namespace {
 // both: a cable that is fixed elsewhere on an instrument does not run through the tissue behind its needle.
 constexpr double kNear = 5.0;
 
-/// The ends of a rod, its first node and its last, that an attachment ties to a body.
+/// The ends of a rod, its first node and its last, that an attachment ties to a body. A stump of one node is none.
 struct TiedEnds {
     bool first = false, last = false;
 };
@@ -37,14 +37,8 @@ TiedEnds tiedEnds(const Scene& scene, const Attachment& attachment, BodyId rod, 
             });
         });
     };
-    return {holds(0), holds(end)};
-}
-
-/// Whether the first edge of a rod was cut: what is left in front is a node, and no line.
-bool endsInStump(const Scene& scene, const ThreadedLine& line)
-{
-    const Rod& rod = scene.soft[findBody(scene, line.body)->index].model.rod;
-    return isCut(rod, line.reversed ? rod.edges.size() - 1 : 0);
+    const Rod& line = model.rod;
+    return {holds(0) && !isCut(line, 0), holds(end) && !isCut(line, end - 1)};
 }
 
 /// The rod that is tied to the end of a line.
@@ -57,7 +51,6 @@ std::optional<ThreadedLine> followerOf(const Scene& scene, const ThreadedLine& l
         const TiedEnds tied = tiedEnds(scene, each, rod, last.body);
         if (!tied.first && !tied.last) continue;
         const ThreadedLine next{rod, !tied.first, front.end()};
-        if (endsInStump(scene, next)) continue;
         const LineShape shape(scene, next);
         const double apart = length(shape.position(shape.begin()) - front.position(front.end()));
         if (apart <= kNear * (front.radius() + shape.radius())) return next;
